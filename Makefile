@@ -1,0 +1,55 @@
+# Every target sets up what it needs in .venv by itself. Without make: see README.md.
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: help lab demo grade test bench build check pictures clean
+
+help:
+	@echo "make lab      open the notebooks in JupyterLab"
+	@echo "make demo     grade a pretend class, end to end, in demo/"
+	@echo "make grade    grade the class in submitted/"
+	@echo "make test     run all tests"
+	@echo "make bench    measure speed and memory against other libraries"
+	@echo "make build    write the notebooks from their sources"
+	@echo "make check    are the notebooks fresh, is the code clean?"
+	@echo "make pictures draw the pictures of the README and the lessons"
+
+# The stamp is newer than requirements.txt when everything is installed.
+.venv/ready: requirements.txt
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' || \
+		{ echo "This needs Python 3.11, 3.12 or 3.13. Name one: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	@$(PYTHON) -m venv .venv || \
+		{ echo "Python cannot make virtual environments. Install the missing part: sudo apt-get install python3-venv"; exit 1; }
+	@echo "Installing what the course needs into .venv; this takes a minute or two the first time."
+	@$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
+	@touch $@
+
+lab: .venv/ready
+	$(BIN)/jupyter lab --notebook-dir=. notebooks
+
+demo: .venv/ready
+	$(BIN)/python -m grader demo
+
+grade: .venv/ready
+	$(BIN)/python -m grader grade
+
+test: .venv/ready
+	$(BIN)/python -m pytest -n auto -m "slow or not slow"
+
+bench: .venv/ready
+	@for file in tests/benchmarks/bench_*.py; do echo "== $$file"; PYTHONPATH=. $(BIN)/python $$file || exit 1; done
+
+build: .venv/ready
+	$(BIN)/python -m grader build
+
+check: .venv/ready
+	$(BIN)/python -m grader build --check
+	$(BIN)/ruff check .
+
+pictures: .venv/ready
+	$(BIN)/python -m grader.pictures
+	$(BIN)/python -m grader build
+
+clean:
+	rm -rf .venv demo

@@ -1,0 +1,1 @@
+"""Build, release, collect and judge the course: ``python -m grader``."""

@@ -1,0 +1,182 @@
+"""From the one source of a lesson to its two notebooks.
+
+``solutions/<stage>/<NN_name>.py`` becomes the instructor's notebook beside it through
+jupytext, and that the student's notebook in ``notebooks/`` through nbgrader's own
+GenerateAssignment. The same source gives the same bytes each time.
+"""
+
+import base64
+import hashlib
+import json
+import re
+import tempfile
+import tomllib
+from pathlib import Path
+
+from grader.lessons import all_lessons
+from grader.paths import PROJECT
+
+# Cells that are the same in every lesson; a lesson marks their place with a tag.
+COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
+KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
+# A stripped line this short, or of this kind, tells nobody the solution.
+LEAK_LENGTH = 12
+HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
+
+
+def build():
+    """Write every notebook.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files that changed.
+    """
+    changed = []
+    for path, text in build_all().items():
+        if not path.exists() or path.read_bytes() != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(text)
+            changed.append(path)
+    return changed + [path for path in _strays() if path.unlink() is None]
+
+
+def check():
+    """Compare what is on disk with its source.
+
+    Returns
+    -------
+    list of str
+        A sentence for each fault; empty when all is well.
+    """
+    built = build_all()
+    faults = [f"{path.relative_to(PROJECT)} is stale. Run: python -m grader build"
+              for path, text in built.items()
+              if not path.exists() or path.read_bytes() != text]
+    faults += [f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
+               for path in _strays()]
+    for lesson in all_lessons():
+        faults += [f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: "
+                   f"{line!r}" for line in leaks(built[lesson.solved], built[lesson.released])]
+    return faults
+
+
+def build_all():
+    """Bytes of every generated notebook by path."""
+    solved = {lesson.solved: to_bytes(solved_notebook(lesson)) for lesson in all_lessons()}
+    return {**solved, **_released(solved)}
+
+
+def solved_notebook(lesson):
+    """The instructor's notebook of a lesson, as nbformat's NotebookNode."""
+    import jupytext
+
+    notebook = jupytext.read(lesson.source)
+    notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"},
+                         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage}}
+    notebook.nbformat, notebook.nbformat_minor = 4, 5
+    seen = {}
+    for cell in notebook.cells:
+        for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
+            cell.source = _common_cell(tag, lesson)
+        if cell.cell_type == "markdown":
+            _attach_pictures(cell, lesson.source.parent)
+        cell.id = _stable_id(cell, seen)
+    return notebook
+
+
+def to_bytes(notebook):
+    """A notebook as the bytes of its file."""
+    import nbformat
+
+    nbformat.validate(notebook)
+    return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
+
+
+def leaks(solved, released):
+    """Lines of a solution that also stand in the student's notebook.
+
+    Parameters
+    ----------
+    solved, released : bytes
+        The two notebooks.
+
+    Returns
+    -------
+    list of str
+    """
+    secret = set()
+    for cell in json.loads(solved)["cells"]:
+        for region in re.findall(r"### BEGIN SOLUTION\n(.*?)### END SOLUTION",
+                                 _text(cell["source"]), re.S):
+            secret |= {line.strip() for line in region.splitlines()}
+    secret = {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
+    shown = {line.strip() for cell in json.loads(released)["cells"]
+             for line in _text(cell["source"]).splitlines()}
+    return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
+
+
+def repository():
+    """Public address of the course, from pyproject.toml; empty while there is none."""
+    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))
+    return settings["tool"]["lidar-obstacle-lab"]["repository"].rstrip("/")
+
+
+def _released(solved):
+    """Student notebooks made by nbgrader in a folder of their own."""
+    from nbgrader.converters import GenerateAssignment
+    from nbgrader.preprocessors import SaveCells
+
+    from grader.gradebook import converter
+
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder).resolve()
+        for path, text in solved.items():
+            copy = root / path.relative_to(PROJECT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(text)
+        for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
+            generate = converter(GenerateAssignment, root, stage)
+            generate.no_database = True
+            generate.preprocessors = [step for step in generate.preprocessors
+                                      if step is not SaveCells]
+            generate.start()
+        return {lesson.released:
+                (root / lesson.released.relative_to(PROJECT)).read_bytes().rstrip(b"\n") + b"\n"
+                for lesson in all_lessons()}
+
+
+def _strays():
+    known = {path for lesson in all_lessons() for path in (lesson.solved, lesson.released)}
+    found = [*(PROJECT / "solutions").glob("*/*.ipynb"), *(PROJECT / "notebooks").glob("*/*.ipynb")]
+    return sorted(set(found) - known)
+
+
+def _common_cell(tag, lesson):
+    text = (PROJECT / "solutions" / COMMON_CELLS[tag]).read_text("utf-8").strip()
+    if tag != "badge":
+        return text
+    with_address, without = text.split("\n---\n")
+    address = repository()
+    chosen = with_address.replace("REPOSITORY", address) if address else without
+    return chosen.replace("NOTEBOOK", str(lesson.released.relative_to(PROJECT))).strip()
+
+
+def _attach_pictures(cell, folder):
+    """Put pictures into the notebook itself, so that it can travel alone."""
+    for name in dict.fromkeys(re.findall(r"\]\(pictures/([\w.-]+\.png)\)", cell.source)):
+        data = base64.b64encode((folder / "pictures" / name).read_bytes()).decode()
+        cell.setdefault("attachments", {})[name] = {"image/png": data}
+        cell.source = cell.source.replace(f"(pictures/{name})", f"(attachment:{name})")
+
+
+def _stable_id(cell, seen):
+    """An id that depends on the cell alone: nbgrader's name for it, or its text."""
+    grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
+    name = grade_id or hashlib.sha256(cell.source.encode()).hexdigest()[:12]
+    seen[name] = seen.get(name, 0) + 1
+    return name if seen[name] == 1 else f"{name}-{seen[name]}"
+
+
+def _text(source):
+    return source if isinstance(source, str) else "".join(source)

@@ -1,0 +1,159 @@
+"""The part of a notebook that an exercise needs.
+
+A notebook is a story: it loads a street, draws it, tries things out. The judge wants the
+student's functions and what those functions use, and nothing that costs time or can fail
+beside them. So the notebook is cut backwards from the functions' names: a top-level statement
+stays when it binds, or changes, a name that is needed; the names it uses are then needed too.
+
+This module reads text that strangers wrote, and runs in the sandbox for that reason.
+"""
+
+import ast
+import symtable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One top-level statement: the names it binds, uses, and whose objects it changes."""
+
+    cell: int
+    node: ast.stmt
+    binds: frozenset
+    uses: frozenset
+    changes: frozenset
+
+
+def parse_notebook(cells):
+    """Top-level statements of a notebook's code cells.
+
+    Parameters
+    ----------
+    cells : list of str
+        Source of each code cell.
+
+    Returns
+    -------
+    statements : list of Statement
+    problems : list of str
+        A sentence for each cell that is not Python.
+    """
+    statements, problems = [], []
+    for number, source in enumerate(cells, start=1):
+        try:
+            statements += [_describe(number, node) for node in _parse(source).body]
+        except SyntaxError as error:
+            line = (error.text or "").strip()
+            problems.append(f"Code cell {number} is not valid Python, so it was skipped: "
+                            f"{error.msg} (line {error.lineno}: {line[:80]!r}).")
+        except (ValueError, RecursionError, MemoryError) as error:
+            problems.append(f"Code cell {number} could not be read ({type(error).__name__}), "
+                            "so it was skipped.")
+    return statements, problems
+
+
+def slice_for(names, statements):
+    """The statements that `names` need, in the order of the notebook.
+
+    Parameters
+    ----------
+    names : iterable of str
+    statements : list of Statement
+
+    Returns
+    -------
+    list of Statement
+    """
+    # `sys.setrecursionlimit(...)` and its like work by what they do to the interpreter, so
+    # they count even when no function names `sys`.
+    needed, kept = set(names) | {"sys"}, set()
+    grown = True
+    while grown:
+        grown = False
+        for position, statement in enumerate(statements):
+            if position not in kept and (statement.binds | statement.changes) & needed:
+                kept.add(position)
+                needed |= statement.uses
+                grown = True
+    return [statements[position] for position in sorted(kept)]
+
+
+def compile_statement(statement, filename):
+    """Code object of a statement; `filename` is what tracebacks will say."""
+    return compile(ast.Module([statement.node], type_ignores=[]), filename, "exec")
+
+
+def imported_modules(statements):
+    """Yield (cell, dotted module name) for everything that the statements import."""
+    for statement in statements:
+        for node in ast.walk(statement.node):
+            if isinstance(node, ast.Import):
+                yield from ((statement.cell, alias.name) for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                yield statement.cell, node.module
+                yield from ((statement.cell, f"{node.module}.{alias.name}")
+                            for alias in node.names)
+
+
+def _parse(source):
+    try:
+        return ast.parse(source)
+    except SyntaxError:
+        plain = _without_magics(source)
+        if plain == source:
+            raise
+        return ast.parse(plain)
+
+
+def _without_magics(source):
+    """Python text of a cell with IPython magics; needed for few cells and slow to import."""
+    from IPython.core.inputtransformer2 import TransformerManager
+
+    first, _, rest = source.lstrip().partition("\n")
+    if first.startswith("%%"):
+        # The bodies of these run in the notebook's own namespace; other cell magics hold
+        # another language, or throw-away code.
+        names = ("%%time", "%%capture", "%%prun")
+        return _without_magics(rest) if first.split()[0] in names else ""
+    return TransformerManager().transform_cell(source)
+
+
+def _describe(cell, node):
+    table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
+    symbols = table.get_symbols()
+    uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
+    for inner in _inner_tables(table):
+        uses |= {symbol.get_name() for symbol in inner.get_symbols() if symbol.is_global()}
+    binds = {symbol.get_name() for symbol in symbols
+             if symbol.is_assigned() or symbol.is_imported()}
+    if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
+        binds.add("sys")  # it may bind anything, so it always stays
+    return Statement(cell, node, frozenset(binds), frozenset(uses),
+                     frozenset(_changed_names(node)))
+
+
+def _inner_tables(table):
+    for child in table.get_children():
+        yield child
+        yield from _inner_tables(child)
+
+
+def _changed_names(node):
+    """Names whose objects a statement changes: `a.b = 1`, `a[0] = 1`, `a.append(b)`."""
+    if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+        return  # a definition changes nothing until it is called
+    for inner in ast.walk(node):
+        if isinstance(inner, (ast.Attribute, ast.Subscript)) and \
+                isinstance(inner.ctx, (ast.Store, ast.Del)):
+            yield _root(inner)
+        elif isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Call) and \
+                isinstance(inner.value.func, ast.Attribute):
+            name = _root(inner.value.func)
+            if name != "sys" or inner.value.func.attr.startswith("set"):
+                yield name
+
+
+def _root(node):
+    while isinstance(node, (ast.Attribute, ast.Subscript, ast.Call)):
+        node = node.func if isinstance(node, ast.Call) else node.value
+    return node.id if isinstance(node, ast.Name) else ""

@@ -1,0 +1,150 @@
+"""The process in which a student's code runs, and nothing else.
+
+It reads one `start` message (the notebook's code cells), then answers calls until the pipe
+closes. It knows no expected answer, no score and no secret: whatever a student makes it say
+is only an answer, and the judge decides whether the answer is right.
+
+Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE``.
+"""
+
+import builtins
+import importlib.abc
+import os
+import resource
+import sys
+import types
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import program  # noqa: E402
+import wire  # noqa: E402
+
+LONGEST_TEXT = 400
+
+
+class ForbiddenImports(importlib.abc.MetaPathFinder):
+    """Answers the import of a library that would do the exercise with a clear sentence."""
+
+    def __init__(self, modules):
+        self.modules = tuple(modules)
+
+    def find_spec(self, fullname, path=None, target=None):
+        if is_forbidden(fullname, self.modules):
+            raise ImportError(f"{fullname} is not allowed in this lesson: it does the exercise "
+                              "for you")
+        return None
+
+
+def is_forbidden(name, modules):
+    """True where `name` is one of `modules` or lies inside one."""
+    return any(name == module or name.startswith(module + ".") for module in modules)
+
+
+def main(read_end, write_end):
+    """Serve one notebook."""
+    wire.send(write_end, "ready")
+    start = wire.receive(read_end)
+    become_nobody(start["user"])
+    set_limits(start["limits"])
+    sys.path[:0] = start["search_path"]
+    sys.meta_path.insert(0, ForbiddenImports(start["forbidden"]))
+
+    statements, problems = program.parse_notebook(start["cells"])
+    for cell, module in dict.fromkeys(program.imported_modules(statements)):
+        if is_forbidden(module, start["forbidden"]):
+            problems.append(f"Code cell {cell} imports {module}, which is not allowed in this "
+                            "lesson: it does the exercise for you.")
+    needed = program.slice_for(start["names"], statements)
+    wire.send(write_end, {"problems": problems})
+
+    namespace = make_namespace()
+    failures = run(needed, namespace)
+    wire.send(write_end, {"problems": failures,
+                          "missing": [name for name in start["names"]
+                                      if name not in namespace]})
+    while True:
+        try:
+            request = wire.receive(read_end)
+        except wire.WireClosed:
+            return
+        wire.send(write_end, {"id": request["id"], **answer(request, namespace)})
+
+
+def become_nobody(user):
+    """Leave root for good: limits on processes do not bind root."""
+    if user is not None:
+        os.setgroups([])
+        os.setgid(user)
+        os.setuid(user)
+
+
+def set_limits(limits):
+    """Set resource limits that cannot be raised again."""
+    for name, value in limits.items():
+        resource.setrlimit(getattr(resource, name), (value, value))
+
+
+def make_namespace():
+    """A fresh `__main__`, with an IPython that agrees to everything and does nothing."""
+    main_module = types.ModuleType("__main__")
+    sys.modules["__main__"] = main_module
+    builtins.get_ipython = lambda: _Agreeable()
+    builtins.display = lambda *values, **options: None
+    return main_module.__dict__
+
+
+class _Agreeable:
+    def __getattr__(self, name):
+        return lambda *values, **options: None
+
+
+def run(statements, namespace):
+    """Execute statements one by one; return a sentence for each that failed."""
+    failures = []
+    for statement in statements:
+        try:
+            code = program.compile_statement(statement, f"code cell {statement.cell}")
+            exec(code, namespace)
+        except BaseException as error:  # SystemExit too: nothing a cell does ends the judging
+            text = describe(error)
+            failures.append(f"Code cell {statement.cell}, line {statement.node.lineno}, failed: "
+                            f"{text['type']}: {text['message']}")
+    return failures
+
+
+def answer(request, namespace):
+    """Call what a request asks for; the result, or what went wrong."""
+    arguments, keywords = request["arguments"], request["keywords"]
+    before = [wire.encode(argument) for argument in arguments]
+    try:
+        result = namespace[request["name"]](*arguments, **keywords)
+    except BaseException as error:
+        return {"error": describe(error)}
+    # The judge passes changes of an argument on to its own copy, as a real call would.
+    changed = {position: argument for position, argument in enumerate(arguments)
+               if wire.encode(argument) != before[position]}
+    return {"result": result, "changed": changed}
+
+
+def describe(error):
+    """Plain data about an exception: type, message and the last line of the notebook in it."""
+    place, trace = None, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename.startswith("code cell "):
+            place = f"{trace.tb_frame.f_code.co_filename}, line {trace.tb_lineno}"
+        trace = trace.tb_next
+    try:
+        message = str(error)
+    except BaseException:
+        message = ""
+    return {"type": type(error).__name__[:100], "message": message[:LONGEST_TEXT],
+            "place": place}
+
+
+if __name__ == "__main__":
+    pipes = [os.dup(int(number)) for number in sys.argv[1:3]]
+    silence = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(silence, standard)  # printing, reading and warnings do no harm
+    main(*pipes)

@@ -1,0 +1,11 @@
+"""nbgrader's settings for this course. nbgrader keeps the course; `grader` does the judging."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))  # so that nbgrader's own commands find `grader`
+
+from grader.nbgrader_settings import configure  # noqa: E402
+
+configure(get_config(), HERE)  # noqa: F821 (traitlets defines get_config)

@@ -1,0 +1,132 @@
+# Answers to filter_ground; see grader/variants.py.
+
+# %% right: a mask in one line
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 2] >= ground_level]
+
+# %% right: a loop over rows, a list of rows back
+def filter_ground(cloud, ground_level=-1.2):
+    kept = []
+    for row in cloud:
+        if row[2] > ground_level:
+            kept.append(list(row))
+    if not kept:
+        return np.zeros((0, cloud.shape[1]))
+    return kept
+
+# %% right: np.delete, printing and warning all the way
+import warnings
+
+def filter_ground(cloud, ground_level=-1.2):
+    print("filtering", len(cloud), "points")
+    warnings.warn("this is only a drill")
+    low = np.where(cloud[:, 2] < ground_level)[0]
+    return np.delete(cloud, low, axis=0)
+
+# %% right: single precision, with a helper in a cell of its own
+%matplotlib inline
+LEVEL = -1.2
+
+def heights(points):
+    return points.T[2]
+# ---- another cell ----
+!echo hello
+def filter_ground(cloud, ground_level=LEVEL):
+    cloud = np.asarray(cloud, dtype=np.float32)
+    return np.compress(heights(cloud) >= ground_level, cloud, axis=0)
+
+# %% right: it draws a figure on the way
+import matplotlib.pyplot as plt
+
+def filter_ground(cloud, ground_level=-1.2):
+    above = np.flatnonzero(~(cloud[:, 2] < ground_level))
+    plt.figure()
+    plt.plot(cloud[:, 0], cloud[:, 2], ".")
+    plt.show()
+    plt.close("all")
+    return cloud.take(above, axis=0)
+
+# %% right: a comprehension kept as an array
+def filter_ground(cloud, ground_level=-1.2):
+    return np.array([p for p in cloud if p[2] >= ground_level]).reshape(-1, cloud.shape[1])
+
+# %% wrong: keeps the road instead
+# loses: keeps_what_stands_above, test_course_cloud, test_fresh_street
+# says: missing
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 2] < ground_level]
+
+# %% wrong: the level is written into the function
+# loses: follows_the_level, test_other_levels
+# says: comes from the parameter
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 2] >= -1.2]
+
+# %% wrong: looks at y instead of z
+# loses: keeps_what_stands_above, test_course_cloud
+# says: too many
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 1] >= ground_level]
+
+# %% wrong: parameters renamed
+# loses: follows_the_level
+# says: A parameter was renamed
+def filter_ground(points, level=-1.2):
+    return points[points[:, 2] >= level]
+
+# %% wrong: default changed to the lab sheet's example
+# loses: follows_the_level, test_course_cloud
+# says: missing
+def filter_ground(cloud, ground_level=1.0):
+    return cloud[cloud[:, 2] >= ground_level]
+
+# %% wrong: intensity is cut off
+# loses: keeps_what_stands_above, test_course_cloud
+# says: expected 4 columns
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 2] >= ground_level][:, :3]
+
+# %% wrong: changes its input
+# loses: leaves_its_input
+# says: changed its input
+def filter_ground(cloud, ground_level=-1.2):
+    kept = cloud[cloud[:, 2] >= ground_level].copy()
+    cloud[cloud[:, 2] < ground_level] = 0.0
+    return kept
+
+# %% wrong: returns the mask
+# loses: keeps_what_stands_above, test_course_cloud
+# says: expected 4 columns
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[:, 2] >= ground_level
+
+# %% wrong: absolute height
+# loses: keeps_what_stands_above, test_course_cloud
+# says: too many
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[np.abs(cloud[:, 2]) <= np.abs(ground_level)]
+
+# %% wrong: forgets to return
+# loses: keeps_what_stands_above, test_course_cloud, takes_every_shape
+# says: returned None
+def filter_ground(cloud, ground_level=-1.2):
+    kept = cloud[cloud[:, 2] >= ground_level]
+
+# %% wrong: sorts by height
+# loses: keeps_what_stands_above, test_columns_and_order
+# says: another order
+def filter_ground(cloud, ground_level=-1.2):
+    kept = cloud[cloud[:, 2] >= ground_level]
+    return kept[np.argsort(kept[:, 2])]
+
+# %% wrong: stub left in place
+# loses: keeps_what_stands_above, test_course_cloud, leaves_its_input
+# says: still raises NotImplementedError
+def filter_ground(cloud, ground_level=-1.2):
+    raise NotImplementedError
+
+# %% wrong: returns the cloud as it is
+# loses: keeps_what_stands_above, takes_every_shape, leaves_its_input, test_course_cloud
+# says: too many
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud

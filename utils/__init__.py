@@ -1,0 +1,50 @@
+"""What a notebook imports: clouds, the simulated scanner, pictures and checks.
+
+Everything here is loaded when it is first used, so that ``import utils`` is quick.
+"""
+
+import importlib
+
+_HOME = {
+    "check": "utils.checks",
+    "load_cloud": "utils.datasets",
+    "load_sequence": "utils.datasets",
+    "fetch_recording": "utils.datasets",
+    "read_cloud": "utils.clouds",
+    "write_cloud": "utils.clouds",
+}
+_MODULES = ("checks", "clouds", "datasets", "plots", "scenes", "scoring", "simulator")
+
+__all__ = [*_HOME, *_MODULES, "health"]
+
+
+def __getattr__(name):
+    if name in _HOME:
+        return getattr(importlib.import_module(_HOME[name]), name)
+    if name in _MODULES:
+        return importlib.import_module(f"utils.{name}")
+    raise AttributeError(f"module 'utils' has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted(__all__)
+
+
+def health():
+    """One line on whether this machine is ready for the course.
+
+    Returns
+    -------
+    str
+    """
+    import platform
+    from importlib import metadata, util
+    from pathlib import Path
+
+    missing = [name for name in ("numpy", "scipy", "matplotlib", "ipywidgets")
+               if not util.find_spec(name)]
+    if missing:
+        return f"Not ready. Install what is missing with: pip install {' '.join(missing)}"
+    if not (Path(__file__).parent.parent / "data" / "cloud.txt").exists():
+        return "Not ready. The file data/cloud.txt is missing: unzip the whole course folder."
+    return f"Ready: Python {platform.python_version()}, NumPy {metadata.version('numpy')}."

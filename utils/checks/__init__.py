@@ -1,0 +1,9 @@
+"""Checks that a student sees: ``check(my_function)`` in a notebook.
+
+The same checks run unchanged in the judge, where the function is a proxy into the sandbox.
+"""
+
+from utils.checks.core import Check, check, checks_of
+from utils.checks.vocabulary import CheckFailed
+
+__all__ = ["Check", "CheckFailed", "check", "checks_of"]

@@ -1,0 +1,150 @@
+"""What a check is, how it is declared, and how a notebook runs it."""
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from utils.checks.tips import tip_for
+from utils.checks.vocabulary import CheckFailed
+
+# The module that declares the checks of each exercise.
+_MODULES = {
+    "euclidean_clustering": "lesson_05",
+    "filter_ground": "lesson_06",
+    "voxel_grid": "lesson_06",
+}
+_CHECKS: dict[str, list["Check"]] = {}
+
+
+@dataclass(frozen=True)
+class Check:
+    """One property that a right answer has.
+
+    Attributes
+    ----------
+    exercise : str
+        Name of the function under test.
+    title : str
+        The property, as a statement.
+    why : str
+        What goes wrong on the road without it.
+    hint : str
+        The first hint for someone who fails it.
+    weight : float
+        Its share of the exercise's points, relative to the other checks.
+    run : callable
+        Takes the function; raises `CheckFailed` where the property does not hold.
+    """
+
+    exercise: str
+    title: str
+    why: str
+    hint: str
+    weight: float
+    run: Callable
+
+    @property
+    def name(self):
+        """Short name, unique within the exercise."""
+        return self.run.__name__
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of running a check; `failure` is None where it passed."""
+
+    check: Check
+    failure: CheckFailed | None
+
+
+class ChecksFailed(AssertionError):
+    """Not all checks passed. A notebook shows one line of it; plain nbgrader counts it as 0."""
+
+    def _render_traceback_(self):
+        return [str(self)]
+
+
+def visible(exercise, *, title, why, hint, weight=1.0):
+    """Declare a function that takes the student's function as a visible check."""
+
+    def declare(run):
+        _CHECKS.setdefault(exercise, []).append(Check(exercise, title, why, hint, weight, run))
+        return run
+
+    return declare
+
+
+def checks_of(exercise):
+    """The visible checks of an exercise, in the order they are written.
+
+    Parameters
+    ----------
+    exercise : str
+        Name of a function of the course.
+
+    Returns
+    -------
+    tuple of Check
+
+    Raises
+    ------
+    LookupError
+        If the course has no such exercise.
+    """
+    if exercise not in _MODULES:
+        known = ", ".join(sorted(_MODULES))
+        raise LookupError(f"There are no checks for {exercise!r}. Pass the function itself, "
+                          f"under the name it was given: one of {known}.")
+    importlib.import_module(f"utils.checks.{_MODULES[exercise]}")
+    return tuple(_CHECKS[exercise])
+
+
+def run_check(one_check, function):
+    """Run one check.
+
+    Parameters
+    ----------
+    one_check : Check
+    function : callable
+
+    Returns
+    -------
+    Outcome
+    """
+    try:
+        one_check.run(function)
+    except CheckFailed as failure:
+        return Outcome(one_check, failure)
+    except NotImplementedError:
+        return Outcome(one_check, CheckFailed(
+            f"{one_check.exercise} still raises NotImplementedError. Replace that line with "
+            "your code and run its cell again."))
+    except Exception as error:
+        name = type(error).__name__
+        return Outcome(one_check, CheckFailed(
+            f"{one_check.exercise} raised {name}: {error}", tip=tip_for(name, str(error))))
+    return Outcome(one_check, None)
+
+
+def check(function):
+    """Check an answer and show what is right, what is wrong and why it matters.
+
+    Parameters
+    ----------
+    function : callable
+        A function (or class) of the course that you wrote.
+
+    Raises
+    ------
+    ChecksFailed
+        If a check fails, after everything has been shown.
+    """
+    from utils.checks.display import show
+
+    outcomes = [run_check(one_check, function)
+                for one_check in checks_of(getattr(function, "__name__", str(function)))]
+    show(outcomes)
+    failed = sum(outcome.failure is not None for outcome in outcomes)
+    if failed:
+        raise ChecksFailed(f"{failed} of {len(outcomes)} checks failed; the table above says "
+                           "which and why.")

@@ -1,0 +1,73 @@
+"""Show the outcome of checks: a table in a notebook, plain text elsewhere."""
+
+from html import escape
+
+# Colours that hold 4.5:1 on a light and on a dark page; a word stands beside each.
+_PASSED, _FAILED = "#1a7f4b", "#c4420b"
+
+
+def show(outcomes):
+    """Display outcomes, and the pictures of what failed.
+
+    Parameters
+    ----------
+    outcomes : list of utils.checks.core.Outcome
+    """
+    try:
+        from IPython import get_ipython
+        from IPython.display import display
+        in_notebook = get_ipython() is not None
+    except ImportError:
+        in_notebook = False
+    if not in_notebook:
+        print(as_text(outcomes))
+        return
+    display({"text/html": as_html(outcomes), "text/plain": as_text(outcomes)}, raw=True)
+    # One picture is a help, five are a wall.
+    drawn = next((outcome.failure.draw for outcome in outcomes
+                  if outcome.failure and outcome.failure.draw), None)
+    if drawn:
+        import matplotlib.pyplot as plt
+
+        drawn()
+        plt.show()
+
+
+def as_text(outcomes):
+    """Outcomes as plain text."""
+    lines = []
+    for outcome in outcomes:
+        failure = outcome.failure
+        lines.append(f"[{'failed' if failure else 'passed'}] {outcome.check.title}")
+        if failure:
+            lines += [f"    {label}: {text}" for label, text in _details(outcome)]
+    return "\n".join(lines)
+
+
+def as_html(outcomes):
+    """Outcomes as an HTML table."""
+    rows = []
+    for outcome in outcomes:
+        good = outcome.failure is None
+        mark = (f"<span style='color:{_PASSED if good else _FAILED};font-weight:bold;"
+                f"white-space:nowrap'>{'✓ passed' if good else '✗ failed'}</span>")
+        body = f"<b>{escape(outcome.check.title)}</b>"
+        body += "".join(f"<br><i>{escape(label)}:</i> {escape(text)}"
+                        for label, text in ([] if good else _details(outcome)))
+        rows.append(f"<tr><td style='vertical-align:top;text-align:left'>{mark}</td>"
+                    f"<td style='text-align:left'>{body}</td></tr>")
+    return ("<table role='table' aria-label='Checks' style='width:100%;max-width:60em'>"
+            f"{''.join(rows)}</table>")
+
+
+def _details(outcome):
+    failure = outcome.failure
+    yield "What happened", failure.message
+    if failure.tip:
+        yield "In plain words", failure.tip
+    if failure.yours is not None:
+        yield "Yours", failure.yours
+    if failure.expected is not None:
+        yield "Expected", failure.expected
+    yield "Why it matters", outcome.check.why
+    yield "Hint", outcome.check.hint

@@ -1,0 +1,218 @@
+"""The assertions that checks are written with.
+
+Each compares an answer with what is expected and fails with a sentence about the answer:
+what differs, where, and, where a picture helps, how to draw it. Answers are accepted in any
+reasonable form: lists for arrays, float32, other numbers for the same clusters.
+"""
+
+import numpy as np
+
+# A right answer in single precision differs by less than this at the range of a LiDAR (m).
+TOLERANCE = 1e-3
+
+
+class CheckFailed(AssertionError):
+    """A property does not hold.
+
+    Attributes
+    ----------
+    message : str
+        What is wrong, in a sentence.
+    yours, expected : str or None
+        Short texts to stand side by side.
+    draw : callable or None
+        Draws the difference with `utils.plots`; takes nothing.
+    tip : str
+        What an exception means in plain words.
+    """
+
+    def __init__(self, message, *, yours=None, expected=None, draw=None, tip=""):
+        super().__init__(message)
+        self.message, self.yours, self.expected = message, yours, expected
+        self.draw, self.tip = draw, tip
+
+
+def brief(value):
+    """A value in at most 90 characters."""
+    if isinstance(value, np.ndarray):
+        text = np.array2string(value, precision=3, threshold=12, edgeitems=3, separator=", ")
+        text = f"shape {value.shape}: {' '.join(text.split())}"
+    else:
+        text = repr(value)
+    return text if len(text) <= 90 else text[:87] + "..."
+
+
+def as_array(answer, columns=None, what="an array"):
+    """An answer as a numeric array.
+
+    Parameters
+    ----------
+    answer : object
+    columns : int, optional
+        Demand shape (n, columns).
+    what : str
+        The kind of thing that was expected, for the message.
+
+    Returns
+    -------
+    numpy.ndarray
+
+    Raises
+    ------
+    CheckFailed
+    """
+    if answer is None:
+        raise CheckFailed("The function returned None. Does it end with `return`?",
+                          yours="None", expected=what)
+    try:
+        array = np.asarray(answer)
+        numeric = array.dtype.kind in "biuf"
+    except ValueError:
+        numeric = False
+    if not numeric and np.size(answer) == 0:
+        array, numeric = np.empty(np.shape(answer)), True
+    if not numeric:
+        raise CheckFailed(f"The function returned {type(answer).__name__}, expected {what}.",
+                          yours=brief(answer), expected=what)
+    if columns is not None:
+        if array.size == 0 and array.ndim == 1:
+            array = array.reshape(0, columns)
+        if array.ndim != 2 or array.shape[1] != columns:
+            raise CheckFailed(
+                f"The shape is {array.shape}, expected {columns} columns: one row per point, "
+                "the columns of the input.",
+                yours=f"shape {array.shape}", expected=f"shape (n, {columns})")
+    return array
+
+
+def assert_rows(answer, cloud, keep, view="side"):
+    """The answer is exactly the rows ``cloud[keep]``, in order.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    keep : numpy.ndarray of bool, shape (n,)
+        The rows that a right answer keeps.
+    view : {"side", "above"}
+        Where the picture looks from.
+    """
+    yours = as_array(answer, columns=cloud.shape[1], what="an array of rows of the cloud")
+    expected = cloud[keep]
+    if yours.shape == expected.shape and _close(yours, expected):
+        return
+    mine = _membership(cloud, yours)
+    sides = {"yours": f"{len(yours)} rows", "expected": f"{len(expected)} rows"}
+    if mine is None:
+        raise CheckFailed("Some of the returned rows are not rows of the cloud: values changed.",
+                          yours=brief(yours), expected=brief(expected))
+    if len(yours) == len(expected) and np.array_equal(mine, keep):
+        raise CheckFailed("These are the right rows in another order.", **sides)
+    missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
+    parts = []
+    if len(missing):
+        parts.append(f"{_count(missing)} missing, for example {_point(cloud[missing[0]])}")
+    if len(extra):
+        parts.append(f"{_count(extra)} too many, for example {_point(cloud[extra[0]])}")
+    message = "; ".join(parts) or "some rows are there more than once"
+    raise CheckFailed(message[0].upper() + message[1:] + ".", **sides,
+                      draw=lambda: _plots().difference(cloud, mine, keep, view=view))
+
+
+def assert_same_set_of_rows(answer, expected):
+    """The answer holds the rows of `expected`, in any order."""
+    yours = as_array(answer, columns=expected.shape[1], what="an array of points")
+    if len(yours) != len(expected):
+        raise CheckFailed(f"There are {len(yours)} rows, expected {len(expected)}.",
+                          yours=f"{len(yours)} rows", expected=f"{len(expected)} rows")
+    if len(expected) and not np.isfinite(yours).all():
+        raise CheckFailed("Some values are not finite.", yours=brief(yours))
+    if not len(expected):
+        return
+    from scipy.spatial import cKDTree
+
+    distances, partners = cKDTree(expected).query(yours)
+    strangers = np.flatnonzero(distances > TOLERANCE)
+    if len(strangers):
+        row, partner = yours[strangers[0]], expected[partners[strangers[0]]]
+        raise CheckFailed(f"{_count(strangers)} should not be there; beside the nearest right "
+                          "one:", yours=brief(row), expected=brief(partner))
+    if len(np.unique(partners)) < len(expected):
+        raise CheckFailed("Some rows are there twice and others are missing.")
+
+
+def as_labels(answer, n):
+    """An answer as (n,) whole-numbered labels."""
+    labels = as_array(answer, what="an array of labels")
+    if labels.shape != (n,):
+        raise CheckFailed(f"There must be one label for each of the {n} points.",
+                          yours=f"shape {labels.shape}", expected=f"shape ({n},)")
+    if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):
+        raise CheckFailed("Labels are whole numbers.", yours=brief(labels))
+    return labels.astype(np.int64)
+
+
+def assert_partition(answer, expected, cloud):
+    """The answer groups the points as `expected` does, under whatever numbers.
+
+    Parameters
+    ----------
+    answer : object
+    expected : numpy.ndarray of int, shape (n,)
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    """
+    yours = as_labels(answer, len(cloud))
+    pairs = np.unique(np.stack([yours, expected]), axis=1)
+    number_yours, number_expected = len(np.unique(yours)), len(np.unique(expected))
+    if pairs.shape[1] == number_yours == number_expected:
+        return
+    split = pairs.shape[1] > number_expected
+    merged = pairs.shape[1] > number_yours
+    what = {(True, True): "Some clusters are torn apart and others run together.",
+            (True, False): "Points that belong together have different labels.",
+            (False, True): "Points of different clusters have the same label."}[split, merged]
+    raise CheckFailed(what, yours=f"{number_yours} clusters",
+                      expected=f"{number_expected} clusters",
+                      draw=lambda: _plots().worst(cloud, yours, expected))
+
+
+def assert_untouched(before, after):
+    """The function left its input as it was."""
+    if not np.array_equal(before, after, equal_nan=True):
+        raise CheckFailed("The function changed its input. Work on a copy, or build a new array.",
+                          yours=brief(after), expected=brief(before))
+
+
+def _plots():
+    from utils import plots  # matplotlib is slow to import and the judge has no use for it
+
+    return plots
+
+
+def _close(yours, expected):
+    return bool(np.allclose(yours, expected, rtol=0, atol=TOLERANCE, equal_nan=True))
+
+
+def _membership(cloud, rows):
+    """Which rows of `cloud` occur among `rows`; None where `rows` holds others too."""
+    known = {row.tobytes(): [] for row in _rounded(cloud)}
+    for position, row in enumerate(_rounded(cloud)):
+        known[row.tobytes()].append(position)
+    mask = np.zeros(len(cloud), dtype=bool)
+    for row in _rounded(rows):
+        if row.tobytes() not in known:
+            return None
+        mask[known[row.tobytes()]] = True
+    return mask
+
+
+def _rounded(rows):
+    return np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
+
+
+def _count(positions):
+    return "1 row" if len(positions) == 1 else f"{len(positions)} rows"
+
+
+def _point(row):
+    return "(" + ", ".join(f"{value:.2f}" for value in row[:3]) + ")"
