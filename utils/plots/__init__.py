@@ -1,0 +1,43 @@
+"""Pictures of clouds and of what algorithms make of them, drawn with matplotlib.
+
+Each function takes its data, then options by keyword, then ``axes=None``: it draws into the given
+axes or into a new figure of notebook width, and returns the axes. Axes that already show something
+keep their view, so that figures can be laid over each other. Nothing here solves an exercise.
+
+>>> from utils import plots
+>>> axes = plots.from_above(cloud, limits=((-20, 40), (-10, 10)))
+>>> plots.boxes(corners, axes=axes)
+"""
+
+from .clouds import from_above, from_side, kept_and_removed
+from .comparing import difference, label_confusion, worst
+from .corners import boxes, corner_numbers
+from .curves import compare, curves, histogram
+from .grouping import clusters, graph, growth
+from .models import line_model, plane_model
+from .regions import kd_search, kd_splits
+from .timings import timing
+from .trees import kd_tree
+
+__all__ = [
+    "boxes",
+    "clusters",
+    "compare",
+    "corner_numbers",
+    "curves",
+    "difference",
+    "from_above",
+    "from_side",
+    "graph",
+    "growth",
+    "histogram",
+    "kd_search",
+    "kd_splits",
+    "kd_tree",
+    "kept_and_removed",
+    "label_confusion",
+    "line_model",
+    "plane_model",
+    "timing",
+    "worst",
+]

@@ -1,0 +1,220 @@
+"""Boxes given by eight corners in any order: their outlines, and one box with its numbers."""
+
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from .clouds import dots, mark_sensor
+from .data import as_cloud, drawn_rows, marker_size, project
+from .grouping import write
+from .style import (
+    BLUE,
+    INK,
+    MUTED,
+    PALE,
+    PALETTE,
+    VERMILION,
+    canvas,
+    finish,
+    frame,
+    key,
+    note,
+    styled,
+)
+
+
+@styled
+def boxes(
+    corners,
+    *,
+    cloud=None,
+    view="above",
+    names=None,
+    label=None,
+    reference=False,
+    title=None,
+    limits=None,
+    axes=None,
+):
+    """Draw the outlines of boxes, on the `cloud` or on whatever `axes` show.
+
+    Parameters
+    ----------
+    corners : (N, 8, 3) array_like of float
+        Eight corners of each box in metres, in any order. Boxes with a non-finite corner are left
+        out.
+    cloud : (n, 3) or (n, 4) array_like of float, optional
+        Drawn pale below the boxes.
+    view : {"above", "side"}
+    names : bool or sequence of str, optional
+        Written at each box; True for its row number.
+    label : str, optional
+        Entry in the legend, where the number of boxes is added.
+    reference : bool
+        Draw dashed and grey: for true boxes, or those of the frame before.
+    title, axes
+        As in :func:`utils.plots.from_above`.
+    limits : ((low, high), (low, high)) or four numbers, optional
+        By default what `axes` show already, or all boxes.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    corners = _as_corners(corners)
+    names = _as_names(names, len(corners))
+    across, up, across_label, up_label = project(corners, view)
+    axes = canvas(axes)
+    remark = ""
+    focus = (across, up)
+    if cloud is not None:
+        cloud = as_cloud(cloud)
+        below = project(cloud, view)[:2]
+        focus = focus if len(corners) else below
+    frame(axes, *focus, limits, equal=view == "above")
+    if cloud is not None:
+        rows, remark = drawn_rows(axes, *below)
+        dots(axes, below[0][rows], below[1][rows], "o", PALE, marker_size(len(rows)))
+    colour, line = (MUTED, "--") if reference else (VERMILION, "-")
+    finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
+    outlines = [_outline(across[box], up[box]) for box in finite]
+    axes.add_collection(
+        LineCollection(outlines, colors=colour, linestyles=line, linewidths=1.8, zorder=4),
+        autolim=False,
+    )
+    for box in finite if names else ():
+        write(axes, across[box].mean(), up[box].max(), names[box], offset=(0, 8), weight="bold")
+    key(axes, f"{label or 'boxes'}: {len(corners):,}", colour=colour, line=line, linewidth=1.8)
+    mark_sensor(axes)
+    note(axes, remark)
+    return finish(axes, title, across_label, up_label)
+
+
+@styled
+def corner_numbers(box, *, title=None, axes=None):
+    """Draw one box obliquely, with the number of each corner: the row it has in `box`.
+
+    The edges are found from the corners themselves (the four lowest make the floor), so that a
+    wrong order shows as wrong numbers on a right box.
+
+    Parameters
+    ----------
+    box : (8, 3) array_like of float
+        In metres.
+    title : str, optional
+    axes : matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    box = _as_corners(np.asarray(box, dtype=float)[None])[0]
+    axes = canvas(axes, size=(5.5, 4.2))
+    axes.set_axis_off()
+    if not np.isfinite(box).all():
+        note(axes, "the box has a corner that is not a number")
+        return finish(axes, title)
+    drawn = _oblique(box - box.mean(axis=0))
+    reach = max(np.ptp(drawn, axis=0).max(), 1e-3)
+    start = drawn.min(axis=0) - 0.12 * reach
+    frame(axes, *np.concatenate([start[None] - 0.05 * reach, drawn + 0.08 * reach]).T)
+    edges = _edges(box)
+    hidden = _oblique(box, depth=True).argmax()
+    for edge in edges:
+        behind = hidden in edge
+        axes.plot(
+            *drawn[list(edge)].T,
+            color=MUTED if behind else INK,
+            linestyle=":" if behind else "-",
+            linewidth=1.2 if behind else 1.8,
+            zorder=2,
+        )
+    for number, place in enumerate(drawn):
+        dots(axes, *place[:, None], "o", PALETTE[0], 17, zorder=4)
+        axes.annotate(
+            str(number), place, ha="center", va="center", color="white", fontweight="bold", zorder=5
+        )
+    _draw_directions(axes, start, 0.18 * reach)
+    return finish(axes, title)
+
+
+def _as_corners(corners):
+    try:
+        corners = np.asarray(corners, dtype=float)
+    except (TypeError, ValueError):
+        corners = np.empty((0, 1))
+    if corners.size == 0 and corners.shape[0] == 0 and corners.ndim in (1, 3):
+        return np.empty((0, 8, 3))
+    if corners.ndim != 3 or corners.shape[1:] != (8, 3):
+        raise ValueError(
+            "corners must have shape (N, 8, 3): for each box eight corners (x, y, z); "
+            f"yours has {corners.shape}."
+        )
+    return corners
+
+
+def _as_names(names, count):
+    if names is None or names is False:
+        return []
+    names = [str(name) for name in (range(count) if names is True else names)]
+    if len(names) != count:
+        raise ValueError(f"names must hold one name per box: {count}, not {len(names)}.")
+    return names
+
+
+def _outline(across, up):
+    """Return the convex hull of points as a closed line (m, 2); flat and single ones are fine.
+
+    Andrew's monotone chain (1979): scipy's hull refuses points that all lie on a line.
+    """
+    points = np.unique(np.stack([across, up], axis=1), axis=0)
+
+    def half(points):
+        chain = []
+        for point in points:
+            while len(chain) > 1:
+                first, second = chain[-1] - chain[-2], point - chain[-2]
+                if first[0] * second[1] - first[1] * second[0] > 0:
+                    break
+                chain.pop()
+            chain.append(point)
+        return chain
+
+    lower, upper = half(points), half(points[::-1])
+    return np.array([*lower, *upper[1:]])
+
+
+def _edges(box):
+    """Return the twelve edges of a box as pairs of rows: floor, roof, and the posts between."""
+    order = np.argsort(box[:, 2], kind="stable")
+    floor, roof = (_around(box, rows) for rows in (order[:4], order[4:]))
+    edges = [(ring[k], ring[(k + 1) % 4]) for ring in (floor, roof) for k in range(4)]
+    for row in floor:
+        nearest = np.linalg.norm(box[roof, :2] - box[row, :2], axis=1).argmin()
+        edges.append((row, roof[nearest]))
+    return edges
+
+
+def _around(box, rows):
+    """Return `rows` in the order of their direction from the middle."""
+    spokes = box[rows, :2] - box[rows, :2].mean(axis=0)
+    return rows[np.argsort(np.arctan2(spokes[:, 1], spokes[:, 0]))]
+
+
+def _oblique(points, *, depth=False):
+    """Look at points from behind, right and above: to the drawing (n, 2), or their depth (n,)."""
+    turn, tilt = np.radians([-62.0, 24.0])
+    right = np.array([-np.sin(turn), np.cos(turn), 0])
+    away = -np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
+    if depth:
+        return points @ away
+    return points @ np.stack([right, np.cross(right, away)], axis=1)
+
+
+def _draw_directions(axes, start, length):
+    """Draw the directions of x, y and z."""
+    for name, direction in zip("xyz", _oblique(np.eye(3)), strict=True):
+        end = start + length * direction
+        axes.annotate(
+            "", end, start, arrowprops={"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.4}
+        )
+        write(axes, *(end + 0.15 * length * direction), name, weight="bold")

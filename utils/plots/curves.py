@@ -1,0 +1,146 @@
+"""Numbers rather than places: histograms, theory against practice, bars."""
+
+import numpy as np
+
+from .data import as_values
+from .style import (
+    BLUE,
+    INK,
+    MARKERS,
+    PALETTE,
+    PAPER,
+    VERMILION,
+    canvas,
+    finish,
+    note,
+    number,
+    styled,
+)
+
+
+@styled
+def histogram(values, *, bins=60, label=None, marks=None, title=None, axes=None):
+    """Draw how often each value occurs.
+
+    Parameters
+    ----------
+    values : (n,) array_like of float
+        Non-finite values are left out, which a corner says.
+    bins : int or array_like of float
+        Number of bins, or their edges.
+    label : str, optional
+        Name and unit of the values.
+    marks : dict of str to float, optional
+        Named values, drawn as vertical lines with their names written at them.
+    title : str, optional
+    axes : matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    values = np.asarray(values, dtype=float).ravel()
+    finite = values[np.isfinite(values)]
+    axes = canvas(axes)
+    if len(finite):
+        axes.hist(finite, bins=bins, color=BLUE, edgecolor=PAPER, linewidth=0.3)
+    axes.yaxis.set_major_formatter("{x:,.0f}")
+    _draw_marks(axes, marks or {})
+    missing = len(values) - len(finite)
+    note(axes, f"{missing:,} not a number" if missing else "")
+    axes.grid(False, axis="x")
+    return finish(axes, title, label or "value", "number of points")
+
+
+def _draw_marks(axes, marks):
+    """Draw named vertical lines, with each name on the side where there is more room for it."""
+    marks = {name: float(value) for name, value in marks.items() if np.isfinite(value)}
+    for place, value in enumerate(marks.values()):
+        dashes = ("--", "-.", ":")[place % 3]
+        axes.axvline(value, color=VERMILION, linewidth=1.6, linestyle=dashes)
+    borders = np.array([*axes.get_xlim(), *marks.values()])
+    for place, (name, value) in enumerate(marks.items()):
+        room_left = value - borders[borders < value].max(initial=-np.inf)
+        room_right = borders[borders > value].min(initial=np.inf) - value
+        left = room_left > room_right
+        axes.annotate(
+            f"{name}: {number(value)}",
+            (value, 0.98 - 0.09 * (place % 6)),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=(-5 if left else 5, 0),
+            textcoords="offset points",
+            ha="right" if left else "left",
+            va="top",
+            fontsize=10,
+            color=INK,
+            bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
+        )
+
+
+@styled
+def curves(theory, measured=None, *, across=None, up=None, title=None, axes=None):
+    """Draw what theory says as lines, and measurements as markers on them.
+
+    Parameters
+    ----------
+    theory : dict of str to (x, y)
+        One line for each name.
+    measured : dict of str to (x, y), optional
+        One set of markers for each name; a name that is also in `theory` shares its colour.
+    across, up : str, optional
+        Names and units of the two axes.
+    title : str, optional
+    axes : matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    axes = canvas(axes)
+    measured = measured or {}
+    names = list(dict.fromkeys([*theory, *measured]))
+    for place, name in enumerate(names):
+        colour, marker = PALETTE[place % len(PALETTE)], MARKERS[place % len(MARKERS)]
+        if name in theory:
+            dashes = ("-", "--", "-.", ":")[place % 4]
+            axes.plot(*theory[name], color=colour, linewidth=1.8, linestyle=dashes, label=name)
+        if name in measured:
+            label = f"{name}, measured" if name in theory else name
+            axes.plot(
+                *measured[name],
+                color=colour,
+                marker=marker,
+                markersize=7,
+                linestyle="none",
+                label=label,
+            )
+    return finish(axes, title, across or "", up or "")
+
+
+@styled
+def compare(values, *, label=None, title=None, axes=None):
+    """Draw named numbers as bars, each with its number written at its end.
+
+    Parameters
+    ----------
+    values : dict of str to float
+        From top to bottom.
+    label : str, optional
+        Name and unit of the numbers.
+    title : str, optional
+    axes : matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    lengths = as_values(list(values.values()), len(values))
+    axes = canvas(axes, size=(8.5, 1.4 + 0.42 * max(1, len(values))))
+    bars = axes.barh(list(values), np.nan_to_num(lengths), color=BLUE, height=0.62)
+    axes.bar_label(bars, [number(length) for length in lengths], padding=4, color=INK)
+    axes.margins(x=0.1)
+    if len(values):
+        axes.set_ylim(len(values) - 0.5, -0.5)
+    axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    return finish(axes, title, label or "", None)

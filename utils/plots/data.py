@@ -1,0 +1,146 @@
+"""What the figures accept: shapes checked with a sentence, rows chosen for drawing."""
+
+import numpy as np
+
+MOST_POINTS = 30_000
+"""Larger clouds are thinned for drawing: more dots than this only hide each other."""
+
+VIEWS = {
+    "above": (0, 1, "x, forward (m)", "y, left (m)"),
+    "side": (0, 2, "x, forward (m)", "z, up (m)"),
+}
+
+
+def as_cloud(cloud, *, planar=False):
+    """Return `cloud` as a float array (n, 3) or (n, 4); `planar` also allows (n, 2)."""
+    widths = (2, 3, 4) if planar else (3, 4)
+    try:
+        cloud = np.asarray(cloud, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(
+            "A cloud must be a rectangular array of numbers with one row per point."
+        ) from None
+    if cloud.ndim == 2 and cloud.shape[1] in widths:
+        return cloud
+    allowed = " or ".join(f"(n, {width})" for width in widths)
+    tip = ""
+    if cloud.ndim == 2 and cloud.shape[0] in widths:
+        tip = " It looks transposed: try cloud.T."
+    elif cloud.ndim == 1 and len(cloud) in widths:
+        tip = " For a single point use cloud[None, :]."
+    raise ValueError(
+        f"A cloud must have shape {allowed}, one row per point; yours has {cloud.shape}.{tip}"
+    )
+
+
+def as_points(points, name="points"):
+    """Return two-dimensional `points` as a float array (n, 2)."""
+    try:
+        points = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        points = np.empty(0)
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(
+            f"{name} must have shape (n, 2), one row (x, y) per point; yours has {points.shape}."
+        )
+    return points
+
+
+def as_mask(mask, count, name="keep"):
+    """Return `mask` as a bool array (count,)."""
+    mask = np.asarray(mask)
+    if mask.size == 0:
+        mask = mask.astype(bool)
+    if mask.dtype != bool:
+        raise ValueError(
+            f"{name} must be a mask of True and False (dtype bool); yours has dtype {mask.dtype}."
+        )
+    return _one_each(mask, count, name)
+
+
+def as_labels(labels, count, name="labels"):
+    """Return `labels` as an int array (count,); whole numbers of any dtype are welcome."""
+    labels = np.asarray(labels)
+    try:
+        with np.errstate(invalid="ignore"):
+            whole = labels.astype(np.int64)
+        same = bool((whole == labels).all())
+    except (TypeError, ValueError):
+        same = False
+    if not same:
+        raise ValueError(f"{name} must be whole numbers; yours has dtype {labels.dtype}.")
+    return _one_each(whole, count, name)
+
+
+def as_values(values, count, name="values"):
+    """Return `values` as a float array (count,)."""
+    try:
+        values = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be numbers, one per point.") from None
+    return _one_each(values, count, name)
+
+
+def _one_each(array, count, name):
+    if array.shape != (count,):
+        raise ValueError(
+            f"{name} must hold one entry per point: shape ({count},); yours has {array.shape}."
+        )
+    return array
+
+
+def project(cloud, view):
+    """Return the two drawn columns of `cloud`, each (n,), and the names of their axes."""
+    if view not in VIEWS:
+        raise ValueError(f'view must be "above" or "side"; yours is {view!r}.')
+    if cloud.shape[-1] == 2:
+        if view == "side":
+            raise ValueError('Points of shape (n, 2) have no height: use view="above".')
+        return cloud[..., 0], cloud[..., 1], "x (m)", "y (m)"
+    first, second, across, up = VIEWS[view]
+    return cloud[..., first], cloud[..., second], across, up
+
+
+def drawn_rows(axes, across, up):
+    """Choose the points to draw into the view of `axes`, and say what was left out.
+
+    Points with a non-finite coordinate have no place. Of the others, one is taken from each run of
+    k, at a random place within the run: every k-th point exactly would fall in step with the beams
+    of a scan and drop most of them. The view has its own k, so that a closer look shows more;
+    points outside are kept for those who move the view afterwards.
+
+    Returns
+    -------
+    rows : (m,) int array
+        Ascending.
+    remark : str
+        Sentence for the corner of the figure, empty when everything is drawn.
+    """
+    placed = np.isfinite(across) & np.isfinite(up)
+    inside = placed & _between(across, axes.get_xlim()) & _between(up, axes.get_ylim())
+    rows, step = _thinned(np.flatnonzero(inside))
+    others, _ = _thinned(np.flatnonzero(placed & ~inside))
+    remarks = []
+    if step > 1:
+        remarks.append(f"1 of {step} points shown")
+    missing = np.count_nonzero(~placed)
+    if missing:
+        remarks.append(f"{missing:,} invalid {'row' if missing == 1 else 'rows'} not shown")
+    return np.sort(np.concatenate([rows, others])), " · ".join(remarks)
+
+
+def _between(values, limits):
+    low, high = sorted(limits)
+    return (values >= low) & (values <= high)
+
+
+def _thinned(rows):
+    step = max(1, -(-len(rows) // MOST_POINTS))
+    starts = np.arange(0, len(rows), step)
+    offsets = np.random.default_rng(0).integers(step, size=len(starts))
+    return rows[np.minimum(starts + offsets, len(rows) - 1)], step
+
+
+def marker_size(count):
+    """Return a marker size in points that suits `count` points: large for few, small for many."""
+    return float(np.clip(22 / max(count, 1) ** 0.27, 1.4, 7.0))

@@ -1,0 +1,150 @@
+"""RANSAC's models: a line or a plane, its tolerance band, inliers and outliers."""
+
+import numpy as np
+from matplotlib.patches import Polygon
+
+from .clouds import Group, draw_groups
+from .data import as_cloud, as_mask, as_points
+from .style import BLUE, GREEN, INK, PALE, VERMILION, finish, note, number, styled
+
+FACE_ON = 0.5
+"""Below this share of its normal in the drawing, a plane is seen too flatly to be a line."""
+
+
+@styled
+def line_model(
+    points, line=None, inliers=None, tolerance=None, *, title=None, limits=None, axes=None
+):
+    """Draw points of the plane with a line, its tolerance band, inliers and outliers.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like of float
+    line : (a, b, c), optional
+        The line a x + b y + c = 0, normalised or not; None draws the points alone.
+    inliers : (n,) array_like of bool, optional
+    tolerance : float, optional
+        Half the width of the band around the line, in the unit of the points.
+    title : str, optional
+    limits : ((x_low, x_high), (y_low, y_high)) or four numbers, optional
+    axes : matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    points = as_points(points)
+    groups = _groups(inliers, len(points), VERMILION)
+    axes = draw_groups(points, groups, view="above", limits=limits, axes=axes, title=title)
+    if line is not None:
+        _draw_line(axes, _coefficients(line, 3, "line"), tolerance, "line")
+    return finish(axes, title)
+
+
+@styled
+def plane_model(
+    cloud,
+    plane=None,
+    inliers=None,
+    tolerance=None,
+    *,
+    view="side",
+    title=None,
+    limits=None,
+    axes=None,
+):
+    """Draw a cloud with a plane cut open: the line in which the plane meets the drawing.
+
+    From the side the plane is cut at y = 0, through the sensor; from above at the middle height of
+    its inliers, which shows walls. A plane seen face on has no such line, and a note says so.
+
+    Parameters
+    ----------
+    cloud : (n, 3) or (n, 4) array_like of float
+        In metres.
+    plane : (a, b, c, d), optional
+        The plane a x + b y + c z + d = 0, normalised or not; None draws the cloud alone.
+    inliers : (n,) array_like of bool, optional
+    tolerance : float, optional
+        Largest distance of an inlier from the plane in metres.
+    view : {"side", "above"}
+    title, limits, axes
+        As in :func:`utils.plots.from_above`.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    cloud = as_cloud(cloud)
+    # In a whole scan the outliers are so many that in a strong colour they would hide the plane.
+    groups = _groups(inliers, len(cloud), PALE)
+    axes = draw_groups(cloud, groups, view=view, limits=limits, axes=axes, title=title)
+    if plane is None:
+        return axes
+    a, b, c, d = _coefficients(plane, 4, "plane")
+    if view == "side":
+        cut = np.array([a, c, d])
+    else:
+        on_plane = cloud[groups[-1].mask, 2]
+        on_plane = on_plane[np.isfinite(on_plane)]
+        cut = np.array([a, b, d + c * (np.median(on_plane) if len(on_plane) else 0.0)])
+    if np.hypot(cut[0], cut[1]) < FACE_ON:
+        note(axes, "the plane is seen face on")
+        return axes
+    _draw_line(axes, cut, tolerance, "plane")
+    return finish(axes, title)
+
+
+def _groups(inliers, count, outlier_colour):
+    if inliers is None:
+        return (Group("points", np.ones(count, dtype=bool), "o", BLUE),)
+    inliers = as_mask(inliers, count, "inliers")
+    return (
+        Group("outliers", ~inliers, "x", outlier_colour),
+        Group("inliers", inliers, "o", BLUE),
+    )
+
+
+def _coefficients(model, count, name):
+    """Return the model's coefficients with a normal of length 1."""
+    letters = ", ".join("abcd"[:count])
+    try:
+        model = np.asarray(model, dtype=float)
+    except (TypeError, ValueError):
+        model = np.empty(0)
+    if model.shape != (count,):
+        raise ValueError(f"{name} must be the {count} numbers ({letters}); yours is {model!r}.")
+    length = np.linalg.norm(model[:-1])
+    if not np.isfinite(model).all() or length == 0:
+        raise ValueError(
+            f"{name} has no direction: ({letters[:-3]}) must be finite and not all zero; "
+            f"yours is {model.tolist()}."
+        )
+    return model / length
+
+
+def _draw_line(axes, line, tolerance, name):
+    """Draw a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance."""
+    normal = line[:2]
+    squared = normal @ normal
+    along = np.array([-normal[1], normal[0]]) / np.sqrt(squared)
+    view = np.array([axes.get_xlim(), axes.get_ylim()])
+    middle = view.mean(axis=1)
+    foot = middle - (normal @ middle + line[2]) / squared * normal
+    # Longer than the view is wide, whatever its slope; the axes cut off what sticks out.
+    ends = foot + np.outer([-2, 2], along) * np.linalg.norm(view[:, 1] - view[:, 0])
+    if tolerance is not None:
+        offset = float(tolerance) / squared * normal
+        corners = np.concatenate([ends + offset, ends[::-1] - offset])
+        axes.add_patch(
+            Polygon(
+                corners,
+                facecolor=GREEN,
+                edgecolor=GREEN,
+                alpha=0.18,
+                linewidth=1.0,
+                zorder=1,
+                label=f"within {number(float(tolerance))} m",
+            )
+        )
+    axes.plot(*ends.T, color=INK, linewidth=1.8, zorder=3, label=name, scalex=False, scaley=False)

@@ -1,0 +1,113 @@
+"""Run time against the number of points, with the exponent of its growth."""
+
+import numpy as np
+from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
+
+from .style import INK, MARKERS, MUTED, PALETTE, canvas, finish, styled
+
+
+@styled
+def timing(series, *, fit=True, title=None, axes=None):
+    """Draw run time against the number of points, both logarithmic.
+
+    On such axes a power n^k is a straight line of slope k, so the exponent can be read off.
+
+    Parameters
+    ----------
+    series : dict of str to (n, seconds)
+        For each name the numbers of points and the seconds they took, of equal length.
+    fit : bool
+        Draw the fitted power as a dashed line and write its exponent into the legend,
+        "naive: n^2.0".
+    title : str, optional
+    axes : matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    axes = canvas(axes)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    ends = []
+    for place, (name, measured) in enumerate(series.items()):
+        n, seconds = _measurements(name, measured)
+        colour, marker = PALETTE[place % len(PALETTE)], MARKERS[place % len(MARKERS)]
+        legend = name
+        fitted = fit and len(np.unique(n)) > 1
+        if fitted:
+            exponent, offset = np.polyfit(np.log(n), np.log(seconds), 1)
+            reach = np.array([n.min(), n.max()])
+            legend = f"{name}: n^{exponent:.1f}"
+            axes.plot(
+                reach, np.exp(offset) * reach**exponent, color=colour, linewidth=1.2, linestyle="--"
+            )
+        axes.plot(
+            n,
+            seconds,
+            color=colour,
+            marker=marker,
+            markersize=7,
+            linestyle="none" if fitted else "-",
+            linewidth=1.2,
+            label=legend,
+        )
+        if len(n):
+            last = np.argmax(n)
+            ends.append((n[last], seconds[last], name))
+    _name_ends(axes, ends)
+    _write_powers(axes)
+    return finish(axes, title, "number of points n", "time (s)")
+
+
+def _measurements(name, measured):
+    """Return n and seconds that have a logarithm."""
+    try:
+        n, seconds = (np.asarray(part, dtype=float).ravel() for part in measured)
+        together = len(n) == len(seconds)
+    except (TypeError, ValueError):
+        together = False
+    if not together:
+        raise ValueError(
+            f'series["{name}"] must be a pair (n, seconds) of two number lists of equal length.'
+        )
+    usable = np.isfinite(n) & np.isfinite(seconds) & (n > 0) & (seconds > 0)
+    return n[usable], seconds[usable]
+
+
+def _name_ends(axes, ends):
+    """Write each name beside the end of its series, moved apart where they would overlap."""
+    if not ends:
+        return
+    axes.margins(x=0.06, y=0.1)
+    axes.autoscale_view()
+    heights = axes.transAxes.inverted().transform(
+        axes.transData.transform([(n, seconds) for n, seconds, _ in ends])
+    )[:, 1]
+    previous = -np.inf
+    for position in np.argsort(heights):
+        n, seconds, name = ends[position]
+        previous = max(heights[position], previous + 0.06)
+        axes.annotate(
+            name,
+            (n, seconds),
+            xytext=(1.01, previous),
+            textcoords="axes fraction",
+            ha="left",
+            va="center",
+            fontsize=10,
+            color=INK,
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": MUTED, "linewidth": 0.5, "shrinkB": 5},
+        )
+
+
+def _write_powers(axes):
+    """Write ticks as 200, 1 k and 10 ms, with steps of 2 and 5 where there are few decades."""
+    for axis, (low, high), unit in (
+        (axes.xaxis, axes.get_xlim(), ""),
+        (axes.yaxis, axes.get_ylim(), "s"),
+    ):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100 * low else (1,)))
+        axis.set_major_formatter(EngFormatter(unit=unit))
+        axis.set_minor_formatter(NullFormatter())
