@@ -56,7 +56,7 @@ plots.histogram(cloud[:, 2], label="height z (m)", marks={"road under the car": 
                 title="Where the returns are, by height");
 
 # %% [markdown]
-# The tall peak on the left is the road and the pavement. To its right, a long low hill: cars, people, walls, trees. A good ground level lies in the valley between the two.
+# The tall peak is road and pavement: it has a width, because the street slopes and the scanner is never quite exact. The long shoulder to its right is everything else: cars, people, walls, trees. A good ground level lies at the foot of the peak, where the shoulder begins.
 
 # %% [markdown]
 # ## The naive idea: ground is where z is 0
@@ -145,7 +145,7 @@ def filter_ground(cloud, ground_level=-1.2):
 # %%
 obstacles = filter_ground(cloud)
 print(f"{len(cloud):,} points in, {len(obstacles):,} points out")
-figure, (above, beside) = plt.subplots(2, 1, figsize=(8.5, 7), layout="constrained")
+figure, (above, beside) = plt.subplots(2, 1, figsize=(8.5, 7), layout="compressed")
 plots.from_above(obstacles, limits=street, title="From above", axes=above)
 plots.from_side(filter_ground(near), level=-1.2, limits=((-15, 40), (-3, 3)),
                 title="From the side", axes=beside);
@@ -176,7 +176,7 @@ def show_level(level):
 # The same without a slider: three levels.
 
 # %%
-figure, rows = plt.subplots(3, 1, figsize=(8.5, 10), layout="constrained")
+figure, rows = plt.subplots(3, 1, figsize=(8.5, 10), layout="compressed")
 for level, axes in zip((-1.6, -1.2, -0.5), rows):
     kept = filter_ground(thin, level)
     plots.from_above(kept, limits=street, axes=axes,
@@ -196,6 +196,7 @@ truth = np.load(DATA / "cloud_truth.npz")
 names = truth["class_names"].tolist()
 road = cloud[truth["classes"] == names.index("ground")]
 things = cloud[~np.isin(truth["classes"], [names.index(n) for n in ("ground", "invalid", "ego")])]
+print(f"{len(road) / len(cloud):.0%} of all returns are road and pavement. What did you predict?")
 
 levels = np.arange(-2.2, 0.3, 0.05)
 road_kept = [len(filter_ground(road, level)) / len(road) for level in levels]
@@ -232,16 +233,26 @@ plots.from_side(road[np.abs(road[:, 1]) < 6], level=-1.2, limits=((-40, 75), (-3
 # The next lessons compare points with their neighbours, which takes time for every point. So we want fewer points. The naive way is to keep every hundredth:
 
 # %%
-every_hundredth = obstacles[::100]
-is_walker = truth["classes"] == names.index("pedestrian")
-walker_numbers, walker_sizes = np.unique(truth["objects"][is_walker], return_counts=True)
-print("pedestrians and their returns: ", dict(zip(walker_numbers.tolist(), walker_sizes.tolist())))
-kept_objects = truth["objects"][cloud[:, 2] >= -1.2][::100]
-print("left of them, every hundredth: ",
-      {int(n): int((kept_objects == n).sum()) for n in walker_numbers})
+standing = cloud[:, 2] >= -1.2
+objects = truth["objects"][standing]  # the number of the object that each return hit
+
+
+def returns_of(kind, at_least=100):
+    """Rows of `obstacles` on each object of a kind: a dictionary of number -> rows."""
+    is_kind = truth["classes"][standing] == names.index(kind)
+    numbers, sizes = np.unique(objects[is_kind], return_counts=True)
+    return {n: np.flatnonzero(is_kind & (objects == n)) for n in numbers[sizes >= at_least]}
+
+
+chosen = {"wall": returns_of("wall", 3000), "pedestrian": returns_of("pedestrian")}
+for kind, members in chosen.items():
+    for number, rows in members.items():
+        distance = np.hypot(*obstacles[rows, :2].mean(axis=0))
+        print(f"{kind:>10} {number:3d}, {distance:4.1f} m away: {len(rows):6,} returns, "
+              f"{(rows % 100 == 0).sum():4d} after skipping")
 
 # %% [markdown]
-# Pedestrians shrink to a handful of points or vanish, while the wall beside us still has hundreds. Skipping rows thins everything by the same factor. We want the opposite: the same density everywhere.
+# The walls keep dozens of points, the pedestrians a handful or fewer. Skipping rows thins everything by the same factor. We want the opposite: the same density everywhere.
 #
 # ## The idea: one point per box of space
 #
@@ -321,10 +332,19 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %%
 patch = obstacles[(np.abs(obstacles[:, 0] - 8) < 7) & (np.abs(obstacles[:, 1]) < 6)]
 thinned = voxel_grid(patch, 0.2)
-figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4.2), layout="constrained")
+figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4.2), layout="compressed")
 window = ((1, 15), (-6, 6))
 plots.from_above(patch, limits=window, axes=left, title=f"{len(patch):,} points")
 plots.from_above(thinned, limits=window, axes=right, title=f"{len(thinned):,} centroids");
+
+# %% [markdown]
+# And the walls and pedestrians from above?
+
+# %%
+for kind, members in chosen.items():
+    for number, rows in members.items():
+        print(f"{kind:>10} {number:3d}: {len(rows):6,} returns, "
+              f"{len(voxel_grid(obstacles[rows], 0.2)):4d} centroids")
 
 # %% nbgrader={"grade": true, "grade_id": "test_voxel_grid", "locked": true, "points": 10, "schema_version": 3, "solution": false, "task": false}
 check(voxel_grid)
@@ -332,7 +352,7 @@ check(voxel_grid)
 # %% [markdown]
 # ## Play: detail against cost
 #
-# *Doubling the cell divides the work by four, until the objects melt.*
+# *Bigger cells save work, until the objects melt.*
 
 # %%
 @interact(size=FloatSlider(value=0.2, min=0.1, max=1.5, step=0.1, description="cell (m)",
@@ -343,12 +363,13 @@ def show_cells(size):
     plt.show()
 
 # %% [markdown]
-# How many points are left, and why four? A LiDAR sees surfaces, not volumes. A surface of area $A$ passes through about $A / s^2$ cubes of side $s$, so the count should fall with the square of the cell, a straight line of slope $-2$ on logarithmic axes. Small cells break the rule: once most cells hold a single point, there is nothing left to merge.
+# How fast does the number of points fall? A LiDAR sees surfaces, not volumes. A surface of area $A$ passes through about $A / s^2$ cubes of side $s$: a line of slope $-2$ on logarithmic axes. A pole or an edge of length $L$ passes through $L / s$ cubes: slope $-1$. A street has both, so expect something in between. And at the left end there is nothing to merge: most cells hold a single point.
 
 # %%
 sizes = np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6])
 counts = np.array([len(voxel_grid(obstacles, size)) for size in sizes])
-axes = plots.curves({"surfaces: falls as $s^{-2}$": (sizes, counts[3] * (sizes / sizes[3]) ** -2)},
+axes = plots.curves({"surfaces: $s^{-2}$": (sizes, counts[3] * (sizes / sizes[3]) ** -2),
+                     "poles and edges: $s^{-1}$": (sizes, counts[3] * (sizes / sizes[3]) ** -1)},
                     {"your voxel_grid": (sizes, counts)},
                     across="cell size (m)", up="points left",
                     title="Points left by a voxel grid")
@@ -371,7 +392,7 @@ axes.set_yscale("log")
 # %%
 wrong = {"< instead of >=": ~(thin[:, 2] >= -1.2), "column 1 instead of 2": thin[:, 1] >= -1.2,
          "abs(z)": np.abs(thin[:, 2]) >= -1.2}
-figure, rows = plt.subplots(1, 3, figsize=(8.5, 3.2), layout="constrained")
+figure, rows = plt.subplots(1, 3, figsize=(8.5, 3.2), layout="compressed")
 for (name, keep), axes in zip(wrong.items(), rows):
     plots.kept_and_removed(thin, keep, limits=((-10, 20), (-12, 12)), title=name, axes=axes)
 
@@ -392,11 +413,11 @@ for (name, keep), axes in zip(wrong.items(), rows):
 #
 # - Coordinates are relative to the sensor; the ground level is a property of the car.
 # - One comparison removes nearly all of the road; slopes and kerbs need a plane.
-# - A voxel grid evens out density, and surfaces shrink with the square of the cell.
+# - A voxel grid evens out density; doubling the cell divides the points by two to four.
 #
 # **Sources.** Ground height and margin: sensor set-up of the KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by piecewise planes: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059).
 #
-# **Next:** [07 · Filter by distance](07_filter_by_distance.ipynb)
+# **Next:** 07 · Filter by distance
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -2,6 +2,8 @@
 
 import re
 
+_WHOLE = "An index must be a whole number: use //, int(...) or .astype(int)."
+
 # (exception, pattern of its message, what to say)
 _TIPS = (
     ("NameError", r"name '(\w+)' is not defined",
@@ -15,8 +17,8 @@ _TIPS = (
      "The parameters changed. Keep the first line of the function, defaults included, as given."),
     ("TypeError", r"'NoneType'",
      "Something is None: a function without `return` gives None."),
-    ("TypeError", r"only integer|integer scalar arrays",
-     "An index must be a whole number: use //, int(...) or .astype(int)."),
+    ("TypeError", r"only integer|integer scalar arrays", _WHOLE),
+    ("IndexError", r"only integers|of integer \(or boolean\) type", _WHOLE),
     ("TypeError", r"unhashable type: 'numpy.ndarray'",
      "An array cannot be a dictionary key or a set member: use tuple(array)."),
     ("IndexError", r"boolean index did not match",

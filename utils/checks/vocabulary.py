@@ -66,12 +66,9 @@ def as_array(answer, columns=None, what="an array"):
                           yours="None", expected=what)
     try:
         array = np.asarray(answer)
-        numeric = array.dtype.kind in "biuf"
-    except ValueError:
-        numeric = False
-    if not numeric and np.size(answer) == 0:
-        array, numeric = np.empty(np.shape(answer)), True
-    if not numeric:
+    except ValueError:  # rows of different lengths
+        array = np.empty(1, dtype=object)
+    if array.dtype.kind not in "biuf":
         raise CheckFailed(f"The function returned {type(answer).__name__}, expected {what}.",
                           yours=brief(answer), expected=what)
     if columns is not None:

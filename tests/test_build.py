@@ -1,0 +1,107 @@
+"""Notebooks are what their sources say, the same each time, and give nothing away."""
+
+import json
+
+import jupytext
+import nbformat
+import pytest
+
+from grader import build
+from grader.lessons import all_lessons, find_lesson, load_reference
+from grader.marks import checks_of
+from grader.nbgrader_settings import STUB
+from grader.paths import PROJECT
+
+
+@pytest.fixture(scope="module")
+def built():
+    return build.build_all()
+
+
+def cells_of(text):
+    return json.loads(text)["cells"]
+
+
+def source_of(cell):
+    return "".join(cell["source"])
+
+
+def test_nothing_is_stale_and_nothing_leaks():
+    assert build.check() == []
+
+
+def test_same_bytes_each_time(built):
+    assert build.build_all() == built
+
+
+def test_notebooks_are_valid_and_carry_no_output(built, lesson):
+    for path in (lesson.solved, lesson.released):
+        notebook = nbformat.reads(built[path].decode(), as_version=4)
+        nbformat.validate(notebook)
+        assert all(not cell.get("outputs") for cell in notebook.cells)
+        assert len({cell.id for cell in notebook.cells}) == len(notebook.cells)
+
+
+def test_every_stub_raises_and_every_solution_is_gone(built, lesson):
+    stubs = [source_of(cell) for cell in cells_of(built[lesson.released])
+             if cell["metadata"].get("nbgrader", {}).get("solution")]
+    assert stubs
+    for stub in stubs:
+        assert stub.rstrip().endswith(STUB)
+        assert "roughly" in stub and '"""' in stub
+    assert "SOLUTION" not in built[lesson.released].decode()
+
+
+def test_every_exercise_has_checks_tests_and_points(lesson):
+    assert lesson.tests.is_file()
+    for exercise in lesson.exercises:
+        assert exercise.points > 0
+        if not exercise.by_hand:
+            assert len(checks_of(exercise.name)) >= 3
+            assert callable(getattr(load_reference(lesson.name), exercise.name))
+
+
+def test_three_hints_for_each_exercise(built, lesson):
+    text = "\n".join(source_of(cell) for cell in cells_of(built[lesson.released]))
+    for number in (1, 2, 3):
+        assert text.count(f"<summary>Hint {number}</summary>") >= len(lesson.exercises)
+
+
+def test_every_picture_is_inside_and_has_a_description(built, lesson):
+    for cell in cells_of(built[lesson.released]):
+        text = source_of(cell)
+        assert "](pictures/" not in text
+        assert "![](" not in text
+
+
+def test_setup_is_short():
+    assert len((PROJECT / "solutions" / "setup_cell.py").read_text().splitlines()) <= 8
+
+
+def test_a_planted_leak_is_found(built):
+    lesson = find_lesson("06_filter_ground")
+    notebook = json.loads(built[lesson.released])
+    line = "stands_above = cloud[:, 2] >= ground_level"
+    assert line in built[lesson.solved].decode()
+    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "id": "x",
+                              "source": f"Try this:\n    {line}\n"})
+    found = build.leaks(built[lesson.solved], json.dumps(notebook).encode())
+    assert found == [line]
+    notebook["cells"][-1]["source"] = "### BEGIN SOLUTION"
+    assert build.leaks(built[lesson.solved], json.dumps(notebook).encode())
+
+
+def test_stale_files_are_named(monkeypatch):
+    lesson = all_lessons()[0]
+    real = build.build_all()
+    monkeypatch.setattr(build, "build_all", lambda: {**real, lesson.released: b"{}" +
+                                                     real[lesson.released]})
+    monkeypatch.setattr(build, "leaks", lambda solved, released: [])
+    assert [fault for fault in build.check() if f"{lesson.name}.ipynb is stale" in fault]
+
+
+def test_jupytext_reads_and_writes_a_source_unchanged(lesson):
+    text = lesson.source.read_text("utf-8")
+    notebook = jupytext.reads(text, fmt="py:percent")
+    again = jupytext.reads(jupytext.writes(notebook, fmt="py:percent"), fmt="py:percent")
+    assert [cell.source for cell in again.cells] == [cell.source for cell in notebook.cells]

@@ -1,0 +1,210 @@
+"""The judge gives right answers everything, wrong ones what they earn, and always a verdict."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from grader.judge import UnknownLesson, judge, verdict_key
+from grader.lessons import all_lessons, find_lesson
+from grader.paths import PROJECT
+from grader.sandbox import Limits
+from grader.variants import fill_in, variants_of
+from grader.verdict import read_verdict, write_verdict
+
+VARIANTS = [variant for lesson in all_lessons() for exercise in lesson.exercises
+            if not exercise.by_hand for variant in variants_of(exercise.name)]
+
+
+def judge_variant(variant, seed, tier, folder):
+    """(result of the variant's exercise, verdict)."""
+    lesson = next(lesson for lesson in all_lessons()
+                  if variant.exercise in [exercise.name for exercise in lesson.exercises])
+    path = folder / f"{lesson.name}.ipynb"
+    path.write_text(fill_in(lesson, {variant.exercise: variant.source}), "utf-8")
+    verdict = judge(path, seed, tier, limits=Limits(call_seconds=6))
+    return next(result for result in verdict.exercises
+                if result.name == variant.exercise), verdict
+
+
+@pytest.mark.parametrize("seed", [1, 22, 333, 4444, 55555])
+def test_solution_earns_everything(lesson, seed, tier):
+    verdict = judge(lesson.solved, seed, tier)
+    assert [test.message for exercise in verdict.exercises for test in exercise.tests
+            if not test.passed] == []
+    assert verdict.score == verdict.max_score
+    assert verdict.problems == ()
+
+
+def test_untouched_notebook_earns_nothing(lesson, tier):
+    verdict = judge(lesson.released, 1, tier)
+    assert verdict.score == 0
+    assert all("NotImplementedError" in test.message for exercise in verdict.exercises
+               for test in exercise.tests)
+
+
+def test_enough_variants(lesson):
+    for exercise in lesson.exercises:
+        if not exercise.by_hand:
+            right = [variant.right for variant in variants_of(exercise.name)]
+            assert right.count(True) >= 5, exercise.name
+            assert right.count(False) >= 8, exercise.name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("variant", [variant for variant in VARIANTS if variant.right],
+                         ids=lambda variant: f"{variant.exercise}: {variant.name}")
+def test_right_variant_earns_everything_on_five_seeds(variant, tier, tmp_path):
+    for seed in (1, 22, 333, 4444, 55555):
+        result, verdict = judge_variant(variant, seed, tier, tmp_path)
+        assert [test.message for test in result.tests if not test.passed] == []
+        assert result.score == result.max_score
+        assert verdict.problems == ()
+
+
+@pytest.mark.parametrize("variant", [variant for variant in VARIANTS if not variant.right],
+                         ids=lambda variant: f"{variant.exercise}: {variant.name}")
+def test_wrong_variant_loses_the_right_points(variant, tier, tmp_path):
+    result, verdict = judge_variant(variant, 7, tier, tmp_path)
+    failed = {test.name.removeprefix("test_visible[").rstrip("]"): test.message
+              for test in result.tests if not test.passed}
+    assert variant.loses, "the variant does not say what it shall lose"
+    for name in variant.loses:
+        assert any(key.startswith(name) for key in failed), \
+            f"{name} passed; only {sorted(failed)} failed"
+    assert variant.says in "\n".join([*failed.values(), *verdict.problems])
+    assert result.score < result.max_score
+
+
+def test_hidden_tests_differ_from_seed_to_seed():
+    from grader import samples
+
+    assert not (samples.obstacles_of_street(1, 50)[:, :3]
+                == samples.obstacles_of_street(2, 50)[:, :3]).all()
+
+
+def test_cluster_oracle_agrees_with_brute_force():
+    import numpy as np
+
+    from grader import samples
+
+    cloud = samples.without_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
+    labels = samples.cluster_labels(cloud, 0.5)
+    reach = np.linalg.norm(cloud[:, None] - cloud[None], axis=2) < 0.5
+    for _ in range(8):  # 2^8 steps reach across any cluster of 200 points
+        reach = reach @ reach
+    assert np.array_equal(reach, labels[:, None] == labels[None])
+
+
+@pytest.mark.parametrize("content, sentence", [
+    (b"", "is empty"),
+    (b"\x89PNG\r\n\x1a\n\x00\xff\xfe", "not text"),
+    (b'{"cells": [{"cell_type": "co', "not valid JSON"),
+    (b'{"nbformat": 4}', "no cells"),
+    (b'[1, 2, 3]', "no cells"),
+    (b'{"cells": 7}', "no cells"),
+    (b"[" * 100_000, "not valid JSON"),
+])
+def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, tier, tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_bytes(content)
+    verdict = judge(path, 1, tier)
+    assert verdict.score == 0
+    assert verdict.max_score == 30
+    assert sentence in verdict.problems[0]
+
+
+def test_byte_order_mark_and_old_format_are_read(tier, tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    answers = {exercise: next(variant.source for variant in variants_of(exercise)
+                              if variant.right) for exercise in ("filter_ground", "voxel_grid")}
+    text = fill_in(find_lesson("06_filter_ground"), answers)
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+    assert judge(path, 1, tier).score == 30
+    cells = [{"cell_type": "code", "input": cell["source"], "language": "python", "outputs": []}
+             for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    path.write_text(json.dumps({"nbformat": 3, "nbformat_minor": 0, "metadata": {},
+                                "worksheets": [{"cells": cells}]}), "utf-8")
+    assert judge(path, 1, tier).score == 30
+
+
+def test_one_bad_cell_does_not_cost_the_other_exercise(tier, tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    good = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
+    path.write_text(fill_in(find_lesson("06_filter_ground"), {
+        "filter_ground": "def filter_ground(cloud:\n    return", "voxel_grid": good}), "utf-8")
+    verdict = judge(path, 1, tier)
+    assert [result.score for result in verdict.exercises] == [0, 10]
+    assert "not valid Python" in verdict.problems[0]
+    assert "does not define it" in verdict.exercises[0].tests[0].message
+
+
+def test_renamed_file_is_recognised(tmp_path, tier):
+    lesson = find_lesson("06_filter_ground")
+    for name in ("Copy of 06_filter_ground (1).ipynb", "my homework.ipynb"):
+        path = tmp_path / name
+        path.write_bytes(lesson.released.read_bytes())
+        assert judge(path, 1, tier).lesson == "06_filter_ground"
+    path = tmp_path / "other.ipynb"
+    path.write_text('{"cells": [], "metadata": {}}')
+    with pytest.raises(UnknownLesson, match="which lesson"):
+        judge(path, 1, tier)
+
+
+def test_verdict_survives_the_disk(tier, tmp_path):
+    lesson = find_lesson("06_filter_ground")
+    verdict = judge(lesson.released, 1, tier)
+    write_verdict(verdict, tmp_path / "a" / "verdict.json")
+    assert read_verdict(tmp_path / "a" / "verdict.json") == verdict
+    (tmp_path / "half.json").write_text((tmp_path / "a" / "verdict.json").read_text()[:200])
+    assert read_verdict(tmp_path / "half.json") is None
+    assert read_verdict(tmp_path / "none.json") is None
+
+
+def test_key_depends_on_seed_and_content(tmp_path):
+    lesson = find_lesson("06_filter_ground")
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_bytes(lesson.released.read_bytes())
+    key = verdict_key(path, lesson, 1)
+    assert verdict_key(path, lesson, 1) == key
+    assert verdict_key(path, lesson, 2) != key
+    path.write_bytes(path.read_bytes() + b" ")
+    assert verdict_key(path, lesson, 1) != key
+
+
+def command(*arguments):
+    return subprocess.run([sys.executable, "-m", "grader", *map(str, arguments)], cwd=PROJECT,
+                          capture_output=True, text=True, timeout=300)
+
+
+def test_command_line_prints_one_json_object(tier):
+    lesson = find_lesson("06_filter_ground")
+    done = command("judge", lesson.solved, "--json", "--seed", 5, "--sandbox", tier)
+    assert done.returncode == 0, done.stderr
+    verdict = json.loads(done.stdout)
+    assert set(verdict) == {"lesson", "student", "score", "max_score", "exercises", "problems",
+                            "seconds"}
+    assert verdict["score"] == verdict["max_score"] == 30
+    assert set(verdict["exercises"][0]) == {"name", "score", "max_score", "tests"}
+    assert set(verdict["exercises"][0]["tests"][0]) == {
+        "name", "title", "passed", "score", "max_score", "message", "visible"}
+
+
+def test_command_line_says_what_is_wrong_with_a_call(tmp_path):
+    assert command("judge", tmp_path / "nothing.ipynb").returncode == 2
+    assert "There is no file" in command("judge", tmp_path / "nothing.ipynb").stderr
+    assert command("grade", "stage9_none").returncode == 2
+    assert "The stages are" in command("grade", "stage9_none").stderr
+    assert command("frobnicate").returncode == 2
+
+
+def test_grading_without_a_sandbox_is_refused(monkeypatch, capsys):
+    from grader import cli, sandbox
+
+    monkeypatch.setattr(sandbox, "_bubblewrap_complaint", lambda: "bubblewrap is not installed.")
+    lesson = find_lesson("06_filter_ground")
+    assert cli.main(["judge", str(lesson.released), "--seed", "1"]) == 2
+    assert "--sandbox process" in capsys.readouterr().err
+    assert cli.main(["judge", str(lesson.released), "--seed", "1", "--sandbox", "process"]) == 0
+    assert "WARNING: no sandbox" in capsys.readouterr().err
