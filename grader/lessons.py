@@ -16,7 +16,9 @@ from grader.paths import PROJECT
 # Modules that do a lesson's exercise. Looking up neighbours is allowed; clustering is not.
 CLUSTERING = ("sklearn.cluster", "scipy.cluster", "hdbscan", "dbscan", "open3d", "pcl")
 FORBIDDEN = {
+    "04_kd_tree": ("scipy.spatial", "sklearn.neighbors"),
     "05_euclidean_clustering": CLUSTERING,
+    "10_accelerated_clustering": CLUSTERING,
 }
 
 

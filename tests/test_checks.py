@@ -58,7 +58,7 @@ def test_check_of_a_stub_says_so(capsys):
 
 
 def test_check_of_something_else_says_what_can_be_checked():
-    with pytest.raises(LookupError, match="one of euclidean_clustering, filter_ground"):
+    with pytest.raises(LookupError, match="one of horizontal_distance, "):
         check(len)
     with pytest.raises(LookupError):
         check("filter_ground!")

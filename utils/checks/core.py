@@ -7,12 +7,23 @@ from dataclasses import dataclass
 from utils.checks.tips import tip_for
 from utils.checks.vocabulary import CheckFailed
 
-# The module that declares the checks of each exercise.
-_MODULES = {
-    "euclidean_clustering": "lesson_05",
-    "filter_ground": "lesson_06",
-    "voxel_grid": "lesson_06",
+# The lesson that asks for each exercise; `utils.checks.lesson_NN` declares its checks.
+_LESSONS = {
+    "01": ("horizontal_distance", "drop_invalid"),
+    "02": ("line_through", "point_line_distance", "ransac_line"),
+    "03": ("plane_through", "point_plane_distance", "ransac_plane", "fit_plane",
+           "iterations_needed"),
+    "04": ("KdTree", "median_order"),
+    "05": ("euclidean_clustering",),
+    "06": ("filter_ground", "voxel_grid"),
+    "07": ("filter_by_distance", "crop_region", "remove_ego_returns"),
+    "08": ("get_bounding_boxes",),
+    "09": ("filter_clusters",),
+    "10": ("euclidean_clustering_accelerated",),
+    "11": ("principal_axes", "get_oriented_boxes"),
+    "12": ("detect_obstacles", "match_boxes"),
 }
+_LESSON_OF = {exercise: number for number, exercises in _LESSONS.items() for exercise in exercises}
 _CHECKS: dict[str, list["Check"]] = {}
 
 
@@ -91,11 +102,11 @@ def checks_of(exercise):
     LookupError
         If the course has no such exercise.
     """
-    if exercise not in _MODULES:
-        known = ", ".join(sorted(_MODULES))
+    if exercise not in _LESSON_OF:
+        known = ", ".join(_LESSON_OF)
         raise LookupError(f"There are no checks for {exercise!r}. Pass the function itself, "
                           f"under the name it was given: one of {known}.")
-    importlib.import_module(f"utils.checks.{_MODULES[exercise]}")
+    importlib.import_module(f"utils.checks.lesson_{_LESSON_OF[exercise]}")
     return tuple(_CHECKS[exercise])
 
 

@@ -54,7 +54,7 @@ def as_html(outcomes):
         body = f"<b>{escape(outcome.check.title)}</b>"
         body += "".join(f"<br><i>{escape(label)}:</i> {escape(text)}"
                         for label, text in ([] if good else _details(outcome)))
-        rows.append(f"<tr><td style='width:1%;vertical-align:top;text-align:left'>"
+        rows.append(f"<tr><td style='width:6em;vertical-align:top;text-align:left'>"
                     f"{mark}</td>"
                     f"<td style='text-align:left'>{body}</td></tr>")
     return ("<table role='table' aria-label='Checks' style='width:100%;max-width:60em'>"

@@ -173,6 +173,29 @@ def assert_partition(answer, expected, cloud):
                       draw=lambda: _plots().worst(cloud, yours, expected))
 
 
+def assert_close(answer, expected, what, tolerance=TOLERANCE):
+    """The answer is an array of the expected shape and of nearly the expected values.
+
+    Parameters
+    ----------
+    answer : object
+    expected : array_like
+    what : str
+        What the numbers are, in the plural: "distances".
+    tolerance : float
+    """
+    expected = np.asarray(expected)
+    yours = as_array(answer, what=f"an array of {what}")
+    if yours.shape != expected.shape:
+        raise CheckFailed(f"The {what} have another shape than expected.",
+                          yours=f"shape {yours.shape}", expected=f"shape {expected.shape}")
+    if not np.allclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True):
+        wrong = np.count_nonzero(~np.isclose(yours, expected, rtol=0, atol=tolerance,
+                                             equal_nan=True))
+        raise CheckFailed(f"{wrong} of {expected.size} {what} are wrong.",
+                          yours=brief(yours), expected=brief(expected))
+
+
 def assert_untouched(before, after):
     """The function left its input as it was."""
     if not np.array_equal(before, after, equal_nan=True):

@@ -1,0 +1,33 @@
+"""Draw the pictures anew: ``python -m grader.pictures [05 06 ...]``."""
+
+import importlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+
+from grader.lessons import all_lessons  # noqa: E402
+
+DOTS_PER_INCH = 110
+
+
+def main(numbers):
+    """Draw the previews of the lessons with these numbers, or of all."""
+    for lesson in all_lessons():
+        number = lesson.name[:2]
+        if numbers and number not in numbers:
+            continue
+        figure = importlib.import_module(f"grader.pictures.lesson_{number}").draw()
+        path = lesson.source.parent / "pictures" / f"{number}_preview.png"
+        path.parent.mkdir(exist_ok=True)
+        # Without the version of matplotlib in it, the same picture is the same file.
+        figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
+        plt.close(figure)
+        print(f"drew {path.name}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
