@@ -8,6 +8,7 @@ from grader.lessons import all_lessons
 from grader.paths import PROJECT, Course
 from grader.variants import fill_in, variants_of
 
+DEMO = PROJECT / "demo"
 NAMES = ("ada", "bruno", "chioma", "dmitri", "elif", "farid", "greta", "hiro", "ines", "jonas",
          "kavya", "liam", "mei", "noor", "olga", "pedro", "quynh", "rosa", "sven", "tariq",
          "uma", "vera", "wanjiru", "xenia", "yusuf", "zoe")
@@ -18,7 +19,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
+sys.path.insert(0, {project!r})
 
 from grader.nbgrader_settings import configure  # noqa: E402
 
@@ -66,12 +67,13 @@ def make_class(count, hostile):
     -------
     grader.paths.Course
     """
-    course = Course(PROJECT / "demo")
+    course = Course(DEMO)
     shutil.rmtree(course.root, ignore_errors=True)
     for folder in ("solutions", "notebooks"):
         shutil.copytree(PROJECT / folder, course.root / folder,
                         ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"))
-    (course.root / "nbgrader_config.py").write_text(CONFIGURATION, "utf-8")
+    (course.root / "nbgrader_config.py").write_text(
+        CONFIGURATION.format(project=str(PROJECT)), "utf-8")
     for pupil in pretend_students(count, hostile):
         for lesson, text in pupil.notebooks.items():
             path = course.submitted / pupil.name / lesson.stage / f"{lesson.name}.ipynb"

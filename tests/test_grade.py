@@ -1,0 +1,249 @@
+"""A class, from submissions to nbgrader's gradebook and feedback."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from grader import grade, gradebook
+from grader.demo import make_class
+from grader.lessons import all_lessons, find_lesson
+from grader.paths import PROJECT, Course
+from grader.report import write_report
+from grader.variants import fill_in, variants_of
+
+LESSON = find_lesson("06_filter_ground")
+SEED = 31
+
+CONFIGURATION = """\
+import sys
+from pathlib import Path
+sys.path.insert(0, {project!r})
+from grader.nbgrader_settings import configure
+configure(get_config(), Path({root!r}))
+c = get_config()
+c.Judge.seed = {seed}
+c.Judge.sandbox = {tier!r}
+"""
+
+
+def answer(*wrong):
+    """A notebook of lesson 06: right, but for the exercises named."""
+    return fill_in(LESSON, {
+        exercise: next(variant.source for variant in variants_of(exercise)
+                       if variant.right == (exercise not in wrong))
+        for exercise in ("filter_ground", "voxel_grid")})
+
+
+def quiet(done, total, what):
+    """Report no progress."""
+
+
+@pytest.fixture
+def course(tmp_path, tier):
+    """A course of its own, with four students."""
+    made = Course(tmp_path / "course")
+    for folder in ("solutions", "notebooks"):
+        shutil.copytree(PROJECT / folder / LESSON.stage, made.root / folder / LESSON.stage,
+                        ignore=shutil.ignore_patterns("*.py", "pictures"))
+        for stray in (made.root / folder / LESSON.stage).glob("*.ipynb"):
+            if stray.stem != LESSON.name:
+                stray.unlink()
+    (made.root / "nbgrader_config.py").write_text(CONFIGURATION.format(
+        project=str(PROJECT), root=str(made.root), seed=SEED, tier=tier))
+    for student, text in {"right": answer(), "half": answer("filter_ground"),
+                          "untouched": fill_in(LESSON, {}), "broken": answer()[:5000]}.items():
+        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True)
+        path.write_text(text, "utf-8")
+    return made
+
+
+def scores_by_verdict(judged):
+    return {(submission.student, submission.lesson.stage, submission.lesson.name): verdict.score
+            for submission, verdict in judged}
+
+
+def judge_it(course, tier, workers=2):
+    return grade.judge_class(course, (), SEED, tier, workers, quiet)
+
+
+def nbgrader(course, *words):
+    return subprocess.run([sys.executable, "-m", "nbgrader", *words], cwd=course.root,
+                          capture_output=True, text=True, timeout=300)
+
+
+def test_scores_reach_the_gradebook(course, tier):
+    judged = judge_it(course, tier)
+    gradebook.enter(course, judged, SEED, tier, quiet)
+    expected = scores_by_verdict(judged)
+    assert gradebook.scores(course) == expected
+    assert expected["right", LESSON.stage, LESSON.name] == 30
+    assert 0 < expected["half", LESSON.stage, LESSON.name] < 20
+    assert expected["untouched", LESSON.stage, LESSON.name] == 0
+    assert expected["broken", LESSON.stage, LESSON.name] == 0
+
+
+@pytest.mark.slow
+def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(course, tier):
+    made = nbgrader(course, "generate_assignment", LESSON.stage, "--force")
+    assert made.returncode == 0, made.stderr
+    assert (course.root / "notebooks" / LESSON.stage / f"{LESSON.name}.ipynb").read_bytes() \
+        .strip() == LESSON.released.read_bytes().strip()
+    done = nbgrader(course, "autograde", LESSON.stage)
+    assert done.returncode == 0, done.stderr
+    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, tier))
+
+    feedback = nbgrader(course, "generate_feedback", LESSON.stage)
+    assert feedback.returncode == 0, feedback.stderr
+    page = (course.root / "feedback" / "half" / LESSON.stage / f"{LESSON.name}.html").read_text()
+    verdict = json.loads((course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json")
+                         .read_text())
+    failed = [test for exercise in verdict["exercises"] for test in exercise["tests"]
+              if not test["passed"]]
+    assert failed
+    for test in failed:
+        assert test["title"].replace("'", "&#x27;") in page or test["title"] in page
+    hidden = LESSON.tests.read_text()
+    for line in ("kept_by_hand(", "samples.", "assert_ground_removed("):
+        assert line in hidden
+        assert line not in page
+    broken = (course.root / "feedback" / "broken" / LESSON.stage / f"{LESSON.name}.html")
+    assert "not valid JSON" in broken.read_text()
+
+
+def test_second_run_judges_only_what_changed(course, tier, monkeypatch):
+    judge_it(course, tier)
+    before = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
+    path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
+    path.write_text(answer(), "utf-8")
+    judged = judge_it(course, tier)
+    changed = {path.parent.parent.name for path in before
+               if path.stat().st_mtime_ns != before[path]}
+    assert changed == {"untouched"}
+    assert scores_by_verdict(judged)["untouched", LESSON.stage, LESSON.name] == 30
+
+
+def test_gradebook_follows_a_new_submission(course, tier):
+    gradebook.enter(course, judge_it(course, tier), SEED, tier, quiet)
+    path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
+    path.write_text(answer(), "utf-8")
+    judged = judge_it(course, tier)
+    gradebook.enter(course, judged, SEED, tier, quiet)
+    assert gradebook.scores(course) == scores_by_verdict(judged)
+
+
+def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, tier):
+    path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
+    notebook = json.loads(path.read_text())
+    for cell in notebook["cells"]:
+        grading = cell["metadata"].get("nbgrader", {})
+        if grading.get("grade_id") == "test_filter_ground":
+            grading.update(points=2000, locked=False, solution=True)
+            cell["source"] = "print('all right')"
+    notebook["cells"] = [cell for cell in notebook["cells"] if cell["metadata"].get(
+        "nbgrader", {}).get("grade_id") != "test_voxel_grid"]
+    path.write_text(json.dumps(notebook))
+    judged = judge_it(course, tier)
+    gradebook.enter(course, judged, SEED, tier, quiet)
+    assert gradebook.scores(course) == scores_by_verdict(judged)
+
+
+@pytest.mark.slow
+def test_killed_in_the_middle_nothing_is_lost(course, tier):
+    for number in range(8):
+        path = course.submitted / f"more{number}" / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True)
+        path.write_text(answer(), "utf-8")
+    code = ("from pathlib import Path; from grader import grade; from grader.paths import Course;"
+            f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, {tier!r}, 2, "
+            "lambda *a: None)")
+    running = subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT, start_new_session=True)
+    deadline = time.monotonic() + 60
+    while not list(course.verdicts.rglob("*.json")) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(running.pid, signal.SIGKILL)
+    running.wait()
+    kept = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
+    assert kept
+    judged = judge_it(course, tier)
+    assert len(judged) == 12
+    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+
+
+def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
+    """Without our plugin the graded cells are ordinary nbgrader tests."""
+    import nbclient
+    import nbformat
+    from nbgrader.utils import determine_grade
+
+    for text, score in ((answer(), 20.0), (answer("filter_ground"), 0.0)):
+        whole = nbformat.reads(text, as_version=4)
+        whole.cells = [cell for cell in whole.cells if cell.cell_type == "code" and (
+            cell.source.startswith(("# Run this", "import matplotlib")) or
+            cell.metadata.get("nbgrader", {}).get("grade_id") in
+            ("filter_ground", "test_filter_ground"))]
+        nbclient.NotebookClient(whole, allow_errors=True, timeout=120, resources={
+            "metadata": {"path": str(LESSON.released.parent)}}).execute()
+        assert determine_grade(whole.cells[-1]) == (score, 20.0)
+
+
+def test_submissions_are_found_and_others_ignored(course):
+    (course.submitted / "right" / LESSON.stage / "notes.ipynb").write_text("{}")
+    (course.submitted / "right" / "stage9" / "x.ipynb").parent.mkdir()
+    found = grade.find_submissions(course)
+    assert [submission.student for submission in found] == ["broken", "half", "right", "untouched"]
+    assert grade.find_submissions(course, ["stage1_ransac"]) == []
+
+
+def test_report_tells_and_escapes(course, tier):
+    path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
+    path.write_text(fill_in(LESSON, {
+        "filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n"
+                         "    raise ValueError('<script>alert(1)</script>')\n"}), "utf-8")
+    page = write_report(course, judge_it(course, tier), 1.0).read_text("utf-8")
+    assert "<script>" not in page
+    assert "&lt;script&gt;alert(1)" in page
+    for words in ("4 students", "right", "Hardest checks", "not valid JSON"):
+        assert words in page
+
+
+@pytest.mark.slow
+def test_demo_grades_its_class(tier, monkeypatch, tmp_path, capsys):
+    from grader import cli, demo
+
+    monkeypatch.setattr(demo, "PROJECT", PROJECT)
+    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    assert cli.main(["demo", "--students", "13", "--workers", "2"]) == 0
+    shown = capsys.readouterr().out
+    assert "Report: " in shown
+    course = Course(tmp_path / "demo")
+    scores = gradebook.scores(course)
+    whole = sum(exercise.points for lesson in all_lessons() for exercise in lesson.exercises
+                if not exercise.by_hand)
+    by_student = {}
+    for (student, _, _), score in scores.items():
+        by_student[student] = by_student.get(student, 0) + score
+    assert by_student["ada"] == whole
+    assert by_student["untouched"] == by_student["cut_off"] == 0
+    if tier == "bubblewrap":
+        assert by_student["mallory"] == 0
+    assert 0 < by_student["chioma"] < whole
+    assert (course.report / "index.html").stat().st_size > 10_000
+
+
+def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):
+    from grader import demo
+
+    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    course = make_class(13, hostile=True)
+    names = {path.name for path in course.submitted.iterdir()}
+    assert len(names) == 13
+    assert {"ada", "untouched", "cut_off", "mallory"} <= names
+    assert "mallory" not in {path.name for path in make_class(13, hostile=False)
+                             .submitted.iterdir()}

@@ -1,0 +1,52 @@
+"""Every notebook runs: the solved one to its end, the student's to its first stub."""
+
+import time
+
+import nbclient
+import nbformat
+import pytest
+
+pytestmark = pytest.mark.slow
+
+LONGEST_RUN = 120  # seconds; the aim is 30, on a machine with nothing else to do
+
+
+def run(path, folder):
+    """Execute a notebook as if it lay in `folder`, errors and all."""
+    notebook = nbformat.read(path, as_version=4)
+    client = nbclient.NotebookClient(notebook, timeout=LONGEST_RUN, allow_errors=True,
+                                     resources={"metadata": {"path": str(folder)}})
+    client.execute()
+    return notebook
+
+
+def errors_of(notebook):
+    """(cell number, name of the exception) of each cell that failed."""
+    return [(number, output.ename) for number, cell in enumerate(notebook.cells)
+            if cell.cell_type == "code" for output in cell.outputs
+            if output.output_type == "error"]
+
+
+def test_solved_notebook_runs_to_its_end(lesson):
+    begin = time.perf_counter()
+    notebook = run(lesson.solved, lesson.released.parent)
+    assert errors_of(notebook) == []
+    assert time.perf_counter() - begin < LONGEST_RUN
+    noise = [output.text for cell in notebook.cells if cell.cell_type == "code"
+             for output in cell.outputs if output.get("name") == "stderr"]
+    assert noise == []
+    pictures = [output for cell in notebook.cells if cell.cell_type == "code"
+                for output in cell.outputs if "image/png" in output.get("data", {})]
+    assert len(pictures) >= 5
+    assert all(len(picture.data["image/png"]) < 400_000 for picture in pictures)
+
+
+def test_student_notebook_runs_to_its_first_stub(lesson):
+    notebook = run(lesson.released, lesson.released.parent)
+    stub = next(number for number, cell in enumerate(notebook.cells)
+                if cell.metadata.get("nbgrader", {}).get("solution"))
+    errors = errors_of(notebook)
+    assert errors
+    # Defining a stub is no error; calling it is. What comes before runs clean.
+    assert errors[0][0] > stub
+    assert errors[0][1] == "NotImplementedError"
