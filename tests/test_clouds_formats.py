@@ -1,0 +1,209 @@
+"""Choosing the format by suffix, the binary formats, and the messages of bad files.
+
+Files are put together here byte by byte, independently of the writers under test.
+"""
+
+import io
+import os
+import pickle
+import struct
+import subprocess
+import sys
+import tracemalloc
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from utils.clouds import SUFFIXES, CloudFileError, read_cloud, write_cloud
+from utils.clouds.kitti import decode_kitti
+from utils.clouds.npz import decode_npz
+
+REAL = Path(os.environ.get("REAL_CLOUDS", "/nowhere"))
+POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (0.0, 0.0, 0.0, 1.0)]
+
+
+def message_of(call, *arguments):
+    """The message of the CloudFileError that `call` has to raise."""
+    with pytest.raises(CloudFileError) as caught:
+        call(*arguments)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("columns", [3, 4])
+@pytest.mark.parametrize("rows", [0, 1, 200])
+def test_every_format_keeps_the_numbers(tmp_path, suffix, columns, rows):
+    cloud = np.random.default_rng(1).normal(size=(rows, columns)).astype(np.float32)
+    before = cloud.copy()
+    write_cloud(str(tmp_path / f"cloud{suffix}"), cloud)
+    again = read_cloud(str(tmp_path / f"cloud{suffix}"))
+    np.testing.assert_array_equal(cloud, before)
+    np.testing.assert_array_equal(again[:, :columns].astype(np.float32), cloud)
+    assert again.shape[1] == (4 if suffix == ".bin" else columns)
+    assert again.flags.writeable and again.flags.c_contiguous
+    assert [path.name for path in tmp_path.iterdir()] == [f"cloud{suffix}"]
+
+
+@pytest.mark.parametrize("suffix", [".pcd", ".npz", ".txt"])
+def test_double_precision_survives_where_the_format_can(tmp_path, suffix):
+    cloud = np.array([[1 / 3, 2 / 3, 1e-12], [np.nan, np.inf, -0.0]])
+    write_cloud(tmp_path / f"cloud{suffix}", cloud)
+    np.testing.assert_array_equal(read_cloud(tmp_path / f"cloud{suffix}"), cloud)
+
+
+def test_writing_accepts_lists_and_integers_and_refuses_the_rest(tmp_path):
+    write_cloud(tmp_path / "a.txt", [[1, 2, 3]])
+    assert (tmp_path / "a.txt").read_text() == "1.0 2.0 3.0\n"
+    assert "shape (3,)" in message_of(write_cloud, tmp_path / "b.txt", [1, 2, 3])
+    assert "(2, 5)" in message_of(write_cloud, tmp_path / "b.txt", np.zeros((2, 5)))
+    assert "array of numbers" in message_of(write_cloud, tmp_path / "b.txt", [["x", "y", "z"]])
+    assert "cannot be written" in message_of(
+        write_cloud, tmp_path / "none" / "b.txt", np.zeros((1, 3))
+    )
+    assert not (tmp_path / "b.txt").exists()
+
+
+def test_a_missing_file_says_where_it_looked_and_what_is_there(tmp_path):
+    (tmp_path / "street.pcd").touch()
+    (tmp_path / "notes.md").touch()
+    message = message_of(read_cloud, tmp_path / "cloud.txt")
+    assert "cloud.txt" in message and str(tmp_path) in message
+    assert "street.pcd" in message and "notes.md" not in message
+    assert "no cloud file there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
+
+
+def test_folders_unknown_suffixes_and_odd_names_are_explained(tmp_path):
+    assert "read_sequence" in message_of(read_cloud, tmp_path)
+    message = message_of(read_cloud, tmp_path / "cloud.las")
+    assert ".las" in message and ".pcd" in message
+    assert "no suffix" in message_of(read_cloud, "cloud")
+    assert "cannot be opened" in message_of(read_cloud, "a\0b.txt")
+    assert "cannot be opened" in message_of(read_cloud, "a" * 5000 + ".txt")
+
+
+def test_the_error_survives_a_process_pool():
+    error = pickle.loads(pickle.dumps(CloudFileError("street.txt: cut off.")))
+    assert isinstance(error, ValueError) and str(error) == "street.txt: cut off."
+
+
+def test_importing_stays_light():
+    code = "import sys, utils.clouds, utils.datasets; print(*sys.modules)"
+    modules = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not {"scipy", "pooch", "rosbags", "matplotlib", "rich", "requests"} & set(modules)
+
+
+class TestKitti:
+    def test_records_are_read(self):
+        data = b"".join(struct.pack("<4f", *point) for point in POINTS)
+        np.testing.assert_array_equal(decode_kitti(data), POINTS)
+        assert decode_kitti(data).dtype == np.float32
+        assert decode_kitti(b"").shape == (0, 4)
+
+    def test_a_cut_file_names_the_byte(self):
+        message = message_of(decode_kitti, bytes(16 * 3 + 5), "a.bin")
+        assert "a.bin, byte 48" in message and "5 bytes" in message and "3 points" in message
+
+    def test_text_is_recognised(self):
+        assert "the text '1.0 2.0" in message_of(decode_kitti, b"1.0 2.0 3.0 0.5\n" * 8)
+
+
+class TestNpz:
+    @staticmethod
+    def archive(name="cloud", value=None, raw=None, method=zipfile.ZIP_DEFLATED):
+        """An archive with one array, or with arbitrary bytes in the array's place."""
+        if raw is None:
+            stream = io.BytesIO()
+            np.lib.format.write_array(stream, np.asarray(value), allow_pickle=True)
+            raw = stream.getvalue()
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w", method) as file:
+            file.writestr(f"{name}.npy", raw)
+        return buffer.getvalue()
+
+    @staticmethod
+    def header(shape, descr="<f8"):
+        text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}"
+        text += " " * (-(len(text) + 11) % 64) + "\n"
+        return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text.encode()
+
+    @pytest.mark.parametrize("kind", ["<f4", "<f8", ">f8", "<f2", "<i4", "u1"])
+    def test_kinds_of_numbers(self, kind):
+        values = np.arange(12).reshape(3, 4).astype(kind)
+        cloud = decode_npz(self.archive(value=values))
+        np.testing.assert_array_equal(cloud, np.arange(12).reshape(3, 4))
+        assert cloud.dtype == (np.float32 if kind == "<f4" else np.float64)
+
+    def test_column_order_and_other_arrays(self):
+        values = np.asfortranarray(np.arange(12.0).reshape(4, 3))
+        np.testing.assert_array_equal(decode_npz(self.archive(value=values)), values)
+        buffer = io.BytesIO()
+        np.savez(buffer, truth=np.arange(4), cloud=values)
+        np.testing.assert_array_equal(decode_npz(buffer.getvalue()), values)
+
+    def test_other_content_is_explained(self):
+        zeros = np.zeros((2, 3))
+        assert "'points'" in message_of(decode_npz, self.archive("points", zeros))
+        assert "expected numbers" in message_of(decode_npz, self.archive(value=[["a", "b", "c"]]))
+        assert "expected numbers" in message_of(decode_npz, self.archive(value=[[None] * 3]))
+        assert "shape (3,)" in message_of(decode_npz, self.archive(value=np.zeros(3)))
+        assert "(2, 5)" in message_of(decode_npz, self.archive(value=np.zeros((2, 5))))
+        assert "intact .npz" in message_of(decode_npz, b"1 2 3\n")
+        assert "damaged" in message_of(decode_npz, self.archive(raw=b"no array"))
+
+    def test_a_pickle_is_never_loaded(self):
+        class Bomb:
+            def __reduce__(self):
+                return (pytest.fail, ("the pickle was loaded",))
+
+        raw = np.array([[Bomb()] * 3], dtype=object)
+        assert "expected numbers" in message_of(decode_npz, self.archive(value=raw))
+
+    def test_damage_is_noticed(self):
+        data = self.archive(value=np.random.default_rng(0).normal(size=(500, 4)))
+        for broken in (data[:-40], data[: len(data) // 2], data[100:]):
+            message_of(decode_npz, broken)
+        flipped = bytearray(data)
+        flipped[2000] ^= 255
+        assert "damaged" in message_of(decode_npz, bytes(flipped))
+
+    @pytest.mark.parametrize("shape", [(10**12, 4), (-1, 4), (2**62, 3), (10**30, 4), (True, 3)])
+    def test_bombs_of_announced_size(self, shape):
+        raw = self.header(shape) + bytes(96)
+        assert bounded(message_of, decode_npz, self.archive(raw=raw)) < 5e6
+
+    def test_a_bomb_of_zeros_is_not_unpacked(self):
+        zeros = bytes(200_000_000)
+        data = self.archive(raw=self.header((200_000_000 // 32, 4)) + zeros)
+        del zeros
+        assert len(data) < 400_000
+        assert bounded(message_of, decode_npz, data) < 5e6
+
+    def test_nested_header_does_not_exhaust_the_parser(self):
+        raw = self.header("(" * 9000 + ")" * 9000)
+        assert "damaged" in message_of(decode_npz, self.archive(raw=raw))
+
+
+def bounded(call, *arguments) -> int:
+    """Call, and return the most memory it held at a time, in bytes."""
+    tracemalloc.start()
+    try:
+        call(*arguments)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="REAL_CLOUDS is not set")
+def test_real_recordings_are_read():
+    first = read_cloud(REAL / "data_1" / "0000000000.pcd")
+    assert first.shape == (119_978, 4) and first.dtype == np.float32
+    np.testing.assert_allclose(first[0], [52.301, 7.3, 1.995, 0.12], atol=1e-6)
+    assert (first[:, :3] == 0).all(axis=1).sum() == 1  # the one invalid return of each frame
+    assert read_cloud(REAL / "simpleHighway.pcd").shape == (976, 3)
+    frame = read_cloud(REAL / "kitti_000008.bin")
+    assert frame.shape == (os.path.getsize(REAL / "kitti_000008.bin") // 16, 4)
+    assert np.isfinite(frame).all() and frame[:, 3].min() >= 0 and frame[:, 3].max() <= 1

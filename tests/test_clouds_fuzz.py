@@ -1,0 +1,236 @@
+"""Whatever bytes a file holds, a reader returns a cloud or raises CloudFileError.
+
+Random bytes, and small files of every format that were cut, overwritten, repeated or filled with
+extreme numbers. No warning, no other exception, and no more memory than the file justifies.
+"""
+
+import io
+import struct
+import tracemalloc
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+from rosbags.typesys import Stores, get_typestore
+
+from utils.clouds import (
+    CloudFileError,
+    read_bag,
+    read_calibration,
+    read_object_labels,
+    read_tracking_labels,
+    read_tracklets,
+)
+from utils.clouds.kitti import decode_kitti
+from utils.clouds.npz import decode_npz, encode_npz
+from utils.clouds.pcd import decode_pcd, encode_pcd
+from utils.clouds.pcd_header import ENCODINGS
+from utils.clouds.text import decode_text, encode_text
+
+CLOUD = np.random.default_rng(0).normal(scale=9, size=(12, 4)).astype(np.float32)
+CLOUD[3:6] = 0  # something that LZF and deflate can pack
+EXTREME = [
+    *(struct.pack(kind, value) for kind in ("<I", ">I") for value in (0, 1, 2**31, 2**32 - 1)),
+    *(struct.pack("<Q", value) for value in (10**12, 2**62, 2**64 - 1)),
+    *(b"0", b"-1", b"nan", b"1e999", b"1000000000000", b"9" * 400, b"\n", b"\0", b",,", b"\xff"),
+]
+
+
+def stored(**arrays) -> bytes:
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    return buffer.getvalue()
+
+
+READERS = {
+    "text": (decode_text, [encode_text(CLOUD), encode_text(CLOUD[:, :3], ","), b"x y z\n1 2 3\n"]),
+    "kitti": (decode_kitti, [CLOUD.tobytes()]),
+    "pcd": (decode_pcd, [encode_pcd(CLOUD, encoding) for encoding in ENCODINGS]),
+    "npz": (decode_npz, [encode_npz(CLOUD), stored(cloud=CLOUD.astype(float), other=CLOUD)]),
+}
+
+
+@st.composite
+def damaged(draw, files):
+    """One of some files, damaged in a few places; or bytes that were never a file."""
+    data = bytearray(draw(st.sampled_from(files) | st.binary(max_size=200)))
+    for _ in range(draw(st.integers(0, 4))):
+        first = draw(st.integers(0, len(data)))
+        last = min(len(data), first + draw(st.integers(0, 40)))
+        piece = draw(st.sampled_from(EXTREME) | st.binary(max_size=8))
+        match draw(st.sampled_from(["overwrite", "insert", "delete", "repeat", "cut"])):
+            case "overwrite":
+                data[first : first + len(piece)] = piece
+            case "insert":
+                data[first:first] = piece
+            case "delete":
+                del data[first:last]
+            case "repeat":
+                data[first:first] = data[first:last] * draw(st.integers(1, 50))
+            case "cut":
+                del data[first:]
+    return bytes(data)
+
+
+def check(read, size: int):
+    """Call a reader on a file of `size` bytes; return its cloud, or None where it refused."""
+    tracemalloc.start()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            result = read()
+    except CloudFileError as error:
+        result = None
+        assert str(error) and len(str(error)) < 1000
+    finally:
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert peak < 2_000_000 + 100 * size
+    return result
+
+
+def check_bytes(reader: str, data: bytes) -> None:
+    decode = READERS[reader][0]
+    cloud = check(lambda: decode(data, "fuzz"), len(data))
+    if cloud is not None:
+        assert cloud.ndim == 2 and cloud.shape[1] in (3, 4)
+        assert cloud.dtype in (np.float32, np.float64) and cloud.flags.writeable
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_files_of_any_content(reader):
+    @settings(max_examples=250, deadline=None)
+    @given(damaged(READERS[reader][1]))
+    def property_holds(data):
+        check_bytes(reader, data)
+
+    property_holds()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reader", READERS)
+def test_many_files_of_any_content(reader):
+    @settings(max_examples=10_000, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(damaged(READERS[reader][1]))
+    def property_holds(data):
+        check_bytes(reader, data)
+
+    property_holds()
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_files_cut_at_every_byte(reader):
+    for data in READERS[reader][1]:
+        for length in range(0, len(data), 1 + len(data) // 300):
+            check_bytes(reader, data[:length])
+
+
+WORDS = [*"013\n ,;#", "-1", "nan", "inf", "1e9", "abc", "x y z", "DATA ascii\n", "FIELDS x y z\n",
+         "SIZE 4 4 4\n", "TYPE F F F\n", "WIDTH 3\n", "POINTS 1\n"]  # fmt: skip
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.sampled_from(WORDS), max_size=30))
+def test_texts_of_likely_words(words):
+    data = " ".join(words).encode()
+    check_bytes("text", data)
+    check_bytes("pcd", data)
+
+
+CALIBRATION = b"""P2: 700 0 600 45 0 700 180 -0.3 0 0 1 0.005
+R0_rect: 1 0 0 0 1 0 0 0 1
+Tr_velo_to_cam: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27
+"""
+LABEL = b"Car 0.00 0 1.9 500 150 600 250 1.5 1.6 4.0 -2.0 1.65 9.73 -1.57\n"
+TRACKLETS = b"""<boost_serialization><tracklets><count>1</count><item><objectType>Car</objectType>
+<h>1.5</h><w>1.6</w><l>4</l><first_frame>1</first_frame><poses><count>1</count>
+<item><tx>5.0</tx><ty>1</ty><tz>-1.7</tz><rz>0.25</rz></item></poses></item></tracklets>
+</boost_serialization>"""
+
+
+@settings(max_examples=250, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=damaged([CALIBRATION, LABEL * 2, b"0 1 " + LABEL, TRACKLETS]))
+def test_labels_and_calibration_of_any_content(tmp_path_factory, data):
+    folder = tmp_path_factory.getbasetemp()
+    (folder / "good.txt").write_bytes(CALIBRATION)
+    calibration = read_calibration(folder / "good.txt")
+    path = folder / "fuzz.txt"
+    path.write_bytes(data)
+    check(lambda: read_calibration(path), len(data))
+    check(lambda: read_object_labels(path, calibration), len(data))
+    check(lambda: read_tracking_labels(path, calibration), len(data))
+    check(lambda: read_tracklets(path), len(data))
+
+
+def recording(folder, kind: str) -> bytes:
+    """The bytes of a recording of two clouds, as ROS 1 bag, SQLite or MCAP file."""
+    ros1 = kind == "bag"
+    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.LATEST)
+    cloud, field, header, time = (
+        store.types[name]
+        for name in (
+            "sensor_msgs/msg/PointCloud2",
+            "sensor_msgs/msg/PointField",
+            "std_msgs/msg/Header",
+            "builtin_interfaces/msg/Time",
+        )
+    )
+    if ros1:
+        writer = Writer1(folder / "seed.bag")
+    else:
+        plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
+        writer = Writer2(folder / "seed", version=9, storage_plugin=plugin)
+    with writer:
+        topic = writer.add_connection("/points", cloud.__msgtype__, typestore=store)
+        for moment in (1, 2):
+            message = cloud(
+                header=header(stamp=time(0, 0), frame_id="", **({"seq": 0} if ros1 else {})),
+                height=1,
+                width=len(CLOUD),
+                fields=[field(name, 4 * place, 7, 1) for place, name in enumerate("xyzi")],
+                is_bigendian=False,
+                point_step=16,
+                row_step=16 * len(CLOUD),
+                data=np.frombuffer(CLOUD.tobytes(), np.uint8),
+                is_dense=True,
+            )
+            pack = store.serialize_ros1 if ros1 else store.serialize_cdr
+            writer.write(topic, moment, pack(message, cloud.__msgtype__))
+    return next(folder.rglob(f"seed*.{kind}")).read_bytes()
+
+
+def fuzz_recordings(folder, kind: str, examples: int) -> None:
+    path = folder / f"fuzz.{kind}"
+
+    def read():
+        clouds = list(read_bag(path))
+        assert all(cloud.ndim == 2 and cloud.shape[1] in (3, 4) for cloud in clouds)
+        return clouds
+
+    seed = recording(folder, kind)
+    path.write_bytes(seed)
+    assert len(read()) == 2  # also loads rosbags before memory is counted
+
+    @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(damaged([seed]))
+    def property_holds(data):
+        path.write_bytes(data)
+        check(read, len(data))
+
+    property_holds()
+
+
+@pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
+def test_recordings_of_any_content(tmp_path, kind):
+    fuzz_recordings(tmp_path, kind, examples=60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
+def test_many_recordings_of_any_content(tmp_path, kind):
+    fuzz_recordings(tmp_path, kind, examples=2000)

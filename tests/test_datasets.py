@@ -1,0 +1,292 @@
+"""Named samples: where files are looked for, what is cached, and downloads that break off.
+
+The only server here listens on the loopback address.
+"""
+
+import hashlib
+import io
+import struct
+import threading
+import zipfile
+from dataclasses import replace
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import numpy as np
+import pytest
+
+from utils import datasets, scenes
+from utils.clouds import CloudFileError, sources, write_cloud
+from utils.clouds.download import DownloadError, download
+from utils.clouds.pcd import encode_pcd
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIDAR_LAB_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("no_proxy", "*")
+    return tmp_path / "cache"
+
+
+class TestLoadCloud:
+    def test_the_working_folder_comes_before_the_project(self, tmp_path, monkeypatch):
+        project = tmp_path / "project" / "data"
+        work = tmp_path / "work"
+        project.mkdir(parents=True)
+        work.mkdir()
+        monkeypatch.setattr(datasets, "DATA", project)
+        monkeypatch.chdir(work)
+        write_cloud(project / "cloud.txt", [[1, 1, 1]])
+        write_cloud(project / "other.pcd", [[3, 3, 3]])
+        assert datasets.load_cloud()[0, 0] == 1
+        write_cloud(work / "cloud.txt", [[2, 2, 2, 2]])
+        assert datasets.load_cloud()[0, 0] == 2
+        assert datasets.load_cloud("cloud.txt").shape == (1, 4)
+        assert datasets.load_cloud(project / "cloud.txt")[0, 0] == 1
+        assert datasets.load_cloud("other.pcd")[0, 0] == 3
+
+    def test_a_missing_file_names_both_places(self, tmp_path, monkeypatch):
+        (tmp_path / "data").mkdir()
+        monkeypatch.setattr(datasets, "DATA", tmp_path / "data")
+        monkeypatch.chdir(tmp_path)
+        write_cloud(tmp_path / "data" / "cloud.txt", [[1, 1, 1]])
+        with pytest.raises(CloudFileError) as caught:
+            datasets.load_cloud("claud.txt")
+        message = str(caught.value)
+        assert f"no such file in {tmp_path} or {tmp_path / 'data'}" in message
+        assert "cloud.txt" in message
+
+
+class TestLoadSequence:
+    def same(self, one, other):
+        for name in ("cloud", "classes", "objects", "beams", "times"):
+            left, right = getattr(one.scan, name), getattr(other.scan, name)
+            assert left.dtype == right.dtype
+            np.testing.assert_array_equal(left, right)
+        assert one.boxes == other.boxes and one.time == other.time
+
+    def test_frames_equal_the_scene_and_come_from_the_cache(self, cache, monkeypatch):
+        expected = scenes.highway(seed=3)
+        frames = datasets.load_sequence("highway", seed=3)
+        assert len(frames) == len(expected)
+        assert len(list(cache.rglob("*.npz"))) == len(expected)
+        monkeypatch.setattr(scenes, "highway", lambda seed: [None] * len(expected))
+        frames = datasets.load_sequence("highway", seed=3)
+        self.same(frames[-1], expected[-1])
+        late = frames[5:9]
+        assert len(late) == 4
+        self.same(late[1], expected[6])
+        with pytest.raises(IndexError):
+            frames[len(expected)]
+
+    @pytest.mark.parametrize("damage", ["cut", "empty", "text", "other arrays", "missing"])
+    def test_a_damaged_cache_is_made_again(self, cache, damage):
+        frames = datasets.load_sequence("highway")
+        path = frames.path(2)
+        whole = path.read_bytes()
+        if damage == "missing":
+            path.unlink()
+        elif damage == "other arrays":
+            np.savez(path, cloud=np.zeros((1, 4)))
+        else:
+            path.write_bytes({"cut": whole[:-99], "empty": b"", "text": b"hello"}[damage])
+        self.same(frames[2], scenes.highway()[2])
+        assert path.read_bytes() == whole
+        assert not [file for file in path.parent.iterdir() if file.suffix != ".npz"]
+
+    def test_without_a_writable_cache_frames_are_made(self, cache):
+        cache.write_text("a file where the folder should be")
+        self.same(datasets.load_sequence("highway")[1], scenes.highway()[1])
+
+    def test_nothing_is_printed_where_nobody_watches(self, capfd):
+        datasets.load_sequence("highway")
+        printed, errors = capfd.readouterr()
+        assert errors == "" and ("Making" in printed) == ("ipykernel" in __import__("sys").modules)
+
+    def test_an_unknown_name_lists_the_known(self):
+        with pytest.raises(ValueError, match="highway, city, cyclist"):
+            datasets.load_sequence("motorway")
+
+
+class Server:
+    """Files over HTTP on the loopback address; `breaks` cut answers, in bytes, are used up."""
+
+    def __init__(self):
+        self.files, self.breaks, self.requests, self.ranges = {}, [], [], True
+        outer = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self):
+                outer.answer(self)
+
+            def log_message(self, *_):
+                pass
+
+        self.server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        self.address = f"http://127.0.0.1:{self.server.server_port}"
+        threading.Thread(target=self.server.serve_forever, args=[0.02], daemon=True).start()
+
+    def answer(self, handler):
+        wanted = handler.headers.get("Range") if self.ranges else None
+        self.requests.append((handler.path, wanted))
+        data = self.files.get(handler.path)
+        if data is None:
+            return handler.send_error(404)
+        first = int(wanted.removeprefix("bytes=").removesuffix("-")) if wanted else 0
+        if first and first >= len(data):
+            handler.send_response(416)
+            handler.send_header("Content-Range", f"bytes */{len(data)}")
+            handler.send_header("Content-Length", "0")
+            return handler.end_headers()
+        handler.send_response(206 if wanted else 200)
+        handler.send_header("Content-Length", str(len(data) - first))
+        handler.end_headers()
+        last = first + self.breaks.pop(0) if self.breaks else len(data)
+        handler.wfile.write(data[first:last])
+
+
+@pytest.fixture
+def server():
+    server = Server()
+    yield server
+    server.server.shutdown()
+    server.server.server_close()
+
+
+class TestDownload:
+    data = np.random.default_rng(0).bytes(100_000)
+
+    def test_what_broke_off_goes_on(self, server, tmp_path):
+        server.files["/a.bin"] = self.data
+        server.breaks = [30_000, 50_000]
+        checksum = hashlib.sha256(self.data).hexdigest()
+        download(f"{server.address}/a.bin", tmp_path / "a.bin", checksum)
+        assert (tmp_path / "a.bin").read_bytes() == self.data
+        assert [wanted for _, wanted in server.requests] == [None, "bytes=30000-", "bytes=80000-"]
+        download(f"{server.address}/a.bin", tmp_path / "a.bin", checksum)
+        assert len(server.requests) == 3
+        assert [path.name for path in tmp_path.iterdir()] == ["a.bin"]
+
+    def test_the_next_session_goes_on(self, server, tmp_path):
+        server.files["/a.bin"] = self.data
+        server.breaks = [30_000, 0]
+        with pytest.raises(DownloadError, match="what has arrived is kept"):
+            download(f"{server.address}/a.bin", tmp_path / "a.bin")
+        assert (tmp_path / "a.bin.part").stat().st_size == 30_000
+        download(f"{server.address}/a.bin", tmp_path / "a.bin")
+        assert (tmp_path / "a.bin").read_bytes() == self.data
+        assert server.requests[-1] == ("/a.bin", "bytes=30000-")
+
+    def test_a_server_without_ranges_starts_again(self, server, tmp_path):
+        server.files["/a.bin"], server.ranges = self.data, False
+        (tmp_path / "a.bin.part").write_bytes(b"x" * 500)
+        download(f"{server.address}/a.bin", tmp_path / "a.bin")
+        assert (tmp_path / "a.bin").read_bytes() == self.data
+
+    @pytest.mark.parametrize("length", [100_000, 100_001])
+    def test_a_part_that_is_complete_or_too_long(self, server, tmp_path, length):
+        server.files["/a.bin"] = self.data
+        (tmp_path / "a.bin.part").write_bytes((self.data + b"x")[:length])
+        download(f"{server.address}/a.bin", tmp_path / "a.bin")
+        assert (tmp_path / "a.bin").read_bytes() == self.data
+
+    def test_errors_are_sentences(self, server, tmp_path):
+        server.files["/a.bin"] = self.data
+        with pytest.raises(DownloadError, match="404"):
+            download(f"{server.address}/b.bin", tmp_path / "b.bin")
+        with pytest.raises(DownloadError, match="checksum is wrong"):
+            download(f"{server.address}/a.bin", tmp_path / "a.bin", "0" * 64)
+        server.server.shutdown()
+        server.server.server_close()
+        with pytest.raises(DownloadError, match="Connect to the internet") as caught:
+            download(f"{server.address}/a.bin", tmp_path / "a.bin")
+        assert str(caught.value).count("\n") == 0 and caught.value.__suppress_context__
+        assert list(tmp_path.glob("*.bin")) == []
+
+
+def kitti_archives():
+    """The three zip archives of a drive of two frames."""
+    scan = struct.pack("<4f", 5, 0, -1, 0.5)
+    sync = "2011_09_26/2011_09_26_drive_0005_sync"
+    files = {
+        "calib": {"2011_09_26/calib_velo_to_cam.txt": b"R: 1\n"},
+        "tracklets": {f"{sync}/tracklet_labels.xml": b"<a><tracklets></tracklets></a>"},
+        "sync": {
+            f"{sync}/velodyne_points/data/0000000000.bin": scan,
+            f"{sync}/velodyne_points/data/0000000001.bin": scan * 2,
+            f"{sync}/image_02/data/0000000000.png": b"a picture",
+            "../outside.txt": b"not here",
+        },
+    }
+    for name, members in files.items():
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w") as archive:
+            for path, data in members.items():
+                archive.writestr(path, data)
+        prefix = "" if name == "calib" else "/2011_09_26_drive_0005"
+        day = "2011_09_26" if name == "calib" else "2011_09_26_drive_0005"
+        yield f"{prefix}/{day}_{name}.zip", buffer.getvalue()
+
+
+class TestFetchRecording:
+    @pytest.fixture
+    def city(self, server, monkeypatch):
+        """A small recording on the loopback server in the place of udacity_city."""
+        clouds = [np.full((2, 4), number, np.float32) for number in range(12)]
+        names = {f"{number}.pcd": None for number in range(12)}
+        for name, cloud in zip(names, clouds, strict=True):
+            server.files[f"/{name}"] = encode_pcd(cloud)
+        names["3.pcd"] = hashlib.sha256(server.files["/3.pcd"]).hexdigest()
+        source = replace(sources.SOURCES["udacity_city"], address=server.address, files=names)
+        monkeypatch.setitem(sources.SOURCES, "udacity_city", source)
+        return server
+
+    def test_fetched_once_with_its_licence(self, city, cache, capfd):
+        recording = datasets.fetch_recording("udacity_city")
+        printed, errors = capfd.readouterr()
+        assert "CC BY-NC-SA 3.0" in printed and errors == ""
+        assert [frame.cloud[0, 0] for frame in recording] == list(range(12))
+        assert recording[3].time == pytest.approx(0.3) and recording[3].boxes == ()
+        requests = len(city.requests)
+        again = datasets.fetch_recording("udacity_city")
+        assert len(again) == 12 and len(city.requests) == requests
+        assert capfd.readouterr().out == ""
+
+    def test_an_interrupted_recording_goes_on(self, city, cache):
+        missing = city.files.pop("/7.pcd")
+        with pytest.raises(DownloadError, match=r"7\.pcd"):
+            datasets.fetch_recording("udacity_city")
+        city.files["/7.pcd"] = missing
+        city.requests.clear()
+        assert len(datasets.fetch_recording("udacity_city")) == 12
+        assert [path for path, _ in city.requests] == [f"/{number}.pcd" for number in range(7, 12)]
+
+    def test_a_drive_is_unpacked_without_pictures(self, server, cache, monkeypatch):
+        server.files.update(kitti_archives())
+        source = replace(sources.SOURCES["kitti_0005"], address=server.address)
+        monkeypatch.setitem(sources.SOURCES, "kitti_0005", source)
+        broken = server.files["/2011_09_26_drive_0005/2011_09_26_drive_0005_sync.zip"]
+        server.files["/2011_09_26_drive_0005/2011_09_26_drive_0005_sync.zip"] = broken[:-30]
+        with pytest.raises(DownloadError, match="not an intact archive"):
+            datasets.fetch_recording("kitti_0005")
+        server.files["/2011_09_26_drive_0005/2011_09_26_drive_0005_sync.zip"] = broken
+        recording = datasets.fetch_recording("kitti_0005")
+        assert [len(frame.cloud) for frame in recording] == [1, 2]
+        names = {path.name for path in cache.rglob("*") if path.is_file()}
+        assert "calib_velo_to_cam.txt" in names
+        assert not [name for name in names if name.endswith((".png", ".zip", ".part"))]
+        assert not list(cache.parent.rglob("outside.txt"))
+
+    def test_an_unknown_name_lists_the_known(self):
+        with pytest.raises(ValueError, match="udacity_city.*kitti_0005"):
+            datasets.fetch_recording("waymo")
+
+    def test_the_public_addresses_are_the_published_ones(self):
+        urls = [
+            f"{source.address}/{name}"
+            for source in sources.SOURCES.values()
+            for name in source.files
+        ]
+        assert len(urls) == 22 + 154 + 3 + 3
+        assert len(set(urls)) == len(urls) - 1  # the two drives share the calibration of their day
+        assert urls[0].endswith("/src/sensors/data/pcd/data_1/0000000000.pcd")
+        assert all(url.startswith("https://") for url in urls)

@@ -1,0 +1,117 @@
+"""The file formats by suffix, and the two calls most people need."""
+
+import os
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .errors import CloudFileError, file_error, read_bytes, write_bytes
+from .kitti import decode_kitti, encode_kitti
+from .npz import decode_npz, encode_npz
+from .pcd import decode_pcd, encode_pcd
+from .text import decode_text, encode_text
+
+
+class Format(NamedTuple):
+    """How the bytes of a file become a cloud and back."""
+
+    decode: Callable[[bytes, str], np.ndarray]
+    encode: Callable[[np.ndarray], bytes]
+
+
+FORMATS = {
+    ".txt": Format(decode_text, encode_text),
+    ".xyz": Format(decode_text, encode_text),
+    ".csv": Format(decode_text, partial(encode_text, separator=",")),
+    ".bin": Format(decode_kitti, encode_kitti),
+    ".pcd": Format(decode_pcd, encode_pcd),
+    ".npz": Format(decode_npz, encode_npz),
+}
+SUFFIXES = tuple(FORMATS)
+
+
+def read_cloud(path: str | os.PathLike) -> np.ndarray:
+    """Read a point cloud; the file's suffix says which format it has.
+
+    Parameters
+    ----------
+    path : str or path
+        A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file.
+
+    Returns
+    -------
+    ndarray, shape (n, 3) or (n, 4)
+        x y z in metres, then intensity where the file has it. float64, or float32 where that
+        is what the file holds.
+
+    Raises
+    ------
+    CloudFileError
+        The file is missing or malformed; the message says where and what to do.
+
+    Examples
+    --------
+    >>> cloud = read_cloud("data/cloud.txt")     # doctest: +SKIP
+    >>> cloud.shape                              # doctest: +SKIP
+    (117482, 4)
+    """
+    path = Path(path)
+    if os.path.isdir(path):  # Path.is_dir raises on names that no file can have
+        raise file_error(
+            path,
+            "",
+            "this is a folder, expected a file",
+            "Read a folder of clouds with read_sequence.",
+        )
+    form = _format_of(path)
+    return form.decode(read_bytes(path, SUFFIXES), path.name)
+
+
+def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
+    """Write a point cloud; the file's suffix says in which format.
+
+    Parameters
+    ----------
+    path : str or path
+        A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file. An existing file is replaced, whole
+        or not at all.
+    cloud : array_like, shape (n, 3) or (n, 4)
+        KITTI files have four float32 columns: a missing intensity is written as 0 there.
+
+    Raises
+    ------
+    CloudFileError
+        The array is no cloud, the suffix is unknown, or the file cannot be written.
+    """
+    path = Path(path)
+    form = _format_of(path)
+    try:
+        cloud = np.asarray(cloud)
+        cloud = cloud if cloud.dtype in (np.float32, np.float64) else cloud.astype(np.float64)
+    except (TypeError, ValueError):
+        raise CloudFileError(
+            f"{path.name}: a cloud is an array of numbers, but this cannot be turned into one."
+        ) from None
+    if cloud.ndim != 2 or cloud.shape[1] not in (3, 4):
+        raise CloudFileError(
+            f"{path.name}: a cloud has shape (n, 3) or (n, 4), one row per "
+            f"point, but this array has shape {cloud.shape}."
+        )
+    write_bytes(path, form.encode(cloud))
+
+
+def _format_of(path: Path) -> Format:
+    """Look the suffix up; capital letters do not matter."""
+    try:
+        return FORMATS[path.suffix.lower()]
+    except KeyError:
+        kind = path.suffix or "no suffix"
+        raise file_error(
+            path,
+            "",
+            f"found {kind}, expected a file ending in {', '.join(SUFFIXES)}",
+            "Recordings (.bag, .db3, .mcap) are read with read_bag, folders with read_sequence.",
+        ) from None

@@ -1,0 +1,117 @@
+"""Clouds in NumPy's ``.npz`` archives, under the name ``cloud``."""
+
+import io
+import zipfile
+
+import numpy as np
+
+from .errors import CloudFileError, excerpt, file_error, listing
+
+LARGEST_RATIO = 100  # unpacked to packed bytes; real clouds stay below 10
+ALWAYS_ALLOWED = 64 << 20  # bytes that may be unpacked however well they were packed
+FORMAT_VERSIONS = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
+
+
+def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
+    """Read the array ``cloud`` from the bytes of an ``.npz`` archive.
+
+    Pickled objects are never loaded, and nothing is unpacked before the sizes announced in the
+    archive and in the array's own header agree and are plausible.
+
+    Returns
+    -------
+    ndarray, shape (n, 3) or (n, 4)
+        float32 or float64 as stored; any other kind of number becomes float64.
+
+    Raises
+    ------
+    CloudFileError
+        No archive, no such array, no numbers, another shape, or damaged data.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            return _read_member(archive, name)
+    except zipfile.BadZipFile as error:
+        raise file_error(
+            name,
+            "",
+            f"this is not an intact .npz archive ({excerpt(error, 80)})",
+            "Was the file copied completely?",
+        ) from None
+
+
+def encode_npz(cloud: np.ndarray) -> bytes:
+    """Write a cloud as a compressed ``.npz`` archive; the same cloud gives the same bytes."""
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, cloud=cloud)
+    return buffer.getvalue()
+
+
+def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
+    names = archive.namelist()
+    if "cloud.npy" not in names:
+        found = listing(repr(entry.removesuffix(".npy")) for entry in names) or "nothing"
+        raise file_error(
+            name,
+            "",
+            f"the archive holds {found}, expected an array 'cloud'",
+            "Save with np.savez_compressed(path, cloud=points).",
+        )
+    member = archive.getinfo("cloud.npy")
+    allowed = max(ALWAYS_ALLOWED, LARGEST_RATIO * member.compress_size)
+    if member.file_size > allowed:
+        raise file_error(
+            name,
+            f"byte {member.header_offset}",
+            f"{member.compress_size} bytes "
+            f"announce to unpack to {member.file_size}, which no cloud does",
+        )
+    try:
+        with archive.open(member) as stream:
+            shape, by_column, kind = _read_header(stream)
+            wanted = _checked_size(shape, kind, member.file_size - stream.tell(), name)
+            values = np.frombuffer(stream.read(wanted + 1), kind)  # + 1 to reach the checksum
+    except CloudFileError:
+        raise
+    except Exception as error:  # zlib, lzma, struct, tokenizer ...: whatever damage can provoke
+        raise file_error(
+            name,
+            "array 'cloud'",
+            f"the array is damaged ({excerpt(error, 80)})",
+            "Copy the file again from where it came from.",
+        ) from None
+    cloud = values.reshape(shape, order="F" if by_column else "C")
+    target = np.float32 if kind.kind == "f" and kind.itemsize == 4 else np.float64
+    return np.array(cloud, target, order="C")
+
+
+def _read_header(stream):
+    """Read shape, order and dtype from the header of an ``.npy`` file."""
+    version = np.lib.format.read_magic(stream)
+    if version not in FORMAT_VERSIONS:
+        raise ValueError(f"unknown .npy version {version}")
+    return FORMAT_VERSIONS[version](stream)
+
+
+def _checked_size(shape, kind: np.dtype, available: int, name: str) -> int:
+    """Return the number of bytes of the array, if it is a cloud and they are there."""
+    if kind.kind not in "fiu":
+        raise file_error(name, "array 'cloud'", f"found {excerpt(kind)}, expected numbers")
+    if len(shape) != 2 or shape[1] not in (3, 4):
+        raise file_error(
+            name,
+            "array 'cloud'",
+            f"found shape {shape}, expected (n, 3) or (n, 4), one row per point",
+        )
+    wanted = shape[0] * shape[1] * kind.itemsize
+    if shape[0] < 0 or wanted != available:
+        raise file_error(
+            name,
+            "array 'cloud'",
+            f"shape {shape} needs {wanted} bytes, the file holds {available}",
+            "Was the file copied completely?",
+        )
+    return wanted

@@ -1,0 +1,192 @@
+"""PCD, the Point Cloud Library's format, version 0.7: ascii, binary and binary_compressed.
+
+Source of the format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
+"""
+
+import struct
+
+import numpy as np
+
+from . import lzf
+from .errors import CloudFileError, excerpt, file_error
+from .pcd_header import ENCODINGS, Header, read_header
+from .text import shortest_digits
+
+ADVICE = "Was the file copied completely?"
+
+
+def decode_pcd(data: bytes, name: str = "cloud.pcd") -> np.ndarray:
+    """Read a cloud from the bytes of a PCD file.
+
+    Fields may come in any order, among others and with padding; an organised cloud is read row
+    by row. Where POINTS and WIDTH x HEIGHT disagree, the one that fits the body counts.
+    The viewpoint is not applied, as PCL does not apply it either.
+
+    Returns
+    -------
+    ndarray, shape (n, 3) or (n, 4)
+        float32, or float64 if a field is a double or a long integer.
+
+    Raises
+    ------
+    CloudFileError
+        Naming the line or byte that is not as the format wants it.
+    """
+    header = read_header(data, name)
+    body = memoryview(data)[header.start :]
+    decode = {"ascii": _ascii, "binary": _binary, "binary_compressed": _compressed}
+    return decode[header.encoding](body, header, name)
+
+
+def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
+    """Write a cloud as PCD.
+
+    Parameters
+    ----------
+    cloud : ndarray, shape (n, 3) or (n, 4), float32 or float64
+    encoding : {"binary", "ascii", "binary_compressed"}
+
+    Raises
+    ------
+    ValueError
+        Another encoding.
+    """
+    if encoding not in ENCODINGS:
+        raise ValueError(f"encoding is one of {', '.join(ENCODINGS)}, not {encoding!r}")
+    columns = cloud.shape[1]
+    kind = cloud.dtype.newbyteorder("<")
+    header = (
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+        f"FIELDS {' '.join(('x', 'y', 'z', 'intensity')[:columns])}\n"
+        f"SIZE{f' {kind.itemsize}' * columns}\nTYPE{' F' * columns}\nCOUNT{' 1' * columns}\n"
+        f"WIDTH {len(cloud)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(cloud)}\n"
+        f"DATA {encoding}\n"
+    ).encode()
+    if encoding == "ascii":
+        return header + "".join(" ".join(row) + "\n" for row in shortest_digits(cloud)).encode()
+    if encoding == "binary":
+        return header + cloud.astype(kind).tobytes()
+    by_field = cloud.astype(kind).T.tobytes()
+    packed = lzf.compress(by_field)
+    return header + struct.pack("<II", len(packed), len(by_field)) + packed
+
+
+def _ascii(body: memoryview, header: Header, name: str) -> np.ndarray:
+    lines = bytes(body).decode("latin-1").replace("\r", "").split("\n")
+    columns = sum(header.counts)
+    if not any(map(str.strip, lines)):
+        rows = np.empty((0, 0))
+    else:
+        try:
+            rows = np.loadtxt(lines, comments=None, ndmin=2)
+        except ValueError:
+            raise _faulty_line(lines, columns, header.lines, name) from None
+        if rows.shape[1] != columns:
+            raise _faulty_line(lines, columns, header.lines, name)
+    if len(rows) not in header.announced:
+        announced = " or ".join(map(str, dict.fromkeys(header.announced)))
+        raise file_error(
+            name,
+            f"line {header.lines}",
+            f"the header announces {announced} points, {len(rows)} lines follow",
+            ADVICE,
+        )
+    if not len(rows):
+        return np.empty((0, len(header.wanted)), header.precision)
+    offsets = [sum(header.counts[:field]) for field in header.wanted]
+    with np.errstate(over="ignore"):
+        return rows[:, offsets].astype(header.precision)
+
+
+def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) -> CloudFileError:
+    """Find the first line that is not so many numbers."""
+    for number, line in enumerate(lines, lines_above + 1):
+        fields = line.split()
+        try:
+            faulty = fields and len([float(field) for field in fields]) != columns
+        except ValueError:
+            faulty = True
+        if faulty:
+            return file_error(
+                name,
+                f"line {number}",
+                f"found {excerpt(line)}, expected {columns} numbers as the header says",
+                ADVICE,
+            )
+    return file_error(name, f"line {lines_above + 1}", "these are no lines of numbers")
+
+
+def _binary(body: memoryview, header: Header, name: str) -> np.ndarray:
+    for points in header.announced:
+        size = points * header.step
+        # PCL pads some files with zeros to a page; others end in a newline.
+        if len(body) < size or bytes(body[size:]).strip(b"\0\r\n"):
+            continue
+        if points == 0:
+            return np.empty((0, len(header.wanted)), header.precision)
+        fields = zip(*_fields(header), strict=True)
+        return _columns(
+            [np.ndarray(points, kind, body, offset, header.step) for kind, offset in fields],
+            header,
+        )
+    raise _wrong_size(header, f"{len(body)} bytes follow", name)
+
+
+def _compressed(body: memoryview, header: Header, name: str) -> np.ndarray:
+    if 0 in header.announced and len(body) <= 8:
+        return np.empty((0, len(header.wanted)), header.precision)
+    if len(body) < 8:
+        raise _wrong_size(header, f"{len(body)} bytes follow", name)
+    packed, unpacked = struct.unpack_from("<II", body)
+    if packed > len(body) - 8:
+        raise file_error(
+            name,
+            f"byte {header.start}",
+            f"{packed} compressed bytes are announced, {len(body) - 8} follow",
+            ADVICE,
+        )
+    points = unpacked // header.step
+    if (
+        points not in header.announced
+        or unpacked != points * header.step
+        or (unpacked > packed * lzf.LARGEST_RATIO)
+    ):
+        raise _wrong_size(header, f"{packed} bytes announce to unpack to {unpacked}", name)
+    try:
+        raw = lzf.decompress(bytes(body[8 : 8 + packed]), unpacked)
+    except ValueError as error:
+        raise file_error(
+            name,
+            f"byte {header.start + 8}",
+            f"the compressed data are damaged ({excerpt(error, 80)})",
+            ADVICE,
+        ) from None
+    fields = zip(*_fields(header), strict=True)  # field after field: offsets grow with the points
+    return _columns(
+        [np.frombuffer(raw, kind, points, offset * points) for kind, offset in fields], header
+    )
+
+
+def _fields(header: Header) -> tuple[list[np.dtype], list[int]]:
+    """Kinds of the wanted fields, and their byte offsets in one point."""
+    sizes = [kind.itemsize * count for kind, count in zip(header.kinds, header.counts, strict=True)]
+    offsets = [sum(sizes[:field]) for field in header.wanted]
+    return [header.kinds[field] for field in header.wanted], offsets
+
+
+def _columns(columns, header: Header) -> np.ndarray:
+    """Put one array per field side by side."""
+    cloud = np.empty((len(columns[0]), len(columns)), header.precision)
+    for index, column in enumerate(columns):
+        cloud[:, index] = column
+    return cloud
+
+
+def _wrong_size(header: Header, found: str, name: str) -> CloudFileError:
+    announced = " or ".join(map(str, dict.fromkeys(header.announced)))
+    return file_error(
+        name,
+        f"byte {header.start}",
+        f"the header announces {announced} points of {header.step} bytes, but {found}",
+        ADVICE,
+    )

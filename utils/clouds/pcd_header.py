@@ -1,0 +1,140 @@
+"""The head of a PCD file: which fields it has, how many points, and how they are stored."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import excerpt, file_error
+
+ENCODINGS = ("ascii", "binary", "binary_compressed")
+KINDS = {f"{letter}{size}" for letter in "IU" for size in (1, 2, 4, 8)} | {"F4", "F8"}
+INTENSITY_NAMES = ("intensity", "i", "reflectivity", "reflectance")
+LONGEST_HEADER = 1 << 16  # bytes
+
+
+@dataclass(frozen=True)
+class Header:
+    """What the head of a PCD file says about its body."""
+
+    names: tuple[str, ...]
+    kinds: tuple[np.dtype, ...]
+    counts: tuple[int, ...]
+    announced: tuple[int, ...]  # numbers of points: POINTS, WIDTH x HEIGHT; they may disagree
+    encoding: str
+    start: int  # byte where the body begins
+    lines: int  # lines above the body
+
+    @property
+    def step(self) -> int:
+        """Bytes of one point."""
+        return sum(
+            kind.itemsize * count for kind, count in zip(self.kinds, self.counts, strict=True)
+        )
+
+    @property
+    def wanted(self) -> list[int]:
+        """Which fields are x, y, z and, where there is one, intensity."""
+        intensity = [name for name in INTENSITY_NAMES if name in self.names][:1]
+        return [self.names.index(name) for name in ["x", "y", "z", *intensity]]
+
+    @property
+    def precision(self) -> np.dtype:
+        """float32, or float64 where one of the wanted fields needs it."""
+        return np.result_type(np.float32, *(self.kinds[field] for field in self.wanted))
+
+
+def read_header(data: bytes, name: str) -> Header:
+    """Read the head of the file, which ends with the line DATA.
+
+    Raises
+    ------
+    CloudFileError
+        A line is missing or says something impossible.
+    """
+    entries: dict[str, tuple[int, list[str]]] = {}
+    position = line = 0
+    while "DATA" not in entries and position < min(len(data), LONGEST_HEADER):
+        end = data.find(b"\n", position, LONGEST_HEADER)
+        end = min(len(data), LONGEST_HEADER) if end < 0 else end
+        words = data[position:end].decode("latin-1").split()
+        position, line = end + 1, line + 1
+        if words:
+            entries[words[0].upper()] = (line, words[1:])
+    for key in ("FIELDS", "SIZE", "TYPE", "DATA"):
+        if key not in entries:
+            raise file_error(
+                name,
+                "header",
+                f"there is no line {key}, expected a PCD file of version 0.7",
+                "Is it a PCD file, and was it copied completely?",
+            )
+    return _checked_header(entries, position, name)
+
+
+def _checked_header(entries, start: int, name: str) -> Header:
+    """Turn the words of the header into a `Header`, or say which line is wrong."""
+    line, words = entries["DATA"]
+    if words[:1] not in ([encoding] for encoding in ENCODINGS):
+        raise file_error(
+            name,
+            f"line {line}",
+            f"found DATA {excerpt(' '.join(words))}, expected one of {', '.join(ENCODINGS)}",
+            "Save the cloud in one of these.",
+        )
+    names = tuple(word.lower() for word in entries["FIELDS"][1])
+    for axis in "xyz":
+        if axis not in names:
+            raise file_error(
+                name,
+                f"line {entries['FIELDS'][0]}",
+                f"there is no field {axis!r} in {excerpt(' '.join(names))}, expected x, y and z",
+            )
+    sizes = _numbers(entries, "SIZE", len(names), name)
+    counts = (
+        _numbers(entries, "COUNT", len(names), name) if "COUNT" in entries else ((1,) * len(names))
+    )
+    line, types = entries["TYPE"]
+    kinds = [f"{letter.upper()}{size}" for letter, size in zip(types, sizes, strict=False)]
+    if len(types) != len(names) or not KINDS.issuperset(kinds):
+        raise file_error(
+            name,
+            f"line {line}",
+            f"found TYPE {excerpt(' '.join(types))} with SIZE "
+            f"{excerpt(' '.join(map(str, sizes)))}, expected for each of "
+            f"{len(names)} fields I or U of 1, 2, 4 or 8 bytes or F of 4 or 8",
+        )
+    if min(counts) < 1 or any(counts[names.index(axis)] != 1 for axis in "xyz"):
+        raise file_error(
+            name,
+            f"line {entries['COUNT'][0]}",
+            "found COUNT "
+            f"{excerpt(' '.join(map(str, counts)))}, expected 1 for x, y and z and "
+            "at least 1 for the others",
+        )
+    announced = [_numbers(entries, "POINTS", 1, name)[0]] if "POINTS" in entries else []
+    if "WIDTH" in entries:
+        height = _numbers(entries, "HEIGHT", 1, name)[0] if "HEIGHT" in entries else 1
+        announced.append(_numbers(entries, "WIDTH", 1, name)[0] * height)
+    if not announced:
+        raise file_error(
+            name, "header", "there is neither POINTS nor WIDTH, expected the number of points"
+        )
+    dtypes = tuple(np.dtype(kind.lower()).newbyteorder("<") for kind in kinds)
+    return Header(
+        names, dtypes, counts, tuple(announced), entries["DATA"][1][0], start, entries["DATA"][0]
+    )
+
+
+def _numbers(entries, key: str, length: int, name: str) -> tuple[int, ...]:
+    """Read `length` whole numbers from a line of the header."""
+    line, words = entries[key]
+    if len(words) != length or not all(
+        w.isascii() and w.isdecimal() and len(w) < 19 for w in words
+    ):
+        raise file_error(
+            name,
+            f"line {line}",
+            f"found {key} {excerpt(' '.join(words))}, expected "
+            f"{length} whole number{'s' * (length != 1)}",
+        )
+    return tuple(map(int, words))

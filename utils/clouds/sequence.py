@@ -1,0 +1,102 @@
+"""Folders of clouds as lazy sequences, in the order a person would count them."""
+
+import os
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .errors import file_error
+from .formats import SUFFIXES, read_cloud
+
+
+@dataclass(frozen=True)
+class CloudFolder(Sequence):
+    """The clouds of some files, read one at a time when they are asked for.
+
+    Attributes
+    ----------
+    paths : tuple of Path
+        One file per cloud, in order.
+    """
+
+    paths: tuple[Path, ...]
+
+    def __len__(self) -> int:
+        return len(self.paths)
+
+    def __getitem__(self, index):
+        """Read cloud `index`; a slice is again a lazy sequence."""
+        if isinstance(index, slice):
+            return CloudFolder(self.paths[index])
+        return read_cloud(self.paths[index])
+
+
+def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Sequence[np.ndarray]:
+    """Open a folder of clouds as a lazy sequence in natural order (frame2 before frame10).
+
+    Parameters
+    ----------
+    folder : str or path
+        Folder of .txt, .csv, .xyz, .bin, .pcd or .npz files; its subfolders are not searched.
+    suffix : str, optional
+        Which files to take, for instance ``".pcd"``; needed where there are several kinds.
+
+    Returns
+    -------
+    CloudFolder
+        Reads a cloud of shape (n, 3) or (n, 4) at each access.
+
+    Raises
+    ------
+    CloudFileError
+        No such folder, no clouds in it, or several kinds of them.
+    """
+    folder = Path(folder)
+    if folder.is_file():
+        raise file_error(
+            folder,
+            "",
+            "this is a file, expected a folder of clouds",
+            "Read one cloud with read_cloud.",
+        )
+    if not folder.is_dir():
+        raise file_error(
+            folder, "", f"there is no folder {folder.absolute()}", "Check the spelling."
+        )
+    wanted = SUFFIXES if suffix is None else (suffix.lower(),)
+    paths = sorted(
+        (
+            path
+            for path in folder.iterdir()
+            if path.suffix.lower() in wanted and not path.name.startswith(".") and path.is_file()
+        ),
+        key=natural_order,
+    )
+    kinds = Counter(path.suffix.lower() for path in paths)
+    if not paths:
+        raise file_error(
+            folder,
+            "",
+            f"no {' or '.join(wanted)} file in {folder.absolute()}",
+            "Give the folder that holds the frames themselves.",
+        )
+    if len(kinds) > 1:
+        counts = " and ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+        raise file_error(
+            folder,
+            "",
+            f"the folder holds {counts} files, expected one kind",
+            f'Choose, for instance suffix="{kinds.most_common(1)[0][0]}".',
+        )
+    return CloudFolder(tuple(paths))
+
+
+def natural_order(path: Path) -> tuple[list, str]:
+    """Sort key under which frame2 comes before frame10."""
+    pieces = re.split(r"([0-9]+)", path.name.lower())
+    numbered = [int(piece) if index % 2 else piece for index, piece in enumerate(pieces)]
+    return numbered, path.name

@@ -1,0 +1,195 @@
+"""Named samples: the course's cloud, simulated sequences, recordings from the internet."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from utils.clouds import SUFFIXES, CloudFileError, Recording, read_cloud
+from utils.clouds.errors import missing_file, write_bytes
+from utils.clouds.progress import progress
+
+DATA = Path(__file__).resolve().parent.parent / "data"
+SCENES = {"highway": "highway", "city": "city_block", "cyclist": "cyclist"}
+
+
+def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
+    """Load a point cloud: the course's own, or a file of yours.
+
+    Parameters
+    ----------
+    name : str or path
+        A file as seen from the working folder; where there is none, one in the project's
+        ``data`` folder. Any format of `utils.clouds.read_cloud`.
+
+    Returns
+    -------
+    ndarray, shape (n, 3) or (n, 4)
+        x forward, y left, z up in metres, the sensor at the origin; then intensity.
+
+    Raises
+    ------
+    CloudFileError
+        The file is in neither place, or malformed; the message says what to do.
+    """
+    path = Path(name).expanduser()
+    for folder in (Path.cwd(), DATA):  # an absolute path stays as it is
+        if os.path.exists(folder / path):
+            return read_cloud(folder / path)
+    raise missing_file(path, [Path.cwd(), DATA], SUFFIXES)
+
+
+def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
+    """Load a simulated sequence; made once with a progress bar, then read from the cache.
+
+    Parameters
+    ----------
+    name : {"highway", "city", "cyclist"}
+    seed : int
+        Another seed, another street.
+
+    Returns
+    -------
+    sequence of utils.scenes.Frame
+        Lazy: each frame, with ``cloud`` (n, 4), ``boxes``, ``time`` and the truth of every return
+        in ``scan``, is read when asked for. It equals what `utils.scenes` makes.
+
+    Raises
+    ------
+    ValueError
+        There is no sequence of this name.
+    """
+    if name not in SCENES:
+        raise ValueError(f"There is no sequence {name!r}. There are: {', '.join(SCENES)}.")
+    from utils import scenes
+
+    stream = getattr(scenes, SCENES[name])(seed=seed)
+    folder = cache_folder() / "sequences" / f"{name}-{seed}-{_simulator_version()}"
+    frames = CachedFrames(stream, folder, range(len(stream)))
+    missing = [index for index in range(len(frames)) if not frames.path(index).exists()]
+    for index in progress(missing, f"Making the sequence {name}") if missing else ():
+        if not _keep(stream[index], frames.path(index)):
+            break  # no room or no right to write: frames are made when they are asked for
+    return frames
+
+
+def fetch_recording(name: str) -> Recording:
+    """Fetch a real recording, once; interrupted, it goes on where it stopped.
+
+    Nothing of it is part of this project: its licence is shown before the first download.
+
+    Parameters
+    ----------
+    name : {"udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005"}
+
+    Returns
+    -------
+    utils.clouds.Recording
+        A lazy sequence of frames with ``cloud`` (n, 4), ``boxes`` (KITTI only) and ``time``.
+
+    Raises
+    ------
+    ValueError
+        There is no recording of this name.
+    utils.clouds.download.DownloadError
+        There is no connection, or the files are not what they should be.
+    """
+    from utils.clouds.sources import fetch
+
+    return fetch(name, cache_folder() / "recordings")
+
+
+def cache_folder() -> Path:
+    """Where made and fetched data are kept: ``LIDAR_LAB_CACHE``, or the user's cache folder."""
+    if folder := os.environ.get("LIDAR_LAB_CACHE"):
+        return Path(folder).expanduser()
+    import pooch
+
+    return Path(pooch.os_cache("lidar-obstacle-lab"))
+
+
+@dataclass(frozen=True)
+class CachedFrames(Sequence):
+    """Frames kept as files; one that is missing or damaged is made again.
+
+    Attributes
+    ----------
+    stream : sequence of utils.scenes.Frame
+        Makes the frames.
+    folder : Path
+        Holds one file for each.
+    numbers : range
+        Which frames of the stream these are.
+    """
+
+    stream: Sequence
+    folder: Path
+    numbers: range
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def __getitem__(self, index):
+        """Read frame `index`; a slice is again a lazy sequence."""
+        if isinstance(index, slice):
+            return CachedFrames(self.stream, self.folder, self.numbers[index])
+        path = self.path(index)
+        try:
+            return _read_frame(path)
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error):
+            frame = self.stream[self.numbers[index]]
+            _keep(frame, path)
+            return frame
+
+    def path(self, index: int) -> Path:
+        """Name the file of frame `index`."""
+        return self.folder / f"{self.numbers[index]:04d}.npz"
+
+
+def _simulator_version() -> str:
+    """A fingerprint of the code that makes the frames, so that a change makes them anew."""
+    code = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
+    return hashlib.sha256(code).hexdigest()[:12]
+
+
+def _keep(frame, path: Path) -> bool:
+    """Write a frame to the cache; tell whether that was possible."""
+    buffer = io.BytesIO()
+    truth = {"time": frame.time, "boxes": [asdict(box) for box in frame.boxes]}
+    arrays = {field.name: getattr(frame.scan, field.name) for field in fields(frame.scan)}
+    np.savez_compressed(buffer, truth=np.array(json.dumps(truth)), **arrays)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(path, buffer.getvalue())
+    except (OSError, CloudFileError):
+        return False
+    return True
+
+
+def _read_frame(path: Path):
+    """Read a frame that `_keep` wrote."""
+    from utils.scenes import Box, Frame
+    from utils.simulator import Scan
+
+    with np.load(path, allow_pickle=False) as arrays:
+        truth = json.loads(str(arrays["truth"]))
+        scan = Scan(**{field.name: arrays[field.name] for field in fields(Scan)})
+    boxes = (
+        Box(
+            **{
+                key: tuple(value) if isinstance(value, list) else value
+                for key, value in box.items()
+            }
+        )
+        for box in truth["boxes"]
+    )
+    return Frame(scan=scan, boxes=tuple(boxes), time=truth["time"])
