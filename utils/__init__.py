@@ -10,7 +10,10 @@ _HOME = {
     "load_cloud": "utils.datasets",
     "load_sequence": "utils.datasets",
     "fetch_recording": "utils.datasets",
+    "load_my_functions": "utils.my_functions",
     "read_cloud": "utils.clouds",
+    "read_sequence": "utils.clouds",
+    "read_bag": "utils.clouds",
     "write_cloud": "utils.clouds",
 }
 _MODULES = ("checks", "clouds", "datasets", "plots", "scenes", "scoring", "simulator")

@@ -1,0 +1,195 @@
+"""Overlap against shapely, matching against every permutation, scores against hand counts."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from shapely.geometry import Polygon
+
+from utils.scenes import Box, lesson_street
+from utils.scoring import (
+    Score,
+    TrackedFrame,
+    match,
+    plane_iou,
+    score_boxes,
+    score_stream,
+    space_iou,
+)
+
+
+def corners(x=0.0, y=0.0, z=0.0, length=4.0, width=2.0, height=1.5, yaw=0.0):
+    return Box((x, y, z), (length, width, height), yaw, "car", 1).corners
+
+
+def random_boxes(rng, count, spread=4.0):
+    return np.array([
+        corners(*rng.uniform(-spread, spread, 3), *rng.uniform(0.2, 5, 3), rng.uniform(-4, 4))
+        for _ in range(count)
+    ])
+
+
+def shapely_iou(box, other, space):
+    first, second = Polygon(box[:4, :2]), Polygon(other[:4, :2])
+    shared = first.intersection(second).area
+    sizes = [first.area, second.area]
+    if space:
+        low, high = max(box[0, 2], other[0, 2]), min(box[4, 2], other[4, 2])
+        shared *= max(high - low, 0.0)
+        sizes = [sizes[0] * (box[4, 2] - box[0, 2]), sizes[1] * (other[4, 2] - other[0, 2])]
+    return shared / (sum(sizes) - shared)
+
+
+@pytest.mark.parametrize("overlap", [plane_iou, space_iou])
+def test_overlap_is_what_shapely_says(overlap):
+    rng = np.random.default_rng(0)
+    boxes, others = random_boxes(rng, 60), random_boxes(rng, 50)
+    expected = [[shapely_iou(a, b, overlap is space_iou) for b in others] for a in boxes]
+    assert np.count_nonzero(expected) > 300
+    assert_allclose(overlap(boxes, others), expected, atol=1e-9)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.tuples(*[st.sampled_from([-2.0, -1.0, 0.0, 1e-7, 1.0, 2.0, 4.0])] * 2),
+    st.tuples(*[st.sampled_from([1.0, 2.0, 2.0 + 1e-9, 4.0])] * 2),
+    st.sampled_from([0.0, 1e-9, np.pi / 4, np.pi / 2, np.pi / 2 + 1e-12, 0.3]),
+    st.sampled_from([0.0, 1.0, 1e5]),
+)
+def test_overlap_survives_shared_edges_corners_and_rounding(shift, size, yaw, far):
+    one = corners(far, far, yaw=yaw)[None]
+    other = corners(far + shift[0], far + shift[1], 0.0, *size, yaw=0.0)[None]
+    local_one, local_other = one - (far, far, 0), other - (far, far, 0)
+    expected = shapely_iou(local_one[0], local_other[0], False)
+    assert_allclose(plane_iou(one, other)[0, 0], expected, atol=1e-6 if far < 10 else 1e-4)
+
+
+def test_overlaps_that_can_be_worked_out_by_hand():
+    square = corners(0, 0, 0, 2, 2, 2)[None]
+    assert_allclose(plane_iou(square, square), 1.0)
+    assert_allclose(space_iou(square, square), 1.0)
+    assert_allclose(plane_iou(square, square + (1, 0, 0)), 1 / 3)
+    assert_allclose(space_iou(square, square + (1, 0, 1)), 1 / 7)
+    assert_allclose(plane_iou(square, square + (1, 0, 9)), 1 / 3)
+    assert_allclose(space_iou(square, square + (0, 0, 9)), 0.0)
+    assert_allclose(plane_iou(square, square + (2, 0, 0)), 0.0, atol=1e-12)
+    # Two squares, one turned by an eighth of a circle, share a regular octagon.
+    octagon = 8 * (np.sqrt(2) - 1)
+    turned = corners(0, 0, 0, 2, 2, 2, np.pi / 4)[None]
+    assert_allclose(plane_iou(square, turned), octagon / (8 - octagon))
+
+
+def test_the_order_of_floor_and_roof_corners_does_not_matter():
+    rng = np.random.default_rng(3)
+    boxes, others = random_boxes(rng, 20), random_boxes(rng, 20)
+    mixed = np.array([
+        np.vstack([box[:4][rng.permutation(4)], box[4:][rng.permutation(4)]]) for box in boxes
+    ])
+    assert_allclose(space_iou(mixed, others), space_iou(boxes, others), atol=1e-12)
+
+
+def test_boxes_along_the_axes_may_come_as_the_lesson_orders_their_corners():
+    bits = np.arange(8)
+    corner = np.column_stack([bits & 1, bits >> 1 & 1, bits >> 2]) * (4.0, 2.0, 1.5)
+    assert_allclose(space_iou(corner[None], corners(2, 1, 0.75)[None]), 1.0)
+
+
+@pytest.mark.parametrize("overlap", [plane_iou, space_iou])
+def test_no_boxes_and_flat_boxes_overlap_with_nothing(overlap):
+    some, none = random_boxes(np.random.default_rng(1), 3), np.zeros((0, 8, 3))
+    assert overlap(none, some).shape == (0, 3)
+    assert overlap(some, none).shape == (3, 0)
+    assert overlap([], []).shape == (0, 0)
+    line, point = corners(width=0.0)[None], corners(length=0.0, width=0.0, height=0.0)[None]
+    for flat in (line, point):
+        assert_allclose(overlap(flat, corners()[None]), 0.0)
+        assert_allclose(overlap(flat, flat), 0.0)
+
+
+@pytest.mark.parametrize("shape", [(8, 3), (2, 4, 2), (2, 3, 8)])
+def test_what_is_no_array_of_boxes_is_refused(shape):
+    with pytest.raises(ValueError, match=r"\(N, 8, 3\)"):
+        plane_iou(np.ones(shape), np.ones((1, 8, 3)))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_matching_is_the_best_of_all_permutations(seed):
+    rng = np.random.default_rng(seed)
+    overlaps = rng.random((4, 5)) * (rng.random((4, 5)) < 0.7)
+    partners = match(overlaps, 0.4)
+    paired = np.flatnonzero(partners >= 0)
+    assert len(set(partners[paired])) == len(paired)
+    assert np.all(overlaps[paired, partners[paired]] >= 0.4)
+    worth = np.where(overlaps >= 0.4, overlaps, 0.0)
+    best = max(worth[range(4), order].sum() for order in permutations(range(5), 4))
+    assert_allclose(overlaps[paired, partners[paired]].sum(), best)
+
+
+def test_matching_nothing():
+    assert match(np.zeros((0, 3))).shape == (0,)
+    assert match(np.zeros((2, 0))).tolist() == [-1, -1]
+    assert match(np.zeros((2, 2)), 0.0).tolist() == [-1, -1]
+
+
+def test_scores_of_a_frame_by_hand():
+    truth = np.array([corners(0), corners(10), corners(20)])
+    found = np.array([corners(0.2), corners(13), corners(20, 0.1), corners(20, 0.3)])
+    score = score_boxes(found, truth)
+    assert score == Score(2, 2, 1)
+    assert (score.precision, score.recall) == (0.5, 2 / 3)
+    assert_allclose(score.f1, 2 * 0.5 * (2 / 3) / (0.5 + 2 / 3))
+    assert score + score == Score(4, 4, 2)
+    # One roof floats above the other: the same in the plane, apart in space.
+    lifted = truth + (0, 0, 5.0)
+    assert score_boxes(lifted, truth).f1 == 1.0
+    assert score_boxes(lifted, truth, overlap=space_iou).f1 == 0.0
+
+
+def test_scores_of_nothing():
+    none, some = np.zeros((0, 8, 3)), corners()[None]
+    assert (score_boxes(none, none).precision, score_boxes(none, none).f1) == (1.0, 1.0)
+    assert (score_boxes(none, some).recall, score_boxes(none, some).f1) == (0.0, 0.0)
+    assert (score_boxes(some, none).precision, score_boxes(some, none).f1) == (0.0, 0.0)
+
+
+def test_the_true_boxes_of_a_street_score_full_marks():
+    boxes = np.array([box.corners for box in lesson_street().boxes if box.kind != "foliage"])
+    assert score_boxes(boxes, boxes[::-1], 0.99, space_iou) == Score(len(boxes))
+
+
+def tracked(truth, found):
+    """A frame from dictionaries name: x."""
+    return TrackedFrame(
+        np.array([corners(x) for x in found.values()]), tuple(found),
+        np.array([corners(x) for x in truth.values()]), tuple(truth),
+    )
+
+
+def test_a_faithful_tracker_never_switches():
+    frames = [tracked({1: t, 2: 20 - t}, {7: 20 - t, 8: t + 0.1}) for t in range(8)]
+    assert score_stream(frames) == Score(16, 0, 0, 0)
+
+
+def test_each_change_of_label_is_one_switch():
+    frames = [
+        tracked({1: 0, 2: 10}, {7: 0, 8: 10}),
+        tracked({1: 0, 2: 10}, {8: 0, 7: 10}),  # both swapped
+        tracked({1: 0, 2: 10}, {8: 0}),  # one missed
+        tracked({1: 0, 2: 10}, {8: 0, 9: 10}),  # found again under a new label
+    ]
+    assert score_stream(frames) == Score(7, 0, 1, 3)
+
+
+def test_a_label_that_can_be_kept_is_kept():
+    # Label 8 overlaps a little more, but 7 followed the thing before and still fits.
+    frames = [tracked({1: 0}, {7: 0}), tracked({1: 0}, {7: 0.4, 8: 0.1})]
+    assert score_stream(frames) == Score(2, 1, 0, 0)
+
+
+def test_streams_of_nothing():
+    assert score_stream([]) == Score()
+    empty = TrackedFrame(np.zeros((0, 8, 3)), (), np.zeros((0, 8, 3)), ())
+    assert score_stream([empty, tracked({1: 0}, {}), tracked({}, {3: 0})]) == Score(0, 1, 1)
