@@ -25,20 +25,23 @@ HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b
 
 
 def build():
-    """Write every notebook.
+    """Write every notebook and remove those that have no source.
 
     Returns
     -------
-    list of pathlib.Path
-        The files that changed.
+    list of (str, pathlib.Path)
+        What was done, "wrote" or "removed", to which file.
     """
-    changed = []
+    done = []
     for path, text in build_all().items():
         if not path.exists() or path.read_bytes() != text:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(text)
-            changed.append(path)
-    return changed + [path for path in _strays() if path.unlink() is None]
+            done.append(("wrote", path))
+    for path in _strays():
+        path.unlink()
+        done.append(("removed", path))
+    return done
 
 
 def check():
@@ -56,6 +59,8 @@ def check():
     faults += [f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
                for path in _strays()]
     for lesson in all_lessons():
+        if b"](pictures/" in built[lesson.solved]:
+            faults.append(f"{lesson.name} shows a picture that is not there. Run: make pictures")
         faults += [f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: "
                    f"{line!r}" for line in leaks(built[lesson.solved], built[lesson.released])]
     return faults
@@ -165,6 +170,8 @@ def _common_cell(tag, lesson):
 def _attach_pictures(cell, folder):
     """Put pictures into the notebook itself, so that it can travel alone."""
     for name in dict.fromkeys(re.findall(r"\]\(pictures/([\w.-]+\.png)\)", cell.source)):
+        if not (folder / "pictures" / name).exists():
+            continue  # a new lesson: its picture is drawn with its own solution
         data = base64.b64encode((folder / "pictures" / name).read_bytes()).decode()
         cell.setdefault("attachments", {})[name] = {"image/png": data}
         cell.source = cell.source.replace(f"(pictures/{name})", f"(attachment:{name})")

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from grader.lessons import stages
-from grader.paths import Course
+from grader.paths import PROJECT, Course
 from grader.sandbox import UNPROTECTED, SandboxUnavailable, choose_tier
 
 GOOD, WRONG_CALL, FAULT = 0, 2, 1
@@ -102,10 +102,10 @@ def run_build(options):
         faults = build.check()
         print("\n".join(faults) if faults else "Every notebook is what its source says.")
         return FAULT if faults else GOOD
-    changed = build.build()
-    for path in changed:
-        print(f"wrote {path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path}")
-    if not changed:
+    done = build.build()
+    for what, path in done:
+        print(what, path.relative_to(PROJECT))
+    if not done:
         print("Every notebook is what its source says.")
     return GOOD
 

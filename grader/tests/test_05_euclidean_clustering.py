@@ -45,13 +45,16 @@ def test_other_thresholds(student, seed):
 @hidden("euclidean_clustering", weight=4, title="Long winding chains stay whole",
         hint="Every point that gets a label must be asked for its own neighbours.")
 def test_long_chain(student, seed):
-    # A spiral of 1500 points: too long for recursion, and its turns pass close to each other.
-    rng = np.random.default_rng(seed)
-    angle = np.cumsum(np.full(1500, 0.3) / (2.0 + 0.02 * np.arange(1500)))
-    radius = 2.0 + 1.2 * angle / np.pi
-    spiral = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle])
-    cloud = np.vstack([spiral, spiral[:40] + [0, 0, 5]])
-    assert_clusters(student, cloud[rng.permutation(len(cloud))])
+    # A spiral of 1500 points, 0.4 m apart, its turns 1.3 m apart. It begins at its inner end,
+    # so whoever recurses must go 1500 calls deep.
+    angle, points = 0.0, []
+    for _ in range(1500):
+        radius = 2.0 + 1.3 * angle / (2 * np.pi)
+        points.append([radius * np.cos(angle), radius * np.sin(angle), 0.0])
+        angle += 0.4 / radius
+    spiral = np.array(points)
+    others = np.random.default_rng(seed).permutation(np.vstack([spiral[1:], spiral[:40] + 5.0]))
+    assert_clusters(student, np.vstack([spiral[:1], others]))
 
 
 @hidden("euclidean_clustering", weight=3, title="The order, place and turn of the cloud do not "
