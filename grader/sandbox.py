@@ -5,14 +5,16 @@ private /tmp, its own process table and no privileges. *process* is an ordinary 
 resource limits: for a student's own machine and for the demo, never for strangers' code.
 """
 
+import contextlib
 import functools
-import importlib.util
 import itertools
 import os
 import secrets
 import shutil
+import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +25,7 @@ from grader.paths import PROJECT
 INSIDE = Path(__file__).resolve().parent / "inside"
 TIERS = ("bubblewrap", "process")
 MEBIBYTE = 2**20
+SECONDS_BETWEEN_LOOKS = 0.2
 
 UNPROTECTED = (
     "WARNING: no sandbox (--sandbox process). Submitted code runs as you: it can read and delete "
@@ -39,7 +42,8 @@ class Limits:
     """What a student's process may use.
 
     Seconds are of wall-clock time: for the notebook's own cells, for one call, and for
-    everything together. `restarts` is how often the process may die or hang before the rest
+    everything together. Bytes of `memory` are for one process, of `total_memory` for it and
+    all it starts. `restarts` is how often the process may die or hang before the rest
     of its tests are given up.
     """
 
@@ -48,6 +52,7 @@ class Limits:
     total_seconds: float = 180.0
     restarts: int = 3
     memory: int = 3072 * MEBIBYTE
+    total_memory: int = 6144 * MEBIBYTE
     processes: int = 48
     file_size: int = 32 * MEBIBYTE
     temporary_space: int = 64 * MEBIBYTE
@@ -74,16 +79,51 @@ class Worker:
     process: subprocess.Popen
     read_end: int
     write_end: int
-    user: int | None = field(default=None)
+    _stopped: threading.Event = field(default_factory=threading.Event)
 
     def stop(self):
         """Kill the worker and all it started; return its exit code."""
-        self.process.kill()
+        self._stopped.set()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
         code = self.process.wait()
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
         return code
+
+    def watch_memory(self, limit):
+        """Kill the worker when all its processes together take more than `limit` bytes."""
+        def watch():
+            while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
+                if memory_of_tree(self.process.pid) > limit:
+                    self.process.kill()
+                    return
+        threading.Thread(target=watch, daemon=True).start()
+
+
+def memory_of_tree(pid):
+    """Bytes that a process and its descendants have mapped.
+
+    Mapped and not used, because used memory can hide: pages shared by two processes may be
+    in the page tables of neither.
+
+    Parameters
+    ----------
+    pid : int
+
+    Returns
+    -------
+    int
+        0 where there is no such process or no /proc.
+    """
+    try:
+        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[0])
+        children = [child for path in Path(f"/proc/{pid}/task").glob("*/children")
+                    for child in path.read_text().split()]
+    except OSError:  # it has just ended
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE") + sum(map(memory_of_tree, children))
 
 
 def choose_tier(wish="auto"):
@@ -151,6 +191,8 @@ def start_worker(tier, limits, forbidden=()):
     """
     their_read, our_write = os.pipe()
     our_read, their_write = os.pipe()
+    for end in (our_read, our_write):
+        os.set_blocking(end, False)
     python = [sys.executable, "-I", "-B", str(INSIDE / "worker.py"),
               str(their_read), str(their_write)]
     if tier == "bubblewrap":
@@ -165,24 +207,44 @@ def start_worker(tier, limits, forbidden=()):
     finally:
         os.close(their_read)
         os.close(their_write)
+    worker = Worker(process, our_read, our_write)
+    rules = {"user": _unused_user() if tier == "bubblewrap" and _is_root() else None,
+             "limits": limits.resources(tier), "forbidden": list(forbidden),
+             "search_path": [str(PROJECT)]}
     try:
-        wire.receive(our_read, time.monotonic() + 60)
+        deadline = time.monotonic() + 60
+        wire.send(our_write, rules, deadline)
+        wire.receive(our_read, deadline)
     except (wire.WireClosed, wire.WireTimeout):
         process.kill()
-        complaint = process.communicate()[1].decode(errors="replace").strip()[-500:]
+        complaint = process.stderr.read().decode(errors="replace").strip()[-500:]
+        worker.stop()
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
-    # A user of its own for each worker: root is exempt from limits on processes, and limits
-    # are counted by user.
-    alone = tier == "bubblewrap" and os.geteuid() == 0
-    user = 2**20 + secrets.randbelow(2**30) if alone else None
-    return Worker(process, our_read, our_write, user)
+    worker.watch_memory(limits.total_memory)
+    return worker
+
+
+def _is_root():
+    """True for a root who can become other users; in some containers it is the only one."""
+    return os.geteuid() == 0 and _number_of_users() >= 2**16
+
+
+def _unused_user():
+    """A user of its own for each worker: limits are counted by user and do not bind root."""
+    count = _number_of_users()
+    return count // 2 + secrets.randbelow(count // 2 - 2)
+
+
+def _number_of_users():
+    first, _, count = map(int, Path("/proc/self/uid_map").read_text().splitlines()[0].split())
+    return count if first == 0 else 0
 
 
 def _walls(limits):
     """The bubblewrap command up to what is seen through it."""
     options = ["--unshare-net", "--unshare-pid", "--unshare-ipc", "--unshare-uts",
                "--unshare-cgroup-try", "--die-with-parent", "--new-session"]
-    if os.geteuid() == 0:
+    if _is_root():
         # Real root in a user namespace stays real root for resource limits; so no namespace,
         # and the worker leaves root for an unused user before it reads a line of the student.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
@@ -211,20 +273,20 @@ def _windows(forbidden):
                                      for path in sorted(parents, key=len))))
     options += itertools.chain(*(("--ro-bind", path, path) for path in dict.fromkeys(shown)))
     for module in forbidden:
-        folder = _folder_of(module)
-        if folder:
-            options += ["--tmpfs", str(folder), "--remount-ro", str(folder)]
+        for folder in _folders_of(module):
+            options += ["--tmpfs", folder, "--remount-ro", folder]
     return options
 
 
 @functools.cache
-def _folder_of(module):
-    package, *rest = module.split(".")
-    found = importlib.util.find_spec(package)
-    if not found or not found.submodule_search_locations:
-        return None
-    folder = Path(found.submodule_search_locations[0], *rest)
-    return folder if folder.is_dir() else None
+def _folders_of(module):
+    """Every folder of a module that can be seen inside; the system's Python may have it too."""
+    libraries = [Path(root, name) for root in (sys.prefix, sys.base_prefix, "/usr", "/usr/local")
+                 for name in ("lib", "lib64")]
+    pattern = f"python*/*-packages/{module.replace('.', '/')}"
+    return tuple(dict.fromkeys(
+        str(folder) for library in libraries if not library.is_symlink()
+        for folder in library.glob(pattern) if folder.is_dir()))
 
 
 def _environment(tier):

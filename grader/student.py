@@ -11,6 +11,9 @@ import time
 from grader import sandbox
 from grader.inside import wire
 
+LONGEST_TEXT = 500
+MOST_PROBLEMS = 20
+
 
 class StudentError(Exception):
     """A student's function raised; `str()` is the sentence to show."""
@@ -85,7 +88,8 @@ class Student:
         reply = self._exchange(f"{name} did not answer within {{seconds:.0f}} seconds; "
                                "is there a loop that never ends?",
                                self._limits.call_seconds, request)
-        if not isinstance(reply, dict) or reply.get("id") != self._calls:
+        number = reply.get("id") if isinstance(reply, dict) else None
+        if type(number) is not int or number != self._calls:
             self._stop(f"{name} did not answer the question that was asked")
         if "error" in reply:
             raise StudentError(name, *_read_error(reply["error"]))
@@ -106,13 +110,11 @@ class Student:
         seconds = self._limits.start_seconds
         too_slow = "The notebook's own cells did not finish within {seconds:.0f} seconds."
         found = self._exchange(too_slow, seconds, {
-            "cells": self._cells, "names": list(self._names),
-            "forbidden": list(self._forbidden), "search_path": [str(sandbox.PROJECT)],
-            "limits": self._limits.resources(self._tier), "user": self._worker.user})
+            "cells": self._cells, "names": list(self._names)})
         failed = self._exchange(too_slow, seconds)
         if not (isinstance(found, dict) and isinstance(failed, dict)):
             self._stop("The notebook's own cells broke off the conversation with the judge.")
-        self._missing = set(_texts(failed.get("missing")))
+        self._missing = {name for name in self._names if name in _texts(failed.get("missing"))}
         if first_time:
             self.problems += _texts(found.get("problems")) + _texts(failed.get("problems"))
 
@@ -161,7 +163,7 @@ def _why_it_ended(code):
 def _read_error(error):
     if not isinstance(error, dict):
         return "Exception", "", None
-    texts = [str(error.get(key) or "")[:500] for key in ("type", "message", "place")]
+    texts = [_readable(error.get(key) or "") for key in ("type", "message", "place")]
     return texts[0] or "Exception", texts[1], texts[2] or None
 
 
@@ -172,10 +174,19 @@ def _apply_changes(changed, arguments):
             continue
         ours = arguments[position]
         if hasattr(ours, "shape") and getattr(value, "shape", None) == ours.shape:
-            ours[...] = value
+            if ours.flags.writeable:
+                ours[...] = value
         elif isinstance(ours, list) and isinstance(value, list):
             ours[:] = value
 
 
 def _texts(values):
-    return [str(value)[:500] for value in values] if isinstance(values, list) else []
+    """A stranger's list of sentences, of which the first few are enough."""
+    return [_readable(value) for value in values[:MOST_PROBLEMS]] \
+        if isinstance(values, list) else []
+
+
+def _readable(value):
+    """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
+    text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

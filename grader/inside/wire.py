@@ -16,15 +16,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-PLAIN_KINDS = "biuf"
+PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
-MAXIMUM_ARRAYS = 256 * 2**20
+MAXIMUM_ARRAYS = 32 * 2**20
 MAXIMUM_DEPTH = 60
+MAXIMUM_DIMENSIONS = 16
+_SCALARS = (type(None), bool, int, float, str, np.generic)
 _HEADER = struct.Struct(">II")
 
 
 class WireError(Exception):
     """What came over the pipe is not a message."""
+
+
+class TooLarge(Exception):
+    """A value is larger than any answer can be."""
 
 
 class WireTimeout(Exception):
@@ -53,13 +59,16 @@ def encode(value):
     Returns
     -------
     bytes
+
+    Raises
+    ------
+    TooLarge
     """
-    arrays = []
-    tree = json.dumps(_to_tree(value, arrays, 0), separators=(",", ":")).encode()
-    blob = b"".join(arrays)
-    if len(tree) > MAXIMUM_TREE or len(blob) > MAXIMUM_ARRAYS:
-        tree, blob = json.dumps({"too large": type(value).__name__}).encode(), b""
-    return _HEADER.pack(len(tree), len(blob)) + tree + blob
+    blob = bytearray()
+    tree = json.dumps(_to_tree(value, blob, 0), separators=(",", ":")).encode()
+    if len(tree) > MAXIMUM_TREE:
+        raise TooLarge
+    return b"".join((_HEADER.pack(len(tree), len(blob)), tree, blob))
 
 
 def decode(tree, blob):
@@ -67,7 +76,7 @@ def decode(tree, blob):
 
     Parameters
     ----------
-    tree, blob : bytes
+    tree, blob : bytes or bytearray
 
     Returns
     -------
@@ -80,107 +89,174 @@ def decode(tree, blob):
         If the bytes are not what `encode` writes.
     """
     try:
-        return _from_tree(json.loads(tree), memoryview(blob), 0)
+        return _from_tree(json.loads(tree), _Blob(blob), 0)
     except WireError:
         raise
     except Exception as error:  # hostile bytes may break json or numpy in any way they like
         raise WireError(f"not a message: {type(error).__name__}") from None
 
 
-def _to_tree(value, arrays, depth):
+def _to_tree(value, blob, depth):
     if depth > MAXIMUM_DEPTH:
         return {"opaque": "a very deeply nested value"}
     if value is None or isinstance(value, (bool, str)):
         return str(value) if isinstance(value, str) else value
     if isinstance(value, np.ndarray):
-        return _array_to_tree(np.asarray(value), arrays, depth)
+        return _array_to_tree(np.asarray(value), blob, depth)
     if isinstance(value, np.generic):
-        return _to_tree(value.item(), arrays, depth) if value.dtype.kind in PLAIN_KINDS + "U" \
-            else {"opaque": type(value).__name__}
+        if isinstance(value, np.longdouble):
+            return float(value)  # its `item()` is itself
+        plain = value.dtype.kind in "biufU"
+        return _to_tree(value.item() if plain else Opaque(type(value).__name__), blob, depth)
     if isinstance(value, int):
-        return int(value) if abs(value) < 2**63 else {"opaque": "an integer beyond 64 bits"}
+        return int(value) if _is_small(value) else {"opaque": "an integer beyond 64 bits"}
     if isinstance(value, float):
         return float(value)
-    if isinstance(value, (list, tuple, set, frozenset)):
-        name = next(kind.__name__ for kind in (list, tuple, set, frozenset)
-                    if isinstance(value, kind))
-        return {"set" if name == "frozenset" else name:
-                [_to_tree(item, arrays, depth + 1) for item in value]}
-    if isinstance(value, dict):
-        return {"dict": [[_to_tree(key, arrays, depth + 1), _to_tree(item, arrays, depth + 1)]
-                         for key, item in value.items()]}
+    if isinstance(value, (list, tuple)):
+        return {"list" if isinstance(value, list) else "tuple":
+                [_to_tree(item, blob, depth + 1) for item in value]}
+    if isinstance(value, (set, frozenset, dict)):
+        return _keyed_to_tree(value, blob, depth)
     if isinstance(value, Opaque):
         return {"opaque": value.type_name}
     if hasattr(value, "__array__"):  # a pandas or torch user answers correctly too
-        return _array_to_tree(np.asarray(value), arrays, depth)
+        return _array_to_tree(np.asarray(value), blob, depth)
     return {"opaque": type(value).__name__[:100]}
 
 
-def _array_to_tree(array, arrays, depth):
-    if array.dtype.kind not in PLAIN_KINDS or array.dtype.itemsize > 8:
+def _keyed_to_tree(value, blob, depth):
+    # Scalars only: a stranger can make a million tuples with one hash, and a set of those
+    # would take the other end hours to build.
+    name = "dict" if isinstance(value, dict) else "set"
+    if not all(isinstance(key, _SCALARS) for key in value):
+        return {"opaque": f"a {name} of more than numbers and texts"}
+    if name == "set":
+        return {"set": [_to_tree(item, blob, depth + 1) for item in value]}
+    return {"dict": [[_to_tree(key, blob, depth + 1), _to_tree(item, blob, depth + 1)]
+                     for key, item in value.items()]}
+
+
+def _array_to_tree(array, blob, depth):
+    if array.dtype == np.longdouble:
+        array = array.astype(float)
+    little = array.dtype.newbyteorder("<")
+    if len(blob) + array.nbytes > MAXIMUM_ARRAYS:
+        raise TooLarge
+    if little.str not in PLAIN_TYPES or not _is_possible(array.shape):
         if array.dtype.kind in "OU" and array.size < 1_000_000:
-            return _to_tree(array.tolist(), arrays, depth + 1)
+            return _to_tree(array.tolist(), blob, depth + 1)
         return {"opaque": f"an array of {array.dtype}"[:100]}
-    data = np.ascontiguousarray(array).astype(array.dtype.newbyteorder("<")).tobytes()
-    offset = sum(map(len, arrays))
-    arrays.append(data)
-    return {"array": [array.dtype.newbyteorder("<").str, list(array.shape), offset]}
+    blob += np.ascontiguousarray(array, little).data.cast("B") if array.size else b""
+    return {"array": [little.str, list(array.shape)]}
+
+
+class _Blob:
+    """Bytes of arrays, taken from the front: a few bytes cannot stand for many arrays."""
+
+    def __init__(self, data):
+        self.rest = memoryview(data)
+
+    def take(self, size):
+        if size > len(self.rest):
+            raise WireError("array outside its message")
+        taken, self.rest = self.rest[:size], self.rest[size:]
+        return taken
 
 
 def _from_tree(tree, blob, depth):
     if depth > MAXIMUM_DEPTH + 5:
         raise WireError("nested too deeply")
-    if tree is None or isinstance(tree, (bool, int, float, str)):
+    if isinstance(tree, str):
+        return _writable_text(tree)
+    if tree is None or isinstance(tree, (bool, float)) or _is_small(tree):
         return tree
     if not isinstance(tree, dict) or len(tree) != 1:
         raise WireError("unknown node")
     (kind, content), = tree.items()
-    if kind in ("list", "tuple", "set"):
+    if kind in ("list", "tuple"):
         items = [_from_tree(item, blob, depth + 1) for item in content]
-        return {"list": list, "tuple": tuple, "set": set}[kind](items)
+        return items if kind == "list" else tuple(items)
+    if kind == "set":
+        return {_key_from_tree(item, blob, depth) for item in content}
     if kind == "dict":
-        return {_from_tree(key, blob, depth + 1): _from_tree(item, blob, depth + 1)
+        return {_key_from_tree(key, blob, depth): _from_tree(item, blob, depth + 1)
                 for key, item in content}
     if kind == "array":
         return _array_from_tree(content, blob)
-    if kind in ("opaque", "too large"):
-        return Opaque(str(content)[:100])
-    raise WireError(f"unknown kind of value {kind[:20]!r}")
+    if kind == "opaque" and isinstance(content, str):
+        return Opaque(_writable_text(content[:100]))
+    raise WireError("unknown kind of value")
+
+
+def _key_from_tree(tree, blob, depth):
+    key = _from_tree(tree, blob, depth + 1)
+    if not isinstance(key, (*_SCALARS, Opaque)):
+        raise WireError("unknown kind of key")
+    return key
 
 
 def _array_from_tree(content, blob):
-    dtype_text, shape, offset = content
-    dtype = np.dtype(str(dtype_text))
-    if dtype.kind not in PLAIN_KINDS or dtype.itemsize > 8 or dtype.fields or dtype.subdtype:
-        raise WireError(f"array of {dtype_text!r}")
-    if len(shape) > 16 or not all(isinstance(n, int) and 0 <= n < 2**40 for n in shape):
+    dtype, shape = content
+    # A list, because numpy reads types out of the strangest texts.
+    if dtype not in PLAIN_TYPES:
+        raise WireError("array of unknown type")
+    if not isinstance(shape, list) or not _is_possible(shape):
         raise WireError("array of impossible shape")
-    count = math.prod(shape)
-    if not isinstance(offset, int) or offset < 0 or \
-            offset + count * dtype.itemsize > len(blob):
-        raise WireError("array outside its message")
-    return np.frombuffer(blob, dtype, count, offset).reshape(shape).copy()
+    dtype = np.dtype(dtype)
+    return np.frombuffer(bytearray(blob.take(math.prod(shape) * dtype.itemsize)),
+                         dtype).reshape(shape)
+
+
+def _is_possible(shape):
+    # Every single length counts: an array without elements can claim any other length for free.
+    return len(shape) <= MAXIMUM_DIMENSIONS and \
+        all(type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape)
+
+
+def _is_small(value):
+    return isinstance(value, int) and -(2**63) <= value < 2**63
+
+
+def _writable_text(text):
+    """The text without half characters, which no file could hold."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def send(descriptor, value, deadline=None):
     """Write one message.
 
+    Parameters
+    ----------
+    descriptor : int
+        With a deadline it must be non-blocking, or the other end can make a write wait forever.
+    value : object
+    deadline : float, optional
+        Of `time.monotonic`.
+
     Raises
     ------
-    WireTimeout, WireClosed
+    WireTimeout, WireClosed, TooLarge
     """
     view = memoryview(encode(value))
     while view:
-        _wait(descriptor, deadline, writing=True)
+        _wait(descriptor, deadline, select.POLLOUT)
         try:
-            # A pipe that is ready takes at least PIPE_BUF bytes; more could block.
-            view = view[os.write(descriptor, view[: select.PIPE_BUF if deadline else None]):]
+            view = view[os.write(descriptor, view):]
+        except BlockingIOError:
+            continue
         except BrokenPipeError:
             raise WireClosed from None
 
 
 def receive(descriptor, deadline=None):
     """Read one message.
+
+    Parameters
+    ----------
+    descriptor : int
+        With a deadline it must be non-blocking: the other end can take back what `poll` saw.
+    deadline : float, optional
+        Of `time.monotonic`.
 
     Raises
     ------
@@ -194,21 +270,26 @@ def receive(descriptor, deadline=None):
 
 
 def _read(descriptor, size, deadline):
-    parts, missing = [], size
+    data = bytearray(size)
+    missing = memoryview(data)
     while missing:
-        _wait(descriptor, deadline, writing=False)
-        part = os.read(descriptor, min(missing, 2**20))
-        if not part:
+        _wait(descriptor, deadline, select.POLLIN)
+        try:
+            count = os.readv(descriptor, [missing])
+        except BlockingIOError:
+            continue
+        if not count:
             raise WireClosed
-        parts.append(part)
-        missing -= len(part)
-    return b"".join(parts)
+        missing = missing[count:]
+    return data
 
 
-def _wait(descriptor, deadline, writing):
+def _wait(descriptor, deadline, event):
     if deadline is None:
         return
+    left = deadline - time.monotonic()
     poll = select.poll()
-    poll.register(descriptor, select.POLLOUT if writing else select.POLLIN)
-    if not poll.poll(max(0.0, deadline - time.monotonic()) * 1000):
+    poll.register(descriptor, event)
+    # The clock decides even while data keep coming: a drop at a time is no answer.
+    if left <= 0 or not poll.poll(left * 1000):
         raise WireTimeout

@@ -1,13 +1,14 @@
 """The process in which a student's code runs, and nothing else.
 
-It reads one `start` message (the notebook's code cells), then answers calls until the pipe
-closes. It knows no expected answer, no score and no secret: whatever a student makes it say
+It reads its limits, then the notebook's code cells, then answers calls until the pipe closes.
+It knows no expected answer, no score and no secret: whatever a student makes it say
 is only an answer, and the judge decides whether the answer is right.
 
 Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
 
 import builtins
+import contextlib
 import importlib.abc
 import os
 import resource
@@ -18,6 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import program  # noqa: E402
+import syscalls  # noqa: E402
 import wire  # noqa: E402
 
 LONGEST_TEXT = 400
@@ -43,16 +45,19 @@ def is_forbidden(name, modules):
 
 def main(read_end, write_end):
     """Serve one notebook."""
+    rules = wire.receive(read_end)
+    volunteer_for_the_memory_killer()
+    become_nobody(rules["user"])
+    set_limits(rules["limits"])
+    syscalls.deny()
+    sys.path[:0] = rules["search_path"]
+    sys.meta_path.insert(0, ForbiddenImports(rules["forbidden"]))
     wire.send(write_end, "ready")
-    start = wire.receive(read_end)
-    become_nobody(start["user"])
-    set_limits(start["limits"])
-    sys.path[:0] = start["search_path"]
-    sys.meta_path.insert(0, ForbiddenImports(start["forbidden"]))
 
+    start = wire.receive(read_end)
     statements, problems = program.parse_notebook(start["cells"])
     for cell, module in dict.fromkeys(program.imported_modules(statements)):
-        if is_forbidden(module, start["forbidden"]):
+        if is_forbidden(module, rules["forbidden"]):
             problems.append(f"Code cell {cell} imports {module}, which is not allowed in this "
                             "lesson: it does the exercise for you.")
     needed = program.slice_for(start["names"], statements)
@@ -68,7 +73,13 @@ def main(read_end, write_end):
             request = wire.receive(read_end)
         except wire.WireClosed:
             return
-        wire.send(write_end, {"id": request["id"], **answer(request, namespace)})
+        reply(write_end, request["id"], answer(request, namespace))
+
+
+def volunteer_for_the_memory_killer():
+    """Ask Linux to end this process, and not the grader, when the machine runs out of memory."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("1000")
 
 
 def become_nobody(user):
@@ -82,7 +93,11 @@ def become_nobody(user):
 def set_limits(limits):
     """Set resource limits that cannot be raised again."""
     for name, value in limits.items():
-        resource.setrlimit(getattr(resource, name), (value, value))
+        which = getattr(resource, name)
+        allowed = resource.getrlimit(which)[1]
+        if allowed != resource.RLIM_INFINITY:
+            value = min(value, allowed)
+        resource.setrlimit(which, (value, value))
 
 
 def make_namespace():
@@ -125,6 +140,19 @@ def answer(request, namespace):
     changed = {position: argument for position, argument in enumerate(arguments)
                if wire.encode(argument) != before[position]}
     return {"result": result, "changed": changed}
+
+
+def reply(write_end, number, content):
+    """Send an answer, or say why it cannot be sent."""
+    try:
+        wire.send(write_end, {"id": number, **content})
+    except wire.WireClosed:
+        raise
+    except wire.TooLarge:
+        wire.send(write_end, {"id": number, "error": {
+            "type": "MemoryError", "message": "it returned more data than any answer needs"}})
+    except Exception as error:  # an object that cannot be turned into an array, or read
+        wire.send(write_end, {"id": number, "error": describe(error)})
 
 
 def describe(error):

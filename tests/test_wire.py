@@ -1,0 +1,277 @@
+"""The protocol between a student's process and the judge, on honest and on hostile bytes."""
+
+import json
+import math
+import os
+import threading
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as st_numpy
+
+from grader.inside import wire
+from grader.inside.wire import Opaque, TooLarge, WireClosed, WireError, WireTimeout
+
+SCALARS = st.one_of(
+    st.none(), st.booleans(), st.integers(-(2**63), 2**63 - 1), st.floats(),
+    st.text(st.characters(exclude_categories=["Cs"])))
+ARRAYS = st.sampled_from(wire.PLAIN_TYPES).flatmap(
+    lambda dtype: st_numpy.arrays(dtype, st_numpy.array_shapes(min_dims=0, min_side=0)))
+VALUES = st.recursive(SCALARS | ARRAYS, lambda inner: st.one_of(
+    st.lists(inner), st.lists(inner).map(tuple), st.sets(SCALARS),
+    st.dictionaries(SCALARS, inner)), max_leaves=12)
+
+
+def parts(message):
+    """Tree and blob of an encoded message."""
+    tree_size, blob_size = wire._HEADER.unpack(message[:8])
+    assert len(message) == 8 + tree_size + blob_size
+    return message[8:8 + tree_size], message[8 + tree_size:]
+
+
+def there_and_back(value):
+    return wire.decode(*parts(wire.encode(value)))
+
+
+def same(one, other):
+    """Equal, of one type, NaN included."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and np.array_equal(one, other, equal_nan=True)
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, dict):
+        return same(list(one.items()), list(other.items()))
+    if isinstance(one, set):
+        return sorted(map(repr, one)) == sorted(map(repr, other))
+    return one == other or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
+
+
+def is_plain(value):
+    if isinstance(value, np.ndarray):
+        return value.dtype.newbyteorder("<").str in wire.PLAIN_TYPES and value.flags.writeable
+    if isinstance(value, dict):
+        return all(is_plain(item) for pair in value.items() for item in pair)
+    if isinstance(value, (list, tuple, set)):
+        return all(map(is_plain, value))
+    return type(value) in (type(None), bool, int, float, str, Opaque)
+
+
+@given(VALUES)
+def test_plain_data_come_back_as_they_were(value):
+    assert same(there_and_back(value), value)
+
+
+@pytest.mark.parametrize("array", [
+    np.arange(6).reshape(2, 3)[:, ::2], np.asfortranarray(np.eye(3)), np.arange(3, dtype=">i4"),
+    np.array(5.0), np.zeros((0, 4)), np.zeros((3, 0, 2), bool), np.broadcast_to(1.0, (2, 3)),
+    np.arange(3, dtype=np.longdouble), np.arange(4.0).view(np.recarray), np.float32([1, np.nan]),
+], ids=str)
+def test_arrays_of_any_layout_come_back_writable(array):
+    back = there_and_back(array)
+    assert back.shape == array.shape and back.flags.writeable and back.flags.aligned
+    assert np.array_equal(back, np.asarray(array), equal_nan=True)
+
+
+def test_a_list_of_many_rows_is_quick():
+    """Time grows with the number of arrays, not with its square (which would be minutes)."""
+    rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
+    begin = time.perf_counter()
+    assert np.array_equal(there_and_back(rows), rows)
+    assert time.perf_counter() - begin < 10.0
+
+
+@pytest.mark.parametrize("value, name", [
+    (object(), "object"), (2**63, "64 bits"), (1j, "complex"), (np.zeros(2, complex), "complex"),
+    ({(1, 2): 3}, "a dict of more"), ({(1, 2)}, "a set of more"), (np.zeros((1,) * 20), "array"),
+    (np.zeros(2, "V4"), "array"), (np.datetime64("2020"), "datetime64"),
+])
+def test_what_is_not_plain_data_arrives_as_its_name(value, name):
+    back = there_and_back([value, 1, np.ones(2)])
+    assert isinstance(back[0], Opaque) and name in back[0].type_name
+    assert back[1] == 1 and np.array_equal(back[2], [1, 1])
+
+
+def test_deep_and_endless_nesting_ends():
+    endless = []
+    endless.append(endless)
+    assert "deeply nested" in str(there_and_back(endless))
+
+
+@pytest.mark.parametrize("value", [np.zeros(2**23), ["x" * 2**20] * 17,
+                                   [np.zeros(2**21)] * 3, np.zeros((2**26, 0, 1)[::2])])
+def test_too_large_is_said_before_it_is_sent(value):
+    if getattr(value, "size", 1) == 0:
+        assert isinstance(there_and_back(value), Opaque)
+        return
+    with pytest.raises(TooLarge):
+        wire.encode(value)
+
+
+def decodes_or_refuses(tree, blob=b""):
+    """`decode` returns plain data or raises `WireError`, and takes little memory."""
+    tracemalloc.start()
+    try:
+        value = wire.decode(tree, blob)
+    except WireError:
+        value = None
+    finally:
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert is_plain(value)
+    assert peak < 5_000_000 + 60 * (len(tree) + len(blob))
+    json.dumps(str(value), ensure_ascii=False).encode()
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text()
+    | st.sampled_from([*wire.PLAIN_TYPES, "O", "V8", "f8,f8", "(2,)f8", "U9"]),
+    lambda inner: st.lists(inner) | st.dictionaries(
+        st.sampled_from(["list", "tuple", "set", "dict", "array", "opaque", "pickle"]), inner,
+        min_size=1, max_size=1), max_leaves=30)
+
+
+@given(st.binary(max_size=200), st.binary(max_size=50))
+def test_any_bytes(tree, blob):
+    decodes_or_refuses(tree, blob)
+
+
+@given(JSON, st.binary(max_size=100))
+@settings(max_examples=200)
+def test_any_json(tree, blob):
+    decodes_or_refuses(json.dumps(tree).encode(), blob)
+
+
+@given(VALUES, st.data())
+def test_a_message_with_bytes_changed(value, data):
+    tree, blob = map(bytearray, parts(wire.encode(value)))
+    for part in (tree, blob):
+        if part:
+            part[data.draw(st.integers(0, len(part) - 1))] = data.draw(st.integers(0, 255))
+    decodes_or_refuses(bytes(tree), bytes(blob)[:data.draw(st.integers(0, len(blob)))])
+
+
+@pytest.mark.parametrize("tree", [
+    b'{"array":["O",[1]]}', b'{"array":["|V8",[1]]}', b'{"array":["<f8,<f8",[1]]}',
+    b'{"array":["(9,9)<f8",[1]]}', b'{"array":["<c16",[1]]}', b'{"array":["<f8",[-1]]}',
+    b'{"array":["<f8",[true]]}', b'{"array":["<f8",[1.0]]}', b'{"array":["<f8",["1"]]}',
+    b'{"array":["<f8",[9223372036854775808,0]]}', b'{"array":["<f8",[1099511627776,0]]}',
+    b'{"array":["<f8",{"0":1}]}', b'{"array":["<f8",[2]]}', b'{"array":[["<f8"],[1]]}',
+    b'{"array":["<f8",' + str([1] * 40).encode() + b"]}", b'{"array":"ab"}', b'{"array":3}',
+    b'{"set":[{"list":[]}]}', b'{"set":[{"tuple":[1]}]}', b'{"dict":[[{"tuple":[]},1]]}',
+    b'{"dict":[1]}', b'{"dict":[[1]]}', b'{"list":3}', b'{"opaque":[]}', b'{"opaque":"a","b":1}',
+    b"9" * 30, b"9" * 10_000, b"[1]", b"{}", b'"\\ud800', b"\xff", b"[" * 10**6,
+    b'{"list":[' * 200 + b"]}" * 200, b"-", b'{"list":[' + b"[]," * 99 + b"1]}",
+])
+def test_lies_are_refused(tree):
+    with pytest.raises(WireError):
+        wire.decode(tree, b"12345678")
+
+
+def test_two_arrays_cannot_stand_on_the_same_bytes():
+    """A hundred thousand arrays of one megabyte of blob would be a hundred gigabytes."""
+    claim = b'{"array":["|u1",[1048576]]}'
+    with pytest.raises(WireError):
+        wire.decode(b'{"list":[' + b",".join([claim] * 100_000) + b"]}", bytes(2**20))
+
+
+def test_keys_that_collide_are_refused():
+    """Sets of equal hashes take a time that grows with the square of their size."""
+    modulus = 2**61 - 1
+    colliding = b",".join(b"%d" % (n * modulus) for n in range(1, 100_000))
+    begin = time.perf_counter()
+    with pytest.raises(WireError):
+        wire.decode(b'{"set":[' + colliding + b"]}", b"")
+    assert time.perf_counter() - begin < 1.0
+
+
+def test_half_characters_and_long_names_arrive_mended():
+    assert wire.decode(b'"a\\ud800b"', b"") == "a?b"
+    assert len(wire.decode(b'{"opaque":"%s"}' % (b"x" * 10**6), b"").type_name) == 100
+
+
+# ---- On a pipe ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def pipe():
+    """A pipe whose ends do not block."""
+    ends = os.pipe()
+    for end in ends:
+        os.set_blocking(end, False)
+    yield ends
+    for end in ends:
+        os.close(end)
+
+
+def soon():
+    return time.monotonic() + 0.3
+
+
+def test_large_messages_pass_a_small_pipe(pipe):
+    value = np.random.default_rng(1).normal(size=(120_000, 4))
+    sender = threading.Thread(target=wire.send, args=(pipe[1], value, time.monotonic() + 20))
+    sender.start()
+    assert np.array_equal(wire.receive(pipe[0], time.monotonic() + 20), value)
+    sender.join()
+
+
+def test_silence_and_a_full_pipe_time_out(pipe):
+    with pytest.raises(WireTimeout):
+        wire.receive(pipe[0], soon())
+    with pytest.raises(WireTimeout):
+        wire.send(pipe[1], np.zeros(2**20), soon())
+
+
+def test_half_a_message_times_out(pipe):
+    os.write(pipe[1], wire.encode(np.zeros(3))[:-1])
+    with pytest.raises(WireTimeout):
+        wire.receive(pipe[0], soon())
+
+
+def test_the_clock_decides_even_while_data_keep_coming(pipe):
+    """A reader that always finds something to read must still look at the clock."""
+    os.write(pipe[1], wire.encode("here in full, and too late"))
+    with pytest.raises(WireTimeout):
+        wire.receive(pipe[0], time.monotonic() - 1)
+
+
+def test_data_that_are_taken_back_do_not_hang_the_reader(pipe, monkeypatch):
+    """`poll` saw data; before they are read, whoever wrote them reads them."""
+    wait, calls = wire._wait, []
+
+    def hasty(descriptor, deadline, event):
+        calls.append(event)
+        if len(calls) > 1:
+            wait(descriptor, deadline, event)
+
+    monkeypatch.setattr(wire, "_wait", hasty)
+    with pytest.raises(WireTimeout):
+        wire.receive(pipe[0], soon())
+    assert len(calls) == 2
+
+
+@pytest.mark.parametrize("header", [(2**32 - 1, 0), (0, 2**32 - 1), (2**25, 2**26)])
+def test_a_message_larger_than_any_answer_is_refused_unread(pipe, header):
+    os.write(pipe[1], wire._HEADER.pack(*header))
+    with pytest.raises(WireError):
+        wire.receive(pipe[0], soon())
+
+
+def test_an_end_that_is_gone_says_so():
+    reading, writing = os.pipe()
+    os.close(reading)
+    with pytest.raises(WireClosed):
+        wire.send(writing, 1)
+    os.close(writing)
+    reading, writing = os.pipe()
+    os.write(writing, b"\0\0")
+    os.close(writing)
+    with pytest.raises(WireClosed):
+        wire.receive(reading)
+    os.close(reading)
