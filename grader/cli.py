@@ -260,7 +260,7 @@ def print_class(judged):
     table.add_column("First thing that went wrong", overflow="ellipsis", no_wrap=True,
                      max_width=60)
     for student, verdicts in students.items():
-        table.add_row(student, *(
+        table.add_row(escape(student), *(
             f"{verdicts[lesson].score:g} / {verdicts[lesson].max_score:g}"
             if lesson in verdicts else "-" for lesson in lessons), _first_fault(verdicts.values()))
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from grader.judge import judge, verdict_key
 from grader.lessons import Lesson, all_lessons
-from grader.verdict import read_verdict, write_verdict
+from grader.sandbox import SandboxUnavailable
+from grader.verdict import ExerciseResult, Verdict, read_verdict, write_verdict
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,33 @@ def current_verdict(course, submission, seed, tier):
         judge_and_store(course, submission, seed, tier)
 
 
+def _result(future, course, submission, seed):
+    """The verdict of a finished future; one that says so where the judge itself failed."""
+    try:
+        return future.result()
+    except SandboxUnavailable:
+        raise
+    except Exception as error:  # one submission must not stop the others
+        verdict = failed_verdict(submission, seed, error)
+        write_verdict(verdict, submission.verdict_path(course))
+        return verdict
+
+
+def failed_verdict(submission, seed, error):
+    """A verdict without points for a notebook on which the judge itself failed.
+
+    Its key fits nothing, so the next run tries again.
+    """
+    exercises = tuple(ExerciseResult(exercise.name, 0.0, exercise.points, ())
+                      for exercise in submission.lesson.exercises if not exercise.by_hand)
+    sentence = ("The judge failed on this notebook; this is not the student's fault. Judge it "
+                f"by hand to see why: python -m grader judge {submission.path} "
+                f"({type(error).__name__}: {str(error)[:200]})")
+    return Verdict(submission.lesson.name, submission.student, 0.0,
+                   sum(exercise.max_score for exercise in exercises), exercises, (sentence,), 0.0,
+                   f"failed with seed {seed}")
+
+
 def judge_class(course, stages, seed, tier, workers, progress):
     """Judge what has no verdict yet.
 
@@ -95,7 +123,7 @@ def judge_class(course, stages, seed, tier, workers, progress):
         try:
             for future in as_completed(running):
                 submission = running[future]
-                verdicts[submission] = future.result()
+                verdicts[submission] = _result(future, course, submission, seed)
                 done += 1
                 progress(done, len(submissions), submission)
         except BaseException:

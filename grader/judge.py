@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from grader.lessons import find_lesson
-from grader.notebook import UnreadableNotebook, read_notebook
+from grader.notebook import UnreadableNotebook, read_file, read_notebook
 from grader.paths import PROJECT
 from grader.sandbox import SandboxUnavailable
 from grader.student import Student, StudentError, StudentStopped
@@ -85,7 +85,10 @@ def judge(path, seed, tier, lesson=None, student="", limits=None):
 def verdict_key(path, lesson, seed, student=""):
     """Fingerprint of all that a verdict depends on."""
     digest = hashlib.sha256(f"{seed} {student} {lesson.name} {rules_key()}".encode())
-    digest.update(Path(path).read_bytes())
+    try:
+        digest.update(read_file(Path(path)))
+    except UnreadableNotebook as error:
+        digest.update(str(error).encode())
     return digest.hexdigest()
 
 

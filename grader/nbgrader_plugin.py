@@ -105,9 +105,10 @@ def write_into(notebook, verdict):
             cell.outputs = [score_output(results[cell.metadata.nbgrader["grade_id"]
                                                  .removeprefix("test_")])]
     if verdict.problems:
-        listed = "\n".join(f"- {escape(sentence)}" for sentence in verdict.problems)
+        # A block of HTML, in which nobody's Markdown is at work.
+        listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
         notebook.cells.insert(0, nbformat.v4.new_markdown_cell(
-            f"**About this notebook**\n\n{listed}"))
+            f"<div><b>About this notebook</b><ul>{listed}</ul></div>"))
     notebook.metadata["verdict_key"] = verdict.key
 
 

@@ -74,7 +74,8 @@ def write_report(course, judged, seconds=None, warning=""):
         slowest=sorted(judged, key=lambda pair: -pair[1].seconds)[:5])
     path = course.report / "index.html"
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, "utf-8")
+    # The name of a folder need not be UTF-8.
+    path.write_text(page, "utf-8", errors="replace")
     return path
 
 

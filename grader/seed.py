@@ -1,6 +1,9 @@
 """The course's secret: the number that the hidden scenes are drawn from."""
 
+import contextlib
+import os
 import secrets
+import tempfile
 
 
 def course_seed(course, given=None):
@@ -20,6 +23,11 @@ def course_seed(course, given=None):
     if given is not None:
         return given
     if not course.seed_file.exists():
-        course.seed_file.touch(mode=0o600)
-        course.seed_file.write_text(f"{secrets.randbelow(2**32)}\n", "utf-8")
+        # Complete before it has its name: two graders may start at the same time.
+        descriptor, draft = tempfile.mkstemp(dir=course.root)
+        with open(descriptor, "w", encoding="utf-8") as file:
+            file.write(f"{secrets.randbits(128)}\n")
+        with contextlib.suppress(FileExistsError):
+            os.link(draft, course.seed_file)
+        os.unlink(draft)
     return int(course.seed_file.read_text("utf-8"))

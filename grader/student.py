@@ -7,6 +7,7 @@ Everything that comes back is a claim by a stranger: plain data or an exception,
 import contextlib
 import subprocess
 import time
+from dataclasses import dataclass
 
 from grader import sandbox
 from grader.inside import wire
@@ -26,6 +27,33 @@ class StudentError(Exception):
 
 class StudentStopped(Exception):
     """A student's process hung, died or broke the protocol; `str()` is the sentence to show."""
+
+
+class RemoteObject:
+    """An object of a student's own class. It stays inside; its attributes and methods answer.
+
+    ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
+    """
+
+    def __init__(self, student, number, worker, type_name):
+        self._student, self._held = student, _Held(number, worker)
+        self.type_name = type_name
+
+    def __repr__(self):
+        return f"<{self.type_name} of the student>"
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self._student._ask(name, held=self._held, call=False)
+
+
+@dataclass(frozen=True)
+class _Held:
+    """Where an object is: under a number, in a worker that may be gone by now."""
+
+    number: int
+    worker: sandbox.Worker
 
 
 class Student:
@@ -66,7 +94,7 @@ class Student:
             raise AttributeError(name)
 
         def function(*arguments, **keywords):
-            return self._call(name, arguments, keywords)
+            return self._ask(name, arguments, keywords)
 
         function.__name__ = name
         return function
@@ -77,14 +105,19 @@ class Student:
             self._worker.stop()
             self._worker = None
 
-    def _call(self, name, arguments, keywords):
+    def _ask(self, name, arguments=(), keywords=None, held=None, call=True):
+        """Call a function, or a method or an attribute of an object that is held inside."""
+        if held is not None and held.worker is not self._worker:
+            raise StudentStopped("The notebook's process was stopped, and what it had built is "
+                                 f"gone. {self._stops[-1]}")
         self._ensure_running()
         if name in self._missing:
             raise StudentError(name, "NameError", "the notebook does not define it; keep the "
                                "name of the function as it was given", None)
         self._calls += 1
         request = {"id": self._calls, "name": name, "arguments": list(arguments),
-                   "keywords": keywords}
+                   "keywords": keywords or {}, "call": call,
+                   "object": held and held.number}
         reply = self._exchange(f"{name} did not answer within {{seconds:.0f}} seconds; "
                                "is there a loop that never ends?",
                                self._limits.call_seconds, request)
@@ -93,6 +126,11 @@ class Student:
             self._stop(f"{name} did not answer the question that was asked")
         if "error" in reply:
             raise StudentError(name, *_read_error(reply["error"]))
+        if "object" in reply:
+            if reply.get("callable") is True and not call:
+                return lambda *values, **options: self._ask(name, values, options, held)
+            return RemoteObject(self, reply["object"], self._worker,
+                                _readable(reply.get("type")))
         _apply_changes(reply.get("changed"), arguments)
         return reply.get("result")
 

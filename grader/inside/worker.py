@@ -68,12 +68,13 @@ def main(read_end, write_end):
     wire.send(write_end, {"problems": failures,
                           "missing": [name for name in start["names"]
                                       if name not in namespace]})
+    objects = {}
     while True:
         try:
             request = wire.receive(read_end)
         except wire.WireClosed:
             return
-        reply(write_end, request["id"], answer(request, namespace))
+        reply(write_end, request["id"], answer(request, namespace, objects))
 
 
 def volunteer_for_the_memory_killer():
@@ -128,14 +129,26 @@ def run(statements, namespace):
     return failures
 
 
-def answer(request, namespace):
-    """Call what a request asks for; the result, or what went wrong."""
+def answer(request, namespace, objects):
+    """Do what a request asks for; the result, or what went wrong.
+
+    A request names a function of the notebook, or a method or an attribute of an object that
+    an earlier answer left here under a number.
+    """
     arguments, keywords = request["arguments"], request["keywords"]
     before = [wire.encode(argument) for argument in arguments]
     try:
-        result = namespace[request["name"]](*arguments, **keywords)
+        if request["object"] is None:
+            wanted = namespace[request["name"]]
+        else:
+            wanted = getattr(objects[request["object"]], request["name"])
+        result = wanted(*arguments, **keywords) if request["call"] else wanted
     except BaseException as error:
         return {"error": describe(error)}
+    if not wire.is_plain(result):
+        objects[len(objects)] = result
+        return {"object": len(objects) - 1, "callable": callable(result),
+                "type": type(result).__name__[:100]}
     # The judge passes changes of an argument on to its own copy, as a real call would.
     changed = {position: argument for position, argument in enumerate(arguments)
                if wire.encode(argument) != before[position]}
