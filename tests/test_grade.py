@@ -201,6 +201,48 @@ def test_submissions_are_found_and_others_ignored(course):
     assert grade.find_submissions(course, ["stage1_ransac"]) == []
 
 
+def test_odd_files_and_names_do_not_stop_the_class(course, tier, capsys):
+    from grader.cli import print_class
+
+    stage = course.submitted / "[red]" / LESSON.stage
+    (stage / f"{LESSON.name}.ipynb").mkdir(parents=True)
+    pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
+    pipe.parent.mkdir(parents=True)
+    os.mkfifo(pipe)
+    judged = judge_it(course, tier)
+    by_student = {submission.student: verdict for submission, verdict in judged}
+    assert by_student["right"].score == 30
+    for student in ("[red]", "pipe"):
+        assert by_student[student].score == 0
+        assert by_student[student].problems
+    print_class(judged)
+    assert "[red]" in capsys.readouterr().out
+    write_report(course, judged)
+
+
+def test_a_failing_judge_stops_nobody_and_tries_again(course, tier, monkeypatch):
+    submission = grade.find_submissions(course)[0]
+    verdict = grade.failed_verdict(submission, SEED, ValueError("oh"))
+    assert "not the student's fault" in verdict.problems[0]
+    grade.write_verdict(verdict, submission.verdict_path(course))
+    assert grade.stored_verdict(course, submission, SEED) is None
+
+
+def test_a_problem_is_text_and_not_markup(course, tier):
+    import nbformat
+
+    from grader.nbgrader_plugin import write_into
+    from grader.verdict import Verdict
+
+    notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
+    whole = {submission.student: verdict for submission, verdict in judge_it(course, tier)}
+    verdict = whole["right"]
+    problem = "![](http://example.org) [a](javascript:alert) <script>"
+    write_into(notebook, Verdict(**{**verdict.__dict__, "problems": (problem,)}))
+    text = notebook.cells[0].source
+    assert text.startswith("<div>") and "\n" not in text and "<script>" not in text
+
+
 def test_report_tells_and_escapes(course, tier):
     path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, {
