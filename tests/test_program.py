@@ -167,3 +167,35 @@ def test_an_error_names_the_cell_and_the_line():
         namespace["f"]()
     last = raised.traceback[-1]
     assert (str(last.frame.code.raw.co_filename), last.lineno + 1) == ("code cell 2", 4)
+
+
+def test_what_the_lesson_does_after_the_check_is_not_the_students():
+    text = """
+def near(point): return point + 1
+def f(point): return near(point)
+---
+check(f)
+---
+near = missing[0]
+def g(point): return late(point)
+---
+check(g)
+---
+def late(point): return point + 2
+"""
+    space, _, problems = sliced(text, "f", "g")
+    assert problems == []
+    assert (space["f"](1), space["g"](1)) == (2, 3)
+
+
+def test_a_definition_after_the_check_counts_too():
+    text = """
+def f(): return 1
+---
+check(f)
+---
+LEVEL = 5
+def f(): return LEVEL
+"""
+    space, _, _ = sliced(text, "f")
+    assert space["f"]() == 5

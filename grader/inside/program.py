@@ -85,22 +85,43 @@ def slice_for(names, statements):
     -------
     list of Statement
     """
+    kept = set().union(*(_needed_by(name, statements) for name in names))
+    return [statements[position] for position in sorted(kept)]
+
+
+def _needed_by(name, statements):
+    """Positions of the statements that one function needs."""
     # `sys.setrecursionlimit(...)` and its like work by what they do to the interpreter, so
     # they count even when no function names `sys`.
-    needed, kept = set(names) | {"sys"}, set()
+    needed, kept = {name, "sys"}, set()
     modules = {name for statement in statements
                if isinstance(statement.node, (ast.Import, ast.ImportFrom))
                for name in statement.binds}
+    end = _end_of_exercise(name, statements)
+    early = frozenset().union(*(statement.binds for statement in statements[:end]))
     grown = True
     while grown:
         grown = False
         for position, statement in enumerate(statements):
             touched = statement.binds | statement.changes | (statement.calls - modules)
+            if position >= end:
+                # The lesson goes on, and may use a helper's name for something of its own.
+                touched = touched - early
             if position not in kept and touched & needed:
                 kept.add(position)
                 needed |= statement.uses
                 grown = True
-    return [statements[position] for position in sorted(kept)]
+    return kept
+
+
+def _end_of_exercise(name, statements):
+    """Position of the `check(name)` that follows the last definition; the end without one."""
+    last = max((position for position, statement in enumerate(statements)
+                if name in statement.binds), default=0)
+    for position, statement in enumerate(statements[last:], start=last):
+        if ast.unparse(statement.node) == f"check({name})":
+            return position
+    return len(statements)
 
 
 def compile_statement(statement, filename):

@@ -1,0 +1,137 @@
+# Answers to fit_plane; see grader/variants.py.
+
+# %% right: SVD of the centred points
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
+    return np.append(normal, -normal @ centre)
+
+# %% right: eigenvectors of the covariance matrix
+def fit_plane(points):
+    print("fitting")
+    xyz = np.array(points[:, :3], dtype=float)
+    values, vectors = np.linalg.eigh(np.cov(xyz.T))
+    a, b, c = vectors[:, 0]
+    return a, b, c, -float(vectors[:, 0] @ xyz.mean(axis=0))
+
+# %% right: PCA of a library
+from sklearn.decomposition import PCA
+
+def fit_plane(points):
+    pca = PCA(3).fit(points[:, :3])
+    return [float(value) for value in (*pca.components_[2], -pca.components_[2] @ pca.mean_)]
+
+# %% right: eigenvalues of the scatter matrix, unsorted, in single precision
+import warnings
+
+def scatter(xyz):
+    return xyz.T @ xyz
+# ---- another cell ----
+def fit_plane(points):
+    warnings.warn("careful")
+    centre = np.sum(points[:, :3], axis=0, dtype=float) / len(points)
+    values, vectors = np.linalg.eig(scatter(points[:, :3] - centre))
+    normal = vectors[:, np.argmin(values)]
+    return np.array([*normal, -(normal * centre).sum()])
+
+# %% right: SVD with the full matrix, upward normal
+def fit_plane(points):
+    xyz = points[:, :3].astype(float)
+    mean = np.average(xyz, axis=0)
+    u, s, vt = np.linalg.svd((xyz - mean).T)
+    n = u[:, np.argmin(s)]
+    n = n if n[2] > 0 else -n
+    return (n[0], n[1], n[2], -np.inner(n, mean))
+
+# %% wrong: not centred
+# loses: fits_a_road, fits_far_away, test_fit_any_direction
+# says: Another plane lies nearer
+def fit_plane(points):
+    xyz = points[:, :3]
+    normal = np.linalg.svd(xyz, full_matrices=False)[2][-1]
+    return np.append(normal, -normal @ xyz.mean(axis=0))
+
+# %% wrong: the direction of largest spread
+# loses: fits_a_road, fits_a_wall, test_fit_any_direction
+# says: Another plane lies nearer
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][0]
+    return np.append(normal, -normal @ centre)
+
+# %% wrong: a column of V instead of a row
+# loses: fits_a_road, test_fit_any_direction
+# says: Another plane lies nearer
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][:, 2]
+    return np.append(normal, -normal @ centre)
+
+# %% wrong: solves for z
+# loses: fits_a_wall
+# says: Another plane lies nearer
+def fit_plane(points):
+    xyz = points[:, :3]
+    a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],
+                              rcond=None)[0]
+    normal = np.array([a, b, -1.0, d])
+    return normal / np.linalg.norm(normal[:3])
+
+# %% wrong: a normal of another length
+# loses: fits_a_road, test_fit_any_direction
+# says: Divide by it
+def fit_plane(points):
+    xyz = points[:, :3]
+    a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],
+                              rcond=None)[0]
+    return np.array([a, b, -1.0, d])
+
+# %% wrong: the plane through the first three points
+# loses: fits_a_road, test_fit_any_direction
+# says: Another plane lies nearer
+def fit_plane(points):
+    p, q, r = points[:3, :3]
+    normal = np.cross(q - p, r - p)
+    normal = normal / np.linalg.norm(normal)
+    return np.append(normal, -normal @ p)
+
+# %% wrong: intensity as a fourth direction
+# loses: fits_without_intensity, test_fit_course_cloud
+# says: A plane is four numbers
+def fit_plane(points):
+    centre = points.mean(axis=0)
+    normal = np.linalg.svd(points - centre, full_matrices=False)[2][-1]
+    return np.append(normal, -normal @ centre)
+
+# %% wrong: moves the cloud to its mean
+# loses: fits_far_away
+# says: changed its input
+def fit_plane(points):
+    xyz = points[:, :3]
+    centre = xyz.mean(axis=0)
+    xyz -= centre
+    normal = np.linalg.svd(xyz, full_matrices=False)[2][-1]
+    return np.append(normal, -normal @ centre)
+
+# %% wrong: the sign of d
+# loses: fits_a_road, test_fit_any_direction
+# says: Another plane lies nearer
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
+    return np.append(normal, normal @ centre)
+
+# %% wrong: covariance of rows instead of columns
+# loses: fits_a_road, test_fit_any_direction
+# says: A plane is four numbers
+def fit_plane(points):
+    xyz = points[:, :3]
+    values, vectors = np.linalg.eigh(np.cov(xyz))
+    normal = vectors[:, 0]
+    return np.append(normal, 0.0)
+
+# %% wrong: a flat road for everybody
+# loses: fits_a_road, fits_a_wall, fits_far_away, test_fit_any_direction
+# says: Another plane lies nearer
+def fit_plane(points):
+    return (0.0, 0.0, 1.0, -points[:, 2].mean())

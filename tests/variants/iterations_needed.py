@@ -1,0 +1,188 @@
+# Answers to iterations_needed; see grader/variants.py.
+
+# %% right: the formula, with both ends
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good))
+
+# %% right: NumPy, a float back
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    with np.errstate(divide="ignore"):
+        n = np.ceil(np.log(1 - confidence) / np.log1p(-np.float64(inlier_ratio) ** sample_size))
+    return max(n, 1.0) if inlier_ratio > 0 else np.inf
+
+# %% right: refuses to search without inliers
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    print("how many?")
+    if inlier_ratio <= 0:
+        raise ValueError("there is nothing to find")
+    if inlier_ratio >= 1:
+        return 1
+    return int(np.ceil(math.log10(1 - confidence) / math.log10(1 - inlier_ratio ** sample_size)))
+
+# %% right: powers tried by halving
+def misses(chance, n):
+    return (1 - chance) ** n
+# ---- another cell ----
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    chance = inlier_ratio ** sample_size
+    if chance <= 0:
+        return None
+    high = 1
+    while 1 - misses(chance, high) < confidence:
+        high *= 2
+    low = high // 2
+    while high - low > 1:
+        middle = (low + high) // 2
+        if 1 - misses(chance, middle) < confidence:
+            low = middle
+        else:
+            high = middle
+    return high
+
+# %% right: a very large number for never
+import warnings
+from sys import maxsize
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    warnings.warn("counting")
+    if inlier_ratio == 0:
+        return maxsize
+    if inlier_ratio == 1:
+        return np.int64(1)
+    return np.int64(np.ceil(np.log(1 - confidence) / np.log(1 - inlier_ratio ** sample_size)))
+
+# %% wrong: rounded down
+# loses: smallest_that_suffices, test_iterations
+# says: round up, not down
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return max(1, int(math.log(1 - confidence) / math.log(1 - good)))
+
+# %% wrong: not rounded
+# loses: smallest_that_suffices, test_iterations
+# says: Half an iteration cannot be made
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.log(1 - confidence) / math.log(1 - good)
+
+# %% wrong: the ends are forgotten
+# loses: one_is_enough, none_is_enough
+# says: Look at w = 1 before you take logarithms
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    return math.ceil(math.log(1 - confidence) / math.log(1 - inlier_ratio ** sample_size))
+
+# %% wrong: zero iterations without inliers
+# loses: none_is_enough
+# says: no number of samples is enough
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return 0
+    if good == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good))
+
+# %% wrong: the exponent is missing
+# loses: smallest_that_suffices, follows_all_parameters, test_iterations
+# says: not the smallest number that suffices
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    if inlier_ratio == 0:
+        return math.inf
+    if inlier_ratio == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - inlier_ratio))
+
+# %% wrong: always a plane
+# loses: smallest_that_suffices, follows_all_parameters
+# says: not the smallest number that suffices
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** 3
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good))
+
+# %% wrong: log of the confidence
+# loses: smallest_that_suffices, test_iterations
+# says: not the smallest number that suffices
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(confidence) / math.log(1 - good))
+
+# %% wrong: inliers and outliers swapped
+# loses: smallest_that_suffices, one_is_enough, test_iterations
+# says: not the smallest number that suffices
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = (1 - inlier_ratio) ** sample_size
+    if good == 0:
+        return 1
+    if good == 1:
+        return math.inf
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good))
+
+# %% wrong: the expected number of samples
+# loses: smallest_that_suffices, test_iterations
+# says: not the smallest number that suffices
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    if inlier_ratio == 0:
+        return math.inf
+    return math.ceil(1 / inlier_ratio ** sample_size)
+
+# %% wrong: parameters renamed
+# loses: follows_all_parameters
+# says: A parameter was renamed
+import math
+
+def iterations_needed(w, s, p):
+    good = w ** s
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(1 - p) / math.log(1 - good))
+
+# %% wrong: a hundred for everybody
+# loses: smallest_that_suffices, one_is_enough, none_is_enough, test_iterations
+# says: not the smallest number that suffices
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    return 100

@@ -1,0 +1,773 @@
+# Answers to ransac_plane; see grader/variants.py. Each brings its own helpers, because the
+# other exercises of the notebook may be unsolved.
+
+# %% right: the loop of the lesson
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% right: refitted in the end, mask taken anew
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    xyz = np.asarray(points[:, :3], dtype=float)
+    best, most = None, 0
+    if len(xyz) >= 3:
+        for _ in range(max_iterations):
+            plane = plane_through(*xyz[rng.permutation(len(xyz))[:3]])
+            if plane is not None:
+                count = (point_plane_distance(xyz, plane) < distance_tolerance).sum()
+                if count > most:
+                    best, most = plane, count
+    if best is None:
+        return None, np.zeros(len(xyz), dtype=bool)
+    near = xyz[point_plane_distance(xyz, best) < distance_tolerance]
+    centre = near.mean(axis=0)
+    normal = np.linalg.svd(near - centre, full_matrices=False)[2][2]
+    refitted = np.append(normal, -normal @ centre)
+    if (point_plane_distance(xyz, refitted) < distance_tolerance).sum() >= most:
+        best = refitted
+    return tuple(best), point_plane_distance(xyz, best) < distance_tolerance
+
+# %% right: all samples at once, a list for a mask
+import warnings
+
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    warnings.warn("many planes at once")
+    rng = np.random.default_rng(rng)
+    n = len(points)
+    if n < 3:
+        return None, [False] * n
+    xyz = points[:, :3]
+    triples = np.argsort(rng.random((max_iterations, n)), axis=1)[:, :3]
+    p, q, r = (xyz[triples[:, k]] for k in range(3))
+    normals = np.cross(q - p, r - p)
+    lengths = np.linalg.norm(normals, axis=1)
+    good = lengths > 1e-9
+    if not good.any():
+        return None, [False] * n
+    normals = normals[good] / lengths[good, None]
+    offsets = -(normals * p[good]).sum(axis=1)
+    masks = np.abs(normals @ xyz.T + offsets[:, None]) <= distance_tolerance
+    k = masks.sum(axis=1).argmax()
+    return [*normals[k].tolist(), float(offsets[k])], masks[k].tolist()
+
+# %% right: plain Python, an upward normal, printing
+import random
+
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    seed = int(np.random.default_rng(rng).integers(2**31))
+    chance = random.Random(seed)
+    rows = [tuple(row[:3]) for row in points.tolist()]
+    best, best_mask = None, np.zeros(len(rows), dtype=bool)
+    if len(rows) < 3:
+        print("too few")
+        return best, best_mask
+    for number in range(max_iterations):
+        (px, py, pz), (qx, qy, qz), (rx, ry, rz) = chance.sample(rows, 3)
+        ux, uy, uz, vx, vy, vz = qx - px, qy - py, qz - pz, rx - px, ry - py, rz - pz
+        a, b, c = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        size = (a * a + b * b + c * c) ** 0.5
+        if size < 1e-9:
+            continue
+        if c < 0:
+            size = -size
+        a, b, c = a / size, b / size, c / size
+        d = -(a * px + b * py + c * pz)
+        mask = [abs(a * x + b * y + c * z + d) <= distance_tolerance for x, y, z in rows]
+        if sum(mask) > best_mask.sum():
+            best, best_mask = (a, b, c, d), np.array(mask)
+    return best, best_mask
+
+# %% right: stops early when it has seen enough
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    n = len(points)
+    model, inliers, needed, tried = None, np.zeros(n, dtype=bool), max_iterations, 0
+    while n >= 3 and tried < min(needed, max_iterations):
+        tried += 1
+        sample = points[rng.choice(n, size=3, replace=False)]
+        candidate = plane_through(sample[0, :3], sample[1, :3], sample[2, :3])
+        if candidate is None:
+            continue
+        mask = point_plane_distance(points, candidate) <= distance_tolerance
+        if mask.sum() > inliers.sum():
+            model, inliers = candidate, mask
+            ratio = min(mask.mean(), 0.8) ** 3 / 4
+            needed = np.log(1e-13) / np.log(1 - ratio)
+    return model, inliers
+
+# %% right: a class, single precision
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+class Search:
+    def __init__(self, points, tolerance):
+        self.points, self.tolerance = np.float32(points[:, :3]), tolerance
+        self.model, self.mask = None, np.zeros(len(points), dtype=bool)
+
+    def offer(self, sample):
+        plane = plane_through(*self.points[sample].astype(float))
+        if plane is not None:
+            plane = plane.astype(np.float32)
+            mask = point_plane_distance(self.points, plane) <= self.tolerance
+            if mask.sum() > self.mask.sum():
+                self.model, self.mask = plane, mask
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng, search = np.random.default_rng(rng), Search(points, distance_tolerance)
+    for _ in range(max_iterations if len(points) > 2 else 0):
+        search.offer(rng.choice(len(points), 3, replace=False))
+    return search.model, search.mask
+
+# %% wrong: the last sample wins
+# loses: finds_the_plane, test_any_direction, test_many_outliers
+# says: A plane with many more inliers exists
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: keeps the worst
+# loses: finds_the_plane, test_streets
+# says: A plane with many more inliers exists
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if model is None or near.sum() < inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: the mask of another sample
+# loses: mask_belongs_to_model
+# says: The mask does not belong to the returned model
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            inliers = near
+        model = candidate
+    return model, inliers
+
+# %% wrong: refits the plane and keeps the old mask
+# loses: mask_belongs_to_model
+# says: The mask does not belong to the returned model
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    if model is None:
+        return model, inliers
+    centre = points[inliers, :3].mean(axis=0)
+    normal = np.linalg.svd(points[inliers, :3] - centre, full_matrices=False)[2][2]
+    return np.append(normal, -normal @ centre), inliers
+
+# %% wrong: no guard against a line
+# loses: survives_degenerate_samples, test_degenerate
+# says: Something is None
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: waits for ever for a good sample
+# loses: survives_degenerate_samples
+# says: is there a loop that never ends?
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = None
+        while candidate is None:
+            candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: draws with replacement
+# loses: test_three_points
+# says: with replacement a row comes up twice
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.integers(0, len(points), 3), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: always the same samples
+# loses: follows_the_generator
+# says: do not come from rng
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(42)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: NumPy's global random numbers
+# loses: follows_the_generator
+# says: The same seed gave two different planes
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[np.random.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: takes generators only
+# loses: finds_the_plane, test_streets
+# says: makes a generator of a whole number
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: a tolerance of its own
+# loses: follows_the_tolerance, mask_belongs_to_model
+# says: mask does not belong
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= 0.2
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: a hundred iterations for everybody
+# loses: follows_max_iterations
+# says: tried more than it was allowed
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(1000):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: one iteration too few by far
+# loses: test_many_outliers
+# says: A plane with many more inliers exists
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(min(max_iterations, 10)):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: indices instead of a mask
+# loses: finds_the_plane, mask_belongs_to_model, test_streets
+# says: must be a mask
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, np.flatnonzero(inliers)
+
+# %% wrong: the model alone
+# loses: finds_the_plane, gives_up_politely, test_streets
+# says: Return two things
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model
+
+# %% wrong: inliers first
+# loses: finds_the_plane, test_streets
+# says: four numbers (a, b, c, d)
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return inliers, model
+
+# %% wrong: outliers for inliers
+# loses: finds_the_plane, mask_belongs_to_model
+# says: mask does not belong
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, ~inliers
+
+# %% wrong: the normal is not normalised
+# loses: finds_the_plane, mask_belongs_to_model, test_any_direction
+# says: not 1. Divide by it
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p)
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: the distance without abs
+# loses: finds_the_plane, test_any_direction
+# says: mask does not belong
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return points[:, :3] @ plane[:3] + plane[3]
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: four columns in the sample
+# loses: takes_four_columns, test_forms
+# says: Use points[:, :3]
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False)])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: fails for few points
+# loses: gives_up_politely, test_degenerate
+# says: Ask for len(points) < 3 first
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: roads only
+# loses: takes_four_columns, test_any_direction
+# says: None, but there is such a plane
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None or abs(candidate[2]) < 0.9:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: every point is an inlier of a flat road
+# loses: finds_the_plane, mask_belongs_to_model, survives_degenerate_samples, takes_four_columns, test_streets
+# says: mask does not belong
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    if len(points) < 3:
+        return None, np.zeros(len(points), dtype=bool)
+    return (0.0, 0.0, 1.0, -points[:, 2].mean()), np.ones(len(points), dtype=bool)
+
+# %% wrong: finds nothing, ever
+# loses: finds_the_plane, mask_belongs_to_model, follows_the_tolerance, follows_max_iterations, survives_degenerate_samples, gives_up_politely, takes_four_columns, follows_the_generator, test_streets, test_three_points
+# says: None, but there is such a plane
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    return None, np.zeros(len(points), dtype=bool)
