@@ -155,9 +155,14 @@ class CachedFrames(Sequence):
         return self.folder / f"{self.numbers[index]:04d}.npz"
 
 
+_SIMULATOR = ("bounds", "frames", "ground", "layouts", "pose", "scenes", "shapes", "simulator",
+              "streets", "traffic", "world")
+
+
 def _simulator_version() -> str:
     """A fingerprint of the code that makes the frames, so that a change makes them anew."""
-    code = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
+    folder = Path(__file__).parent
+    code = b"".join((folder / f"{name}.py").read_bytes() for name in _SIMULATOR)
     return hashlib.sha256(code).hexdigest()[:12]
 
 

@@ -133,7 +133,7 @@ def filter_by_distance(cloud, distance=10.0):
 
 # %% wrong: fails on an empty cloud
 # loses: takes_every_shape, test_small_and_single
-# says: The cloud can be empty
+# says: can be empty
 def filter_by_distance(cloud, distance=10.0):
     d = np.hypot(cloud[:, 0], cloud[:, 1])
     if d.min() > distance:

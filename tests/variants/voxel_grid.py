@@ -129,7 +129,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: fails on an empty cloud
 # loses: takes_nothing
-# says: The cloud can be empty
+# says: can be empty
 def voxel_grid(cloud, voxel_size=0.2):
     cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
     cells -= cells.min(axis=0)

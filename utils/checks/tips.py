@@ -35,7 +35,7 @@ _TIPS = (
      "The shapes do not fit. (n, 3) minus (3,) works; (3, n) or (n, 4) minus (3,) does not: "
      "take cloud[:, :3]."),
     ("ValueError", r"zero-size array|empty",
-     "The cloud can be empty. Return early, or use an operation that allows no rows."),
+     "The cloud, or one cluster of it, can be empty. Return early, or use an operation that allows no rows."),
     ("ValueError", r"read-only|assignment destination",
      "The input must stay as it is: work on a copy."),
     ("RecursionError", r"",
@@ -44,6 +44,8 @@ _TIPS = (
     ("MemoryError", r"",
      "That asks for more memory than there is. All pairs of 120 000 points are 14 400 000 000 "
      "numbers: go point by point, or cell by cell."),
+    ("AttributeError", r"'int' object has no attribute '(choice|integers|permutation)'",
+     "rng may be a whole number: begin with rng = np.random.default_rng(rng)."),
     ("AttributeError", r"'list' object has no attribute",
      "This is a list, not an array: wrap it in np.array(...)."),
     ("NotImplementedError", r"",

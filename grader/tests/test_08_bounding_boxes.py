@@ -1,0 +1,126 @@
+"""Hidden tests of lesson 08. Titles and hints are shown to students; the code is not."""
+
+import numpy as np
+import pytest
+
+from grader import samples
+from grader.marks import hidden, visible
+from utils.checks.boxes import as_boxes, assert_box_corners
+
+
+@visible("get_bounding_boxes")
+def test_visible(student, check):
+    check.run(getattr(student, check.exercise))
+
+
+def boxes_by_hand(cloud, labels):
+    """The right boxes, point by point in plain Python; shape (N, 8, 3)."""
+    rows = {}
+    for label, row in zip(labels.tolist(), cloud[:, :3].tolist(), strict=True):
+        if label > 0:
+            rows.setdefault(label, []).append(row)
+    boxes = []
+    for label in sorted(rows):
+        columns = [sorted(column) for column in zip(*rows[label], strict=True)]
+        boxes.append([[column[-1] if corner // 2**axis % 2 else column[0]
+                       for axis, column in enumerate(columns)] for corner in range(8)])
+    return np.array(boxes, dtype=float).reshape(-1, 8, 3)
+
+
+def assert_boxed(student, cloud, labels):
+    assert_box_corners(student.get_bounding_boxes(cloud.copy(), labels.copy()),
+                       boxes_by_hand(cloud, labels), cloud, labels)
+
+
+def course_clusters(seed):
+    """Thinned obstacles of the course's own scan and their labels, noise of label 0 among them."""
+    cloud = samples.patch_of_course_cloud(seed, 2500)
+    cloud = cloud[cloud[:, 2] > -1.1]
+    return cloud, without_small(samples.cluster_labels(cloud, 0.7), 4)
+
+
+def street_clusters(seed):
+    """The same of a street that nobody has seen."""
+    cloud = samples.obstacles_of_street(seed, 1500)
+    return cloud, without_small(samples.cluster_labels(cloud, 0.8), 4)
+
+
+def without_small(labels, least):
+    """Labels of clusters with fewer points set to 0: the numbers get gaps."""
+    return np.where(np.bincount(labels)[labels] < least, 0, labels)
+
+
+@hidden("get_bounding_boxes", weight=4, title="Right on the course's own scan",
+        hint="Compare with the picture in the notebook: does every obstacle sit in its box?")
+def test_course_scan(student, seed):
+    assert_boxed(student, *course_clusters(seed))
+
+
+@hidden("get_bounding_boxes", weight=4, title="Right on a street you have not seen",
+        hint="Neither the number of boxes nor any coordinate may be written into the function.")
+def test_fresh_street(student, seed):
+    assert_boxed(student, *street_clusters(seed))
+
+
+@hidden("get_bounding_boxes", weight=3, title="Right for any numbering, with large gaps",
+        hint="np.unique(labels[labels > 0]) lists what occurs; rows of the answer follow it.")
+def test_any_numbering(student, seed):
+    cloud, labels = street_clusters(seed)
+    names = np.random.default_rng(seed).permutation(np.arange(1, 900))[:labels.max()]
+    assert_boxed(student, cloud, np.concatenate([[0], names])[labels])
+
+
+@hidden("get_bounding_boxes", weight=3, title="Right for points in any order",
+        hint="A point can be the smallest so far and the largest so far at once: the first one "
+             "is. elif asks only one of the two questions.")
+@pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
+def test_any_order_of_points(student, seed, step):
+    cloud, labels = street_clusters(seed)
+    order = np.lexsort([labels, cloud.sum(axis=1)])[::step]
+    assert_boxed(student, cloud[order], labels[order])
+
+
+@hidden("get_bounding_boxes", weight=2, title="Right wherever the cluster lies",
+        hint="Start from the first point or from infinity, never from 0: a cluster behind us on "
+             "the right has only negative coordinates.")
+@pytest.mark.parametrize("corner", [-1, 1], ids=["below zero", "above zero"])
+def test_anywhere(student, seed, corner):
+    rng = np.random.default_rng(seed)
+    cloud = rng.uniform(5, 9, (60, 3)) * corner
+    assert_boxed(student, cloud, rng.integers(0, 4, 60))
+
+
+@hidden("get_bounding_boxes", weight=2,
+        title="Right for one point, two points, equal points and points on a line",
+        hint="Nothing special is needed: such a box is flat, or a single place eight times.")
+def test_few_points(student, seed):
+    rng = np.random.default_rng(seed)
+    place = rng.uniform(-9, 9, (1, 4))
+    pair = rng.uniform(-9, 9, (2, 4))
+    line = place + np.outer(np.linspace(0, 3, 7), [1.0, -0.5, 0.2, 0.0])
+    cloud = np.vstack([place, pair, np.repeat(place, 5, axis=0), line])
+    labels = np.repeat([5, 2, 9, 4], [1, 2, 5, 7])
+    assert_boxed(student, cloud, labels)
+    assert_boxed(student, place, np.array([3]))
+    assert_boxed(student, line, np.ones(7, dtype=int))
+
+
+@hidden("get_bounding_boxes", weight=2, title="Right for single precision, and when labels or "
+        "noise take unusual forms",
+        hint="Only rows of a label above 0 count; what the others hold must not matter.")
+def test_forms(student, seed):
+    cloud, labels = street_clusters(seed)
+    assert_boxed(student, cloud.astype(np.float32), labels)
+    assert_boxed(student, np.asfortranarray(cloud[:, :3]), labels.astype(np.int32))
+    broken = np.vstack([[np.nan, 0.0, 0.0, 0.0], cloud, np.full(4, np.nan)])
+    assert_boxed(student, broken, np.concatenate([[0], labels, [0]]))
+
+
+@hidden("get_bounding_boxes", weight=1, title="Right for hundreds of clusters, and for none",
+        hint="No cluster gives an array of shape (0, 8, 3).")
+def test_many_and_none(student, seed):
+    rng = np.random.default_rng(seed)
+    cloud = rng.uniform(-30, 30, (600, 4))
+    assert_boxed(student, cloud, rng.integers(0, 300, 600))
+    none = np.zeros(600, dtype=int)
+    as_boxes(student.get_bounding_boxes(cloud.copy(), none), none)

@@ -1,0 +1,167 @@
+"""Every scenario is played, on a machine without a screen and, pretended, on one with."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from utils import play, scenes
+from utils.clouds import write_cloud
+from utils.scene3d import with_pyvista
+
+SMALL = ["--size", "160x90"]
+PROJECT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(autouse=True)
+def without_screen(monkeypatch, tmp_path):
+    monkeypatch.setattr(play, "has_screen", lambda: False)
+    monkeypatch.setenv("LIDAR_LAB_CACHE", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def notebook(monkeypatch):
+    """Pretend that notebooks define what a test puts in here."""
+    functions = SimpleNamespace()
+    module = ModuleType("utils.my_functions")
+    module.load_my_functions = lambda path: functions
+    monkeypatch.setitem(sys.modules, "utils.my_functions", module)
+    return functions
+
+
+@pytest.mark.parametrize(
+    ("name", "frames"), [("highway", 2), ("city", 1), ("city", 2), ("cyclist", 2)]
+)
+def test_the_scenarios_of_the_sources_are_played(name, frames, tmp_path, capsys):
+    assert play.main([name, "--frames", str(frames), "--record", "film.gif", *SMALL]) == 0
+    assert Image.open("film.gif").n_frames == frames
+    written = capsys.readouterr().out
+    assert "the true ones, which the simulator knows" in written
+    assert f"{frames} frame" in written
+
+
+def test_a_whole_stream_comes_from_the_cache(tmp_path):
+    programme = play.open_programme("highway")
+    assert len(programme.frames) == 30 and programme.on_highway
+    assert list((tmp_path / "cache").rglob("*.npz"))
+
+
+@pytest.mark.parametrize("suffix", [".pcd", ".txt"])
+def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
+    folder = tmp_path / "scans"
+    folder.mkdir()
+    for number in range(3):
+        write_cloud(folder / f"{number}{suffix}", scenes.simple_highway(number).cloud)
+    assert play.main([str(folder), "--record", "folder.gif", "--camera", "topdown", *SMALL]) == 0
+    assert Image.open("folder.gif").n_frames == 3
+    assert play.main([str(folder / f"1{suffix}"), "--record", "one.png", *SMALL]) == 0
+    assert "only labelled recordings have boxes" in capsys.readouterr().out
+
+
+def test_bags_are_opened_with_their_topic(monkeypatch):
+    asked = []
+    monkeypatch.setattr("utils.clouds.read_bag", lambda *question: asked.append(question) or [])
+    play.open_programme("drive.bag", topic="/points")
+    assert asked == [(Path("drive.bag"), "/points")]
+
+
+def test_without_a_screen_the_film_goes_into_a_file_of_the_same_name(tmp_path, capsys):
+    pytest.importorskip("imageio_ffmpeg")
+    assert play.main(["highway", "--frames", "2", *SMALL]) == 0
+    assert (tmp_path / "highway.mp4").stat().st_size > 0
+    assert "no screen here, so the film goes into highway.mp4" in capsys.readouterr().out
+
+
+def test_a_notebook_is_the_detector(notebook, capsys):
+    seen = []
+    notebook.detect_obstacles = lambda cloud: seen.append(len(cloud)) or np.empty((0, 8, 3))
+    arguments = ["highway", "--frames", "2", "--detector", "mine.ipynb", "--record", "film.gif"]
+    assert play.main([*arguments, *SMALL]) == 0
+    assert len(seen) == 2
+    assert "0 boxes per frame; detection took" in capsys.readouterr().out
+
+
+def test_a_notebook_without_detector_is_told_what_it_has(notebook, capsys):
+    notebook.filter_ground = len
+    assert play.main(["highway", "--detector", "06_filter_ground.ipynb"]) == 2
+    written = capsys.readouterr().out
+    assert "no function detect_obstacles(cloud)" in written and "filter_ground" in written
+
+
+def test_what_is_not_there_is_told_in_a_sentence(capsys):
+    assert play.main(["no_such_folder"]) == 2
+    assert "no folder" in capsys.readouterr().out
+    assert play.main(["highway", "--frames", "1", "--record", "film.avi"]) == 2
+    for wrong in (["--camera", "bird"], ["--frames", "0"], ["--size", "big"], ["--show", "box"]):
+        with pytest.raises(SystemExit) as stopped:
+            play.main(["highway", *wrong])
+        assert stopped.value.code == 2
+
+
+def test_layers_are_switched_from_the_command_line(monkeypatch):
+    composed = []
+    monkeypatch.setattr(
+        play, "record", lambda frames, path, detect, *, compose, **_: composed.append(compose)
+        or SimpleNamespace(path=path, recap="")
+    )
+    arguments = ["highway", "--frames", "1", "--record", "f.gif", "--hide", "scene", "ego_car_box"]
+    play.main(arguments)
+    play.main([*arguments, "--show", "lidar_rays"])
+    sight = next(play.watch(scenes.highway(frames=1)))
+    layers = [{part.layer for part in compose(sight).parts} for compose in composed]
+    assert layers[0] == {"data_points", "oriented_boxes"}
+    assert layers[1] - layers[0] == {"lidar_rays"}
+
+
+class PretendedWindow:
+    """Stands for a window; the reader closes it after the second frame."""
+
+    opened = []
+
+    def __init__(self, size, camera):
+        self.shown, self.open, self.halted, self.stayed = [], True, False, False
+        self.opened.append(self)
+
+    def put(self, scene):
+        self.shown.append(scene.caption)
+        self.open = len(self.shown) < 2
+
+    def refresh(self):
+        pass
+
+    def stay(self):
+        self.stayed = True
+
+    def close(self):
+        self.open = False
+
+
+def test_with_a_screen_it_plays_until_the_window_is_closed(monkeypatch, tmp_path):
+    monkeypatch.setattr(play, "has_screen", lambda: True)
+    monkeypatch.setattr(with_pyvista, "Window", PretendedWindow)
+    assert play.main(["highway", "--frames", "5"]) == 0
+    (window,) = PretendedWindow.opened
+    assert window.shown == ["frame 1 of 5 · 0.0 s", "frame 2 of 5 · 0.1 s"]
+    assert window.stayed and not list(tmp_path.glob("*.mp4"))
+
+
+def test_help_names_what_can_be_played():
+    done = subprocess.run(
+        [sys.executable, "-m", "utils.play", "--help"], cwd=PROJECT, capture_output=True, text=True,
+        timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 0 and done.stderr == ""
+    for word in ("highway", "city", "cyclist", ".bag", "--detector", "--record", "TopDown"):
+        assert word in done.stdout
+
+
+def test_utils_imports_no_grader():
+    folder = PROJECT / "utils"
+    for path in [*folder.glob("scene3d/*.py"), folder / "play.py", folder / "recording.py"]:
+        assert not re.search(r"^\s*(from|import) grader", path.read_text("utf-8"), re.M)

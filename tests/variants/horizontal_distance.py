@@ -1,0 +1,139 @@
+# Answers to horizontal_distance; see grader/variants.py.
+
+# %% right: hypot
+def horizontal_distance(cloud):
+    return np.hypot(cloud[:, 0], cloud[:, 1])
+
+# %% right: a loop in plain Python, a list back
+import math
+
+def horizontal_distance(cloud):
+    distances = []
+    for row in cloud:
+        distances.append(math.sqrt(row[0] ** 2 + row[1] ** 2))
+    return distances
+
+# %% right: norm of the first two columns, single precision
+def horizontal_distance(cloud):
+    return np.linalg.norm(cloud[:, :2].astype(np.float32), axis=1)
+
+# %% right: complex numbers, with a warning and a print
+import warnings
+
+def horizontal_distance(cloud):
+    warnings.warn("turning points into complex numbers")
+    print(cloud.shape)
+    return np.abs(cloud[:, 0] + 1j * cloud[:, 1])
+
+# %% right: a helper in another cell
+def root_of_squares(a, b):
+    return (a * a + b * b) ** 0.5
+
+# ---- another cell ----
+def horizontal_distance(cloud):
+    x, y = cloud.T[:2]
+    return root_of_squares(x, y)
+
+# %% right: a class and einsum
+class Ground:
+    def __init__(self, cloud):
+        self.flat = np.asarray(cloud)[:, [0, 1]]
+
+    def distances(self):
+        return np.sqrt(np.einsum("ij,ij->i", self.flat, self.flat))
+
+def horizontal_distance(cloud):
+    return Ground(cloud).distances()
+
+# %% right: unpacks three or four columns
+def horizontal_distance(cloud):
+    x, y, z, *intensity = cloud.transpose()
+    return np.array([float(a) for a in np.sqrt(np.square(x) + np.square(y))])
+
+# %% wrong: length of x, y, z
+# loses: ignores_height_and_intensity, test_distances_in_course_cloud
+# says: the height is mixed in
+def horizontal_distance(cloud):
+    return np.linalg.norm(cloud[:, :3], axis=1)
+
+# %% wrong: length of the whole row
+# loses: ignores_height_and_intensity, test_distances_in_fresh_street
+# says: height and intensity are mixed in
+def horizontal_distance(cloud):
+    return np.linalg.norm(cloud, axis=1)
+
+# %% wrong: no square root
+# loses: measures_distance, test_distances_in_course_cloud
+# says: the square root is missing
+def horizontal_distance(cloud):
+    return cloud[:, 0] ** 2 + cloud[:, 1] ** 2
+
+# %% wrong: sum of the sides
+# loses: measures_distance, test_distances_in_fresh_street
+# says: the way around the corner
+def horizontal_distance(cloud):
+    return np.abs(cloud[:, 0]) + np.abs(cloud[:, 1])
+
+# %% wrong: rows for columns
+# loses: measures_distance, takes_every_shape, test_distances_in_course_cloud
+# says: one distance for each of the 5 points
+def horizontal_distance(cloud):
+    return np.sqrt(cloud[0] ** 2 + cloud[1] ** 2)
+
+# %% wrong: only forward
+# loses: measures_distance, test_distances_when_turned
+# says: a point to the side is far away
+def horizontal_distance(cloud):
+    return np.abs(cloud[:, 0])
+
+# %% wrong: one number for the whole cloud
+# loses: measures_distance, test_distances_in_course_cloud
+# says: one distance for each
+def horizontal_distance(cloud):
+    return np.linalg.norm(cloud[:, :2])
+
+# %% wrong: signed, negative behind the car
+# loses: measures_distance, test_distances_in_course_cloud
+# says: distances are wrong
+def horizontal_distance(cloud):
+    return np.sign(cloud[:, 0]) * np.hypot(cloud[:, 0], cloud[:, 1])
+
+# %% wrong: squares in place
+# loses: leaves_its_input
+# says: changed its input
+def horizontal_distance(cloud):
+    x, y = cloud[:, 0], cloud[:, 1]
+    x *= x
+    y *= y
+    return np.sqrt(x + y)
+
+# %% wrong: needs four columns
+# loses: takes_every_shape
+# says: not enough values to unpack
+def horizontal_distance(cloud):
+    x, y, z, intensity = cloud.T
+    return np.sqrt(x ** 2 + y ** 2)
+
+# %% wrong: forgets to return
+# loses: measures_distance, takes_every_shape, leaves_its_input
+# says: returned None
+def horizontal_distance(cloud):
+    distance = np.hypot(cloud[:, 0], cloud[:, 1])
+
+# %% wrong: sorted, nearest first
+# loses: measures_distance, test_distances_in_course_cloud
+# says: distances are wrong
+def horizontal_distance(cloud):
+    return np.sort(np.hypot(cloud[:, 0], cloud[:, 1]))
+
+# %% wrong: a column instead of a flat array
+# loses: measures_distance
+# says: shape (5, 1)
+def horizontal_distance(cloud):
+    return np.sqrt((cloud[:, :2] ** 2).sum(axis=1, keepdims=True))
+
+# %% wrong: stub left in place
+# loses: measures_distance, test_distances_in_course_cloud, leaves_its_input
+# says: still raises NotImplementedError
+def horizontal_distance(cloud):
+    raise NotImplementedError

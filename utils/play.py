@@ -1,0 +1,247 @@
+"""Play a stream of scans: live in a window where there is a screen, else into a film.
+
+    python -m utils.play city
+    python -m utils.play cyclist --detector notebooks/stage4_realtime/12_streaming_obstacles.ipynb
+    python -m utils.play highway --camera TopDown --show lidar_rays --record highway.gif
+    python -m utils.play city --frames 1 --record city.png
+    python -m utils.play my_recording.bag
+
+Without a detector the true boxes of simulated streams are shown, and none for recordings.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from utils.clouds.errors import CloudFileError
+from utils.recording import SIZE, Sight, record, scene_of, watch
+from utils.scene3d import CAMERAS, LAYERS, Scene
+from utils.scene3d.opengl import has_screen
+
+DETECTOR = "detect_obstacles"
+SIMULATED = {"highway": "Simple highway", "city": "City block", "cyclist": "Behind a cyclist"}
+RECORDED = ("udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005")
+BAGS = (".bag", ".db3", ".mcap")
+
+HIGHWAY_SENSOR = 2.6
+HIGHWAY_EGO = ((-2.0, -1.0, -HIGHWAY_SENSOR), (2.0, 1.0, 1.9 - HIGHWAY_SENSOR))
+"""The ego car below the highway's sensor, in metres."""
+
+OFF = ("lidar_rays",)
+"""Layers that stay off unless asked for: a thousand rays hide the rest."""
+
+
+@dataclass(frozen=True)
+class Programme:
+    """What is played: a title, the frames, and how a frame becomes a scene."""
+
+    title: str
+    frames: Sequence
+    on_highway: bool = False
+    switches: tuple[tuple[str, bool], ...] = ()
+
+    def compose(self, sight: Sight) -> Scene:
+        """The scene of a frame: cloud and boxes, the ego car, and on the highway the road."""
+        scene = scene_of(sight, self.title)
+        scene.add_rays(sight.cloud)
+        if self.on_highway:
+            scene.add_road(HIGHWAY_SENSOR).add_ego_car(*HIGHWAY_EGO)
+            scene.add_cars([box.corners for box in sight.true_boxes if box.kind == "car"])
+        else:
+            scene.add_ego_car()
+        return scene.switch(**dict(self.switches))
+
+
+def open_programme(
+    name: str, *, frames: int | None = None, seed: int = 0, topic: str | None = None
+) -> Programme:
+    """Find out what `name` means, and open it.
+
+    Parameters
+    ----------
+    name : str
+        A simulated scene, a recording that can be fetched, a ROS recording, a folder of clouds,
+        or one cloud.
+    frames : int, optional
+        Only the first so many.
+    seed : int
+        For simulated scenes: another seed, another street.
+    topic : str, optional
+        For ROS recordings with several topics of clouds.
+
+    Raises
+    ------
+    CloudFileError
+        There is no such file or folder, or it holds no clouds.
+    """
+    if name in SIMULATED:
+        return Programme(SIMULATED[name], _simulated(name, frames, seed), name == "highway")
+    return Programme(Path(name).name, _recorded(name, topic)[:frames])
+
+
+def _simulated(name: str, frames: int | None, seed: int) -> Sequence:
+    from utils import scenes
+    from utils.datasets import SCENES, load_sequence
+
+    if frames is None:
+        return load_sequence(name, seed)
+    # A few frames are made sooner than the whole sequence for the cache.
+    return getattr(scenes, SCENES[name])(seed=seed, frames=frames)
+
+
+def _recorded(name: str, topic: str | None) -> Sequence:
+    from utils.clouds import SUFFIXES, read_bag, read_cloud, read_kitti_raw, read_sequence
+    from utils.datasets import fetch_recording
+
+    path = Path(name).expanduser()
+    if name in RECORDED and not path.exists():
+        return fetch_recording(name)
+    if path.suffix in BAGS or (path / "metadata.yaml").exists():
+        return read_bag(path, topic)
+    if (path / "velodyne_points").is_dir():
+        return read_kitti_raw(path)
+    if path.is_file() and path.suffix.lower() in SUFFIXES:
+        return [read_cloud(path)]
+    return read_sequence(path)
+
+
+def load_detector(notebook: str) -> Callable:
+    """The function `detect_obstacles` of a notebook.
+
+    Raises
+    ------
+    ValueError
+        The notebook has no such function; the message names those that it has.
+    """
+    from utils.my_functions import load_my_functions
+
+    functions = load_my_functions(notebook)
+    if not hasattr(functions, DETECTOR):
+        names = ", ".join(sorted(vars(functions))) or "none"
+        raise ValueError(
+            f"{Path(notebook).name} has no function {DETECTOR}(cloud), which a detector is. "
+            f"Lesson 12 is where it is written. The functions in it are: {names}."
+        )
+    return getattr(functions, DETECTOR)
+
+
+def play(programme: Programme, detect: Callable | None, camera: str, size=SIZE) -> None:
+    """Play in a window, at the speed of the recording where the machine keeps up."""
+    from utils.scene3d.with_pyvista import Window
+
+    window = Window(size, CAMERAS[camera])
+    print("F1 to F4: cameras · space: halt · q: leave")
+    start, halted_for = time.monotonic(), 0.0
+    for sight in watch(programme.frames, detect):
+        if not window.open:
+            break
+        window.put(programme.compose(sight))
+        while window.open and (
+            window.halted or time.monotonic() - start - halted_for < sight.time
+        ):
+            halted_for += 0.02 if window.halted else 0.0
+            time.sleep(0.02)
+            window.refresh()
+    window.stay()
+    window.close()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return 0, or 2 when something was asked for that is not there."""
+    options = _parser().parse_args(arguments)
+    try:
+        _run(options)
+    except (ValueError, CloudFileError, OSError) as problem:
+        print(problem)
+        return 2
+    except KeyboardInterrupt:
+        print("\nStopped.")
+        return 130
+    return 0
+
+
+def _run(options: argparse.Namespace) -> None:
+    detect = load_detector(options.detector) if options.detector else None
+    programme = open_programme(
+        options.what, frames=options.frames, seed=options.seed, topic=options.topic
+    )
+    switches = dict.fromkeys(OFF, False)
+    switches |= dict.fromkeys(options.hide, False) | dict.fromkeys(options.show, True)
+    programme = Programme(
+        programme.title, programme.frames, programme.on_highway, tuple(switches.items())
+    )
+    if detect is None:
+        print(
+            "No detector was given, so the boxes are the true ones, which the simulator knows."
+            if options.what in SIMULATED
+            else "No detector was given, and only labelled recordings have boxes of their own. "
+            "Give your notebook: --detector 12_streaming_obstacles.ipynb"
+        )
+    if options.record is None and has_screen():
+        play(programme, detect, options.camera, options.size)
+        return
+    path = options.record or Path(f"{Path(options.what).stem}.mp4")
+    if options.record is None:
+        print(f"There is no screen here, so the film goes into {path}.")
+    film = record(
+        programme.frames,
+        path,
+        detect,
+        camera=options.camera,
+        compose=programme.compose,
+        size=options.size,
+    )
+    print(f"{film.path}: {film.recap}")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m utils.play", description=__doc__.split("\n\n")[0],
+        epilog="Layers: " + ", ".join(LAYERS),
+    )
+    parser.add_argument(
+        "what", metavar="WHAT",
+        help=f"{', '.join(SIMULATED)}; {', '.join(RECORDED)} (fetched once); a folder of clouds, "
+        "a .bag, .db3 or .mcap recording, or one cloud",
+    )
+    parser.add_argument("--detector", metavar="NOTEBOOK", help=f"notebook with {DETECTOR}(cloud)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="write a .mp4, .gif or .png")
+    parser.add_argument("--camera", default="XY", type=_camera_name, metavar="CAMERA",
+                        help=f"{', '.join(CAMERAS)} (XY)")
+    parser.add_argument("--frames", type=_count, metavar="N", help="only the first N frames")
+    parser.add_argument("--size", type=_size, default=SIZE, metavar="WxH", help="pixels (960x540)")
+    for name, verb in (("show", "on"), ("hide", "off")):
+        parser.add_argument(f"--{name}", nargs="+", default=[], choices=LAYERS, metavar="LAYER",
+                            help=f"turn layers {verb}")
+    parser.add_argument("--seed", type=int, default=0, help="another simulated street")
+    parser.add_argument("--topic", help="which clouds of a ROS recording")
+    return parser
+
+
+def _camera_name(text: str) -> str:
+    for name in CAMERAS:
+        if name.lower() == text.lower():
+            return name
+    raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(CAMERAS)}")
+
+
+def _count(text: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of frames from 1 on")
+    return int(text)
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit() and min(int(width), int(height)) >= 64):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 960x540")
+    return int(width), int(height)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

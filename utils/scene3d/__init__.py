@@ -1,0 +1,16 @@
+"""Scenes in three dimensions: clouds, boxes, cars and rays, drawn with PyVista.
+
+>>> from utils.scene3d import Scene
+>>> scene = Scene("A street").add_cloud(cloud).add_clusters(points, labels).add_boxes(corners)
+>>> scene.show("TopDown")
+>>> scene.show(interactive=True)
+
+Nothing needs a screen. Where PyVista is missing or cannot draw, matplotlib does; the interactive
+view is drawn by the browser and needs neither.
+"""
+
+from .cameras import CAMERAS, Camera
+from .parts import LAYERS
+from .scene import EGO_MAXIMUM, EGO_MINIMUM, Scene
+
+__all__ = ["CAMERAS", "EGO_MAXIMUM", "EGO_MINIMUM", "LAYERS", "Camera", "Scene"]

@@ -1,0 +1,227 @@
+"""From data to parts of a scene: what is coloured how, named how and put on which layer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from utils.plots.data import as_cloud, as_labels, as_values
+from utils.plots.style import (
+    BLUE,
+    COLOURS,
+    GREEN,
+    INK,
+    MUTED,
+    ORANGE,
+    PALE,
+    PALETTE,
+    VERMILION,
+    counted,
+)
+from utils.plots.trees import AXIS_LOOKS
+from utils.scene3d import solids
+from utils.scene3d.parts import (
+    LAYERS,
+    Faces,
+    Label,
+    Part,
+    Points,
+    Segments,
+    bytes_of,
+    dashed,
+    dot_size,
+)
+
+MAGENTA, ASPHALT = "#C2158A", "#D3D7DB"
+BOX_LOOKS = {"boxes": (VERMILION, 2.0), "oriented_boxes": (BLUE, 3.0)}
+MOST_NAMES = 12
+LABEL_RISE = 0.3
+"""Metres from the top of a thing to its label."""
+
+LANE_LINE = 2.0
+"""Metres from the middle of the road to a lane line."""
+
+SINK = 0.12
+"""Metres by which the road is drawn too low."""
+
+
+def cloud_parts(cloud, values, colour, size, layer, name) -> list[Part]:
+    """The points of a cloud, in one colour or coloured by `values` or by height."""
+    cloud = as_cloud(cloud)
+    if colour is not None:
+        colours = np.tile(bytes_of(colour), (len(cloud), 1))
+    else:
+        colours = _coloured(cloud[:, 2] if values is None else as_values(values, len(cloud)))
+    return [_points(cloud, colours, size, layer, name or LAYERS[layer])]
+
+
+def cluster_parts(cloud, labels, names) -> list[Part]:
+    """Points in the colour of their cluster, pale noise, and labels at the biggest clusters."""
+    cloud = as_cloud(cloud)
+    labels = as_labels(labels, len(cloud))
+    noise = labels <= 0
+    found, counts = np.unique(labels[~noise], return_counts=True)
+    palette = np.array([bytes_of(colour) for colour in PALETTE])
+    size = dot_size(len(cloud))
+    colours = palette[(labels[~noise] - 1) % len(PALETTE)]
+    name = f"points in {counted(len(found), 'cluster')}"
+    parts: list[Part] = [_points(cloud[~noise], colours, size + 1, "clusters", name)]
+    if noise.any():
+        pale = np.tile(bytes_of(PALE), (np.count_nonzero(noise), 1))
+        parts.append(_points(cloud[noise], pale, max(size - 1, 1), "clusters", "noise points"))
+    for label in found[np.argsort(-counts, kind="stable")[:MOST_NAMES]] if names else ():
+        members = cloud[labels == label, :3]
+        members = members[np.isfinite(members).all(axis=1)]
+        if len(members):
+            parts.append(_label_above(members, str(label), "clusters"))
+    return parts
+
+
+def plane_parts(cloud, plane) -> list[Part]:
+    """The points of a plane in green and, where the plane itself is given, a piece of it."""
+    cloud = as_cloud(cloud)
+    parts = cloud_parts(cloud, None, GREEN, None, "plane_cloud", "")
+    if plane is not None:
+        finite = cloud[np.isfinite(cloud[:, :3]).all(axis=1), :3]
+        triangles, grid = solids.plane_patch(plane, finite)
+        parts.append(Segments(grid, GREEN, 1.0, "plane_cloud"))
+        parts.append(_faces(triangles, GREEN, "plane_cloud", 0.18, shaded=False))
+    return parts
+
+
+def kd_parts(root, low, high, depth) -> list[Part]:
+    """The planes of a kd-tree in the colours of their axes, the first ones with number and axis."""
+    cuts = list(solids.kd_cuts(root, low, high, depth))
+    parts: list[Part] = []
+    for axis, (letter, _, colour) in enumerate(AXIS_LOOKS):
+        rings = np.array([cut.corners for cut in cuts if cut.axis == axis]).reshape(-1, 4, 3)
+        if not len(rings):
+            continue
+        outline = rings[:, np.array(solids.RING)].reshape(-1, 2, 3)
+        parts.append(Segments(outline, colour, 1.5, "kd_tree"))
+        triangles = rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3, 3)
+        name = f"splits {letter}"
+        parts.append(_faces(triangles, colour, "kd_tree", 0.16, name, shaded=False))
+    for number, cut in enumerate(cuts[:MOST_NAMES], start=1):
+        parts.append(Label(cut.corners[2], f"{number} {AXIS_LOOKS[cut.axis][0]}", "kd_tree"))
+    return parts
+
+
+def ray_parts(cloud, origin, most) -> list[Part]:
+    """Lines from the sensor to some of its returns."""
+    ends = as_cloud(cloud)[:, :3]
+    ends = ends[np.isfinite(ends).all(axis=1)]
+    name = counted(len(ends), "lidar ray")
+    if len(ends) > most:
+        name = f"{most:,} of {name}"
+        # At random, as every k-th would fall in step with the beams.
+        ends = ends[np.random.default_rng(0).choice(len(ends), most, replace=False)]
+    rays = np.stack([np.broadcast_to(np.asarray(origin, float), ends.shape), ends], axis=1)
+    return [Segments(rays, ORANGE, 1.0, "lidar_rays", name, 0.3)]
+
+
+def box_parts(corners, names, reference, name, layer) -> list[Part]:
+    """Boxes as edges and faces one looks through; dashed and grey edges for a reference."""
+    corners = _as_corners(corners)
+    texts = _as_texts(names, len(corners))
+    finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
+    corners = solids.ordered(corners[finite])
+    parts: list[Part] = [
+        _label_above(box, texts[row], layer)
+        for row, box in zip(finite, corners, strict=True)
+        if texts
+    ]
+    name = f"{len(corners):,} {name or LAYERS[layer]}"
+    edges = solids.edges_of(corners)
+    colour, width = BOX_LOOKS[layer]
+    if reference:
+        return [*parts, Segments(dashed(edges), MUTED, 2.0, layer, name, broken=True)]
+    faces = _faces(solids.faces_of(corners), colour, layer, 0.14)
+    return [*parts, Segments(edges, colour, width, layer, name), faces]
+
+
+def ego_parts(minimum, maximum) -> list[Part]:
+    """The box of the ego car in magenta."""
+    corners = solids.upright_box(minimum, maximum)[None]
+    edges = Segments(
+        solids.edges_of(corners), MAGENTA, 2.5, "ego_car_box", LAYERS["ego_car_box"]
+    )
+    return [edges, _faces(solids.faces_of(corners), MAGENTA, "ego_car_box", 0.25)]
+
+
+def road_parts(height, length, width) -> list[Part]:
+    """A straight road with two lane lines, `height` metres below the sensor."""
+    ends = (-length / 2, length / 2)
+    # A little low: half of the noisy returns would else be hidden below the surface.
+    surface = solids.rectangle(ends, (-width / 2, width / 2), -height - SINK)
+    lines = [[(x, side * LANE_LINE, -height - SINK / 2) for x in ends] for side in (-1, 1)]
+    return [
+        _faces(surface, ASPHALT, "scene", 1.0, shaded=False),
+        Segments(np.array(lines), MUTED, 2.0, "scene"),
+    ]
+
+
+def car_parts(corners, colour) -> list[Part]:
+    """A block car in each box, opaque."""
+    corners = _as_corners(corners)
+    corners = solids.ordered(corners[np.isfinite(corners).all(axis=(1, 2))])
+    blocks = [solids.block_car(box) for box in corners]
+    blocks = np.concatenate(blocks) if blocks else np.empty((0, 8, 3))
+    name = counted(len(corners), "car")
+    return [
+        Segments(solids.edges_of(blocks), INK, 1.0, "scene"),
+        _faces(solids.faces_of(blocks), colour, "scene", 1.0, name),
+    ]
+
+
+def _points(cloud, colours, size, layer, name) -> Points:
+    finite = np.isfinite(cloud[:, :3]).all(axis=1)
+    xyz = np.ascontiguousarray(cloud[finite, :3], dtype=np.float32)
+    size = dot_size(len(xyz)) if size is None else float(size)
+    colours = np.ascontiguousarray(colours[finite], dtype=np.uint8)
+    return Points(xyz, colours, size, layer, f"{len(xyz):,} {name}")
+
+
+def _faces(triangles, colour, layer, opacity, name="", *, shaded=True) -> Faces:
+    colours = np.tile(bytes_of(colour), (len(triangles), 1))
+    if shaded:
+        colours = solids.lit(triangles, colours)
+    return Faces(triangles, colours, opacity, layer, name)
+
+
+def _label_above(points, text, layer) -> Label:
+    middle = np.median(points[:, :2], axis=0)
+    return Label(np.array([*middle, points[:, 2].max() + LABEL_RISE]), text, layer)
+
+
+def _coloured(values) -> np.ndarray:
+    """Colours (n, 3) of values; the outermost hundredths share the colours at the ends."""
+    finite = values[np.isfinite(values)]
+    low, high = np.percentile(finite, [1, 99]) if len(finite) else (0.0, 1.0)
+    shares = (values - low) / (high - low if high > low else 1.0)
+    return COLOURS(np.ma.masked_invalid(shares), bytes=True)[:, :3]
+
+
+def _as_corners(corners) -> np.ndarray:
+    """Boxes as a float array (N, 8, 3); a sentence for any other shape."""
+    try:
+        corners = np.asarray(corners, dtype=float)
+    except (TypeError, ValueError):
+        corners = np.empty((1, 1))
+    if corners.size == 0 and corners.shape[0] == 0:
+        return np.empty((0, 8, 3))
+    if corners.ndim != 3 or corners.shape[1:] != (8, 3):
+        raise ValueError(
+            "Boxes have shape (N, 8, 3): for each box eight corners (x, y, z); "
+            f"yours have {corners.shape}."
+        )
+    return corners
+
+
+def _as_texts(names, count) -> list[str]:
+    """One text for each box, or none at all."""
+    if names is None or names is False:
+        return []
+    texts = [str(name) for name in (range(count) if names is True else names)]
+    if len(texts) != count:
+        raise ValueError(f"names must hold one name per box: {count}, not {len(texts)}.")
+    return texts

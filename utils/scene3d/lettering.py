@@ -1,0 +1,116 @@
+"""Title, legend, labels and caption, written into a finished picture with Pillow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from PIL import Image, ImageColor, ImageDraw, ImageFont
+
+from utils.plots.style import INK, PAPER
+from utils.scene3d.cameras import NEAREST, Camera
+from utils.scene3d.parts import Label, Part, Points, Segments
+
+MARGIN = 10
+
+
+@lru_cache(maxsize=16)
+def _font(size: int, bold: bool = False):
+    """The font of matplotlib's figures, which every installation has."""
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name, size)
+
+
+def legend_of(parts: Iterable[Part]) -> list[tuple[str, str, str]]:
+    """Entries (text, "#RRGGBB", kind) of all parts that have something to say.
+
+    The kind, "dot", "line", "dashes" or "area", is told apart by shape, not by colour alone.
+    """
+    entries = []
+    for part in parts:
+        if not getattr(part, "name", ""):
+            continue
+        if isinstance(part, Segments):
+            entries.append((part.name, part.colour, "dashes" if part.broken else "line"))
+            continue
+        # Of many colours the legend shows the middle one.
+        colours = part.colours if len(part.colours) else [(0, 0, 0)]
+        colour = "#{:02X}{:02X}{:02X}".format(*colours[len(colours) // 2])
+        entries.append((part.name, colour, "dot" if isinstance(part, Points) else "area"))
+    return entries
+
+
+def write(
+    image: np.ndarray, parts: Iterable[Part], camera: Camera, title: str = "", caption: str = ""
+) -> np.ndarray:
+    """Write all that is text into an image (height, width, 3).
+
+    Labels stand at their place whatever is in front of them; title and legend at the top,
+    the caption at the bottom.
+    """
+    parts = list(parts)
+    height, width = image.shape[:2]
+    picture = Image.fromarray(image)
+    draw = ImageDraw.Draw(picture, "RGBA")
+    letter = max(11, round(height / 38))
+    _write_labels(draw, parts, camera, (width, height), _font(letter, bold=True))
+    down = MARGIN
+    if title:
+        down = _write_line(draw, (MARGIN, down), title, _font(letter + 2, bold=True))
+    _write_legend(draw, down, width, legend_of(parts), _font(letter))
+    if caption:
+        _write_line(draw, (MARGIN, height - MARGIN - letter - 4), caption, _font(letter))
+    return np.asarray(picture)
+
+
+def _write_labels(draw, parts, camera, size, font):
+    """Write the labels, the nearest first; one that would cover another is left out."""
+    labels = [part for part in parts if isinstance(part, Label)]
+    if not labels:
+        return
+    seen = camera.seen(np.array([label.at for label in labels]))
+    places = camera.placed(seen, size)
+    taken = np.empty((0, 4))
+    for row in np.argsort(seen[:, 2], kind="stable"):
+        place, text = tuple(places[row].tolist()), labels[row].text
+        if seen[row, 2] <= NEAREST or not (0 <= place[0] < size[0] and 0 <= place[1] < size[1]):
+            continue
+        left, top, right, bottom = draw.textbbox(place, text, font=font, anchor="ms")
+        room = np.array([left - 3, top - 3, right + 3, bottom + 3])
+        if ((room[:2] < taken[:, 2:]) & (taken[:, :2] < room[2:])).all(axis=1).any():
+            continue
+        taken = np.vstack([taken, room])
+        draw.rounded_rectangle(room.tolist(), 3, (255, 255, 255, 215))
+        draw.text(place, text, fill=labels[row].colour, font=font, anchor="ms")
+
+
+def _write_line(draw, place, text, font) -> int:
+    """Write a line on paper of its own; return where the next one begins."""
+    left, top, right, bottom = draw.textbbox(place, text, font=font)
+    draw.rectangle((left - 4, top - 3, right + 4, bottom + 3), (255, 255, 255, 215))
+    draw.text(place, text, fill=INK, font=font)
+    return bottom + 8
+
+
+def _write_legend(draw, down, width, entries, font):
+    across = MARGIN
+    for text, colour, kind in entries:
+        room = 24 + draw.textlength(text, font=font)
+        if across > MARGIN and across + room > width - MARGIN:
+            across, down = MARGIN, down + font.size + 8
+        middle = down + font.size * 0.6
+        draw.rectangle((across - 4, down - 2, across + room, down + font.size + 4),
+                       (255, 255, 255, 215))
+        if kind in ("line", "dashes"):
+            for start in (0, 11) if kind == "dashes" else (0, 5.5, 11):
+                draw.line((across + start, middle, across + start + 5.5, middle), colour, 3)
+        elif kind == "dot":
+            draw.ellipse((across + 4, middle - 4, across + 12, middle + 4), colour, PAPER)
+        else:
+            pale = (*ImageColor.getrgb(colour), 90)
+            draw.rectangle((across + 2, middle - 5, across + 14, middle + 5), pale, colour)
+        draw.text((across + 21, down), text, fill=INK, font=font)
+        across += room + 16

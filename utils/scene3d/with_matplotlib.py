@@ -1,0 +1,115 @@
+"""Drawing with matplotlib, for machines without PyVista: the same cameras, the same parts.
+
+The points become an image with the nearest one on top; edges and faces are drawn over it, as
+matplotlib knows no depth. Its own 3-D axes cannot stand in the middle of a cloud, as here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+
+from utils.plots.style import PAPER, canvas
+from utils.scene3d.cameras import NEAREST, Camera, as_camera, cut_off
+from utils.scene3d.lettering import write
+from utils.scene3d.parts import Faces, Label, Points, Segments
+from utils.scene3d.shading import eye_dome
+
+DOTS_PER_INCH = 100
+
+
+def picture(scene, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """Draw a scene: uint8, (height, width, 3)."""
+    width, height = size
+    figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
+    screen = FigureCanvasAgg(figure)
+    _fill(figure.add_axes((0, 0, 1, 1)), scene, camera, size)
+    screen.draw()
+    image = np.asarray(screen.buffer_rgba())[:height, :width, :3].copy()
+    return write(image, scene.parts, camera, scene.title, scene.caption)
+
+
+def draw(scene, camera: str | Camera, axes=None):
+    """Draw a scene into `axes`, or into the axes of a new figure of notebook width."""
+    camera = as_camera(camera)
+    axes = canvas(axes)
+    box = axes.get_window_extent()
+    size = (max(round(box.width), 2), max(round(box.height), 2))
+    _fill(axes, scene, camera, size)
+    labels = [part for part in scene.parts if isinstance(part, Label)]
+    for label in labels:
+        seen = camera.seen(label.at)
+        if seen[2] > NEAREST:
+            axes.text(*camera.placed(seen, size), label.text, color=label.colour, ha="center",
+                      fontweight="bold", fontsize=9, clip_on=True,
+                      bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.8, "pad": 1})
+    axes.set_title(scene.title, loc="left", fontsize=12, fontweight="bold")
+    return axes
+
+
+def _fill(axes, scene, camera, size) -> None:
+    """Draw all that is no text, in coordinates of pixels."""
+    axes.set_axis_off()
+    parts = scene.parts
+    opaque = [part for part in parts if isinstance(part, Faces) and part.opacity == 1.0]
+    glassy = [part for part in parts if isinstance(part, Faces) and part.opacity < 1.0]
+    _add_faces(axes, opaque, camera, size, 1)
+    axes.imshow(_dotted(parts, camera, size), extent=(0, size[0], size[1], 0), zorder=2,
+                interpolation="nearest", aspect="auto")
+    _add_faces(axes, glassy, camera, size, 3)
+    for part in parts:
+        if isinstance(part, Segments) and len(part.ends):
+            lines = camera.placed(cut_off(camera.seen(part.ends)), size)
+            width = part.width * 72 / DOTS_PER_INCH
+            axes.add_collection(
+                LineCollection(lines, colors=part.colour, linewidths=width, alpha=part.opacity,
+                               zorder=1.5 if part.layer == "scene" else 4),
+                autolim=False,
+            )
+    axes.set(xlim=(0, size[0]), ylim=(size[1], 0))
+
+
+def _add_faces(axes, parts, camera, size, zorder) -> None:
+    """Draw triangles, the farthest first; those that reach behind the camera are left out."""
+    kept = [part for part in parts if len(part.triangles)]
+    if not kept:
+        return
+    triangles = camera.seen(np.concatenate([part.triangles for part in kept]))
+    colours = np.concatenate(
+        [np.column_stack([part.colours / 255, np.full(len(part.colours), part.opacity)])
+         for part in kept]
+    )
+    shown = np.flatnonzero((triangles[:, :, 2] > NEAREST).all(axis=1))
+    shown = shown[np.argsort(-triangles[shown, :, 2].mean(axis=1))]
+    axes.add_collection(
+        PolyCollection(camera.placed(triangles[shown], size), facecolors=colours[shown],
+                       edgecolors="none", antialiased=False, zorder=zorder),
+        autolim=False,
+    )
+
+
+def _dotted(parts, camera, size) -> np.ndarray:
+    """All points as an image (height, width, 4) that is transparent between them."""
+    width, height = size
+    image = np.zeros((height, width, 3), dtype=np.uint8)
+    depth = np.full((height, width), np.inf, dtype=np.float32)
+    for part in parts:
+        if not isinstance(part, Points) or not len(part.xyz):
+            continue
+        seen = camera.seen(part.xyz)
+        rows = np.flatnonzero(seen[:, 2] > NEAREST)
+        places = camera.placed(seen[rows], size)
+        # The nearest last: of several values for one pixel the last one stays.
+        order = np.argsort(-seen[rows, 2], kind="stable")
+        rows, places = rows[order], np.floor(places[order] - (part.size - 1) / 2).astype(int)
+        ahead = seen[rows, 2].astype(np.float32)
+        for shift in np.ndindex(int(part.size), int(part.size)):
+            across, down = (places + shift).T
+            inside = (across >= 0) & (across < width) & (down >= 0) & (down < height)
+            inside[inside] = ahead[inside] < depth[down[inside], across[inside]]
+            depth[down[inside], across[inside]] = ahead[inside]
+            image[down[inside], across[inside]] = part.colours[rows[inside]]
+    covered = np.where(np.isfinite(depth), 255, 0).astype(np.uint8)
+    return np.dstack([eye_dome(image, depth), covered])

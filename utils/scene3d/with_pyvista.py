@@ -1,0 +1,200 @@
+"""Drawing with PyVista: pictures without a screen, and a window where there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.plots.style import INK, PAPER
+from utils.scene3d.cameras import CAMERAS, Camera
+from utils.scene3d.lettering import write
+from utils.scene3d.opengl import quiet, without_screen
+from utils.scene3d.parts import Faces, Label, Part, Points, Segments
+from utils.scene3d.shading import eye_dome
+
+SMOOTHED = 2
+"""How much wider dots and lines are drawn where super-sampling makes them thinner again."""
+
+
+class Studio:
+    """A place without a screen where pictures are taken, one after the other.
+
+    To be closed after use, or used in a ``with`` statement.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height of the pictures in pixels.
+    """
+
+    def __init__(self, size: tuple[int, int]):
+        import pyvista
+
+        with without_screen():
+            self.plotter = pyvista.Plotter(
+                off_screen=True, window_size=list(size), lighting="none", notebook=False
+            )
+        self.plotter.set_background(PAPER)
+        self.plotter.enable_anti_aliasing("ssaa")
+        self.size = size
+
+    def picture(self, scene, camera: Camera) -> np.ndarray:
+        """Draw a scene: uint8, (height, width, 3)."""
+        self.plotter.clear_actors()
+        for part in scene.parts:
+            add(self.plotter, part, SMOOTHED)
+        aim(self.plotter, camera)
+        with without_screen():
+            self.plotter.render()
+            image = np.array(self.plotter.screenshot(return_img=True))
+            image = eye_dome(image, self._depth())
+        return write(image, scene.parts, camera, scene.title, scene.caption)
+
+    def _depth(self) -> np.ndarray:
+        """Metres ahead of the camera at each pixel; infinite where nothing was drawn."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkFloatArray
+
+        width, height = self.size
+        values = vtkFloatArray()
+        self.plotter.render_window.GetZbufferData(0, 0, width - 1, height - 1, values)
+        fractions = vtk_to_numpy(values).reshape(height, width)[::-1]
+        near, far = self.plotter.camera.clipping_range
+        depth = near * far / (far - fractions * (far - near))
+        return np.where(fractions < 1.0, depth, np.inf)
+
+    def close(self) -> None:
+        """Give the memory back."""
+        with quiet():
+            self.plotter.close()
+
+    def __enter__(self) -> Studio:
+        return self
+
+    def __exit__(self, *problem) -> None:
+        self.close()
+
+
+class Window:
+    """A window on the screen that shows one scene after the other.
+
+    The mouse turns and zooms; F1 to F4 choose a camera, space halts, q closes the window.
+    """
+
+    def __init__(self, size: tuple[int, int], camera: Camera):
+        import pyvista
+
+        self.plotter = pyvista.Plotter(window_size=list(size), lighting="none", notebook=False)
+        self.plotter.set_background(PAPER)
+        self.halted, self.open = False, True
+        for number, known in enumerate(CAMERAS.values(), start=1):
+            # Not 1 to 4: VTK has a meaning for 3 already, pictures in red and blue.
+            self.plotter.add_key_event(f"F{number}", _aiming(self.plotter, known))
+        self.plotter.add_key_event("space", self._halt)
+        self.plotter.iren.add_observer("ExitEvent", self._leave)  # q, or the window's own cross
+        aim(self.plotter, camera)
+
+    def put(self, scene) -> None:
+        """Show a scene in place of the one before; the reader's view stays."""
+        self.plotter.clear_actors()
+        for part in scene.parts:
+            add(self.plotter, part)
+        _add_labels(self.plotter, scene)
+        self.plotter.reset_camera_clipping_range()
+        if not self.plotter.iren.initialized:
+            self.plotter.show(interactive_update=True, auto_close=False)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """React to mouse and keyboard."""
+        if self.open:
+            self.plotter.update()
+
+    def stay(self) -> None:
+        """Leave the window to the reader until it is closed."""
+        if self.open:
+            self.plotter.iren.start()
+
+    def close(self) -> None:
+        """Close the window."""
+        self.plotter.close()
+
+    def _halt(self) -> None:
+        self.halted = not self.halted
+
+    def _leave(self, *event) -> None:
+        self.open = False
+        self.plotter.iren.terminate_app()
+
+
+def aim(plotter, camera: Camera) -> None:
+    """Put the plotter's camera in place."""
+    plotter.camera_position = [camera.position, camera.target, camera.up]
+    plotter.camera.view_angle = camera.view_angle
+    plotter.reset_camera_clipping_range()
+
+
+def add(plotter, part: Part, widening: float = 1) -> None:
+    """Add a part that is no text; dots and lines `widening` times as wide."""
+    import pyvista
+
+    if isinstance(part, Label):
+        return
+    options = {"lighting": False, "reset_camera": False, "show_scalar_bar": False, "render": False}
+    if isinstance(part, Points) and len(part.xyz):
+        plotter.add_mesh(
+            pyvista.PolyData(part.xyz),
+            scalars=part.colours,
+            rgb=True,
+            style="points",
+            point_size=widening * part.size,
+            **options,
+        )
+    elif isinstance(part, Segments) and len(part.ends):
+        ends = part.ends.reshape(-1, 3).astype(np.float32)
+        pairs = np.arange(len(ends)).reshape(-1, 2)
+        lines = np.column_stack([np.full(len(pairs), 2), pairs])
+        plotter.add_mesh(
+            pyvista.PolyData(ends, lines=lines),
+            color=part.colour,
+            line_width=widening * part.width,
+            opacity=part.opacity,
+            **options,
+        )
+    elif isinstance(part, Faces) and len(part.triangles):
+        plotter.add_mesh(
+            pyvista.PolyData.from_regular_faces(
+                part.triangles.reshape(-1, 3).astype(np.float32),
+                np.arange(3 * len(part.triangles)).reshape(-1, 3),
+            ),
+            scalars=part.colours,
+            rgb=True,
+            opacity=part.opacity,
+            **options,
+        )
+
+
+def _add_labels(plotter, scene) -> None:
+    """Add text that follows the camera: in a window the reader turns the scene."""
+    labels = [part for part in scene.parts if isinstance(part, Label)]
+    if labels:
+        plotter.add_point_labels(
+            np.array([label.at for label in labels]),
+            [label.text for label in labels],
+            always_visible=True,
+            show_points=False,
+            shape_color=PAPER,
+            shape_opacity=0.85,
+            text_color=INK,
+            font_size=14,
+            reset_camera=False,
+            render=False,
+        )
+    text = "\n".join(line for line in (scene.title, scene.caption) if line)
+    if text:
+        plotter.add_text(text, position="upper_left", font_size=10, color=INK, render=False)
+
+
+def _aiming(plotter, camera: Camera) -> Callable[[], None]:
+    return lambda: aim(plotter, camera)
