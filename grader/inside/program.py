@@ -115,11 +115,11 @@ def _needed_by(name, statements):
 
 
 def _end_of_exercise(name, statements):
-    """Position of the `check(name)` that follows the last definition; the end without one."""
+    """Position of the `check(name)` that follows its last definition; the end without one."""
     last = max((position for position, statement in enumerate(statements)
-                if name in statement.binds), default=0)
+                if name in statement.binds | statement.changes), default=0)
     for position, statement in enumerate(statements[last:], start=last):
-        if ast.unparse(statement.node) == f"check({name})":
+        if ast.unparse(statement.node).startswith((f"check({name})", f"check({name},")):
             return position
     return len(statements)
 
