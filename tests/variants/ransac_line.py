@@ -244,7 +244,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: the mask of the last round with the line of the best
 # loses: marks_its_own_inliers, finds_the_line, test_fresh_lines
-# says: The mask does not belong to the line
+# says: The mask does not belong to the line.
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, mask, most = None, np.zeros(len(points), dtype=bool), 0
@@ -263,7 +263,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: no absolute value
 # loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
-# says: marked points lie farther away
+# says: marked but farther away
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -301,7 +301,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: the normal is not normalised
 # loses: marks_its_own_inliers, finds_the_line, test_fresh_lines
-# says: of the line are not marked
+# says: of the line but not marked
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -319,7 +319,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: refitted at the end, the old mask returned
 # loses: marks_its_own_inliers, test_fresh_lines
-# says: The mask does not belong to the line
+# says: The mask does not belong to the line.
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)

@@ -1,0 +1,126 @@
+"""Hidden tests of lesson 01. Titles and hints are shown to students; the code is not."""
+
+import math
+
+import numpy as np
+
+from grader import samples
+from grader.marks import hidden, visible
+from utils.checks.lesson_01 import assert_distances
+from utils.checks.vocabulary import assert_rows
+
+
+@visible("horizontal_distance", "drop_invalid")
+def test_visible(student, check):
+    check.run(getattr(student, check.exercise))
+
+
+def assert_measured(student, cloud):
+    """Compare with plain Python."""
+    expected = np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
+    assert_distances(student.horizontal_distance(cloud.copy()), cloud, expected)
+
+
+def some_of(cloud, seed, n):
+    """n random rows."""
+    return cloud[np.random.default_rng(seed).choice(len(cloud), n, replace=False)]
+
+
+@hidden("horizontal_distance", weight=3, title="Right on the course's own scan",
+        hint="Compare with the picture in the notebook: is equal colour a circle?")
+def test_distances_in_course_cloud(student, seed):
+    assert_measured(student, some_of(samples.course_cloud(), seed, 4000))
+
+
+@hidden("horizontal_distance", weight=3, title="Right on a street you have not seen",
+        hint="Nothing about one particular cloud may stand in the function.")
+def test_distances_in_fresh_street(student, seed):
+    assert_measured(student, some_of(samples.fresh_street(seed), seed, 4000))
+
+
+@hidden("horizontal_distance", weight=2, title="The same when the street turns about the sensor, "
+        "is mirrored or lifted",
+        hint="Only how far counts: not the direction, not the sign, not the height.")
+def test_distances_when_turned(student, seed):
+    rng = np.random.default_rng(seed)
+    cloud = some_of(samples.course_cloud(), seed, 300).copy()
+    before = np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
+    turn = rng.uniform(0, 2 * math.pi)
+    cosine, sine = math.cos(turn), math.sin(turn)
+    cloud[:, :2] = cloud[:, :2] @ np.array([[cosine, sine], [-sine, cosine]])
+    cloud[:, 1] *= -1
+    cloud[:, 2] += rng.uniform(2, 9)
+    assert_distances(student.horizontal_distance(cloud.copy()), cloud, before)
+
+
+@hidden("horizontal_distance", weight=2, title="Right for single precision, few points and any "
+        "layout in memory",
+        hint="Whole columns serve every case: no special case is needed.")
+def test_distances_of_small_and_single(student, seed):
+    cloud = samples.patch_of_course_cloud(seed, 200)
+    assert_measured(student, cloud.astype(np.float32))
+    assert_measured(student, np.asfortranarray(cloud[:, :3]))
+    assert_measured(student, cloud[:2])
+    assert_measured(student, cloud[:1, :3])
+    assert_measured(student, np.repeat(cloud[:3], 3, axis=0))
+
+
+def is_good(row):
+    """Whether a row is a point, in plain Python."""
+    return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
+
+
+def assert_cleaned(student, cloud):
+    keep = np.array([is_good(row) for row in cloud.tolist()], dtype=bool)
+    assert_rows(student.drop_invalid(cloud.copy()), cloud, keep, view="above")
+
+
+def broken(cloud, seed, share=0.2):
+    """A copy in which some returns are lost, in every way in which they get lost."""
+    rng = np.random.default_rng(seed)
+    cloud = cloud.copy()
+    bad = rng.random(len(cloud)) < share
+    kind = rng.integers(0, 4, len(cloud))
+    cloud[bad & (kind == 0), :3] = 0.0
+    cloud[bad & (kind == 1), :3] = np.nan
+    for row in np.flatnonzero(bad & (kind >= 2)):
+        cloud[row, rng.integers(0, 3)] = rng.choice([np.nan, np.inf, -np.inf])
+    # Good ones that look bad at first sight.
+    for row in np.flatnonzero(~bad & (rng.random(len(cloud)) < 0.2)):
+        cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
+    return cloud
+
+
+@hidden("drop_invalid", weight=3, title="Right on the course's own scan, broken and whole",
+        hint="Break the scan as the notebook does: is the tall bar at 0 m gone?")
+def test_course_cloud_cleaned(student, seed):
+    assert_cleaned(student, samples.course_cloud())
+    assert_cleaned(student, broken(samples.patch_of_course_cloud(seed, 3000), seed))
+
+
+@hidden("drop_invalid", weight=3, title="Right on a street you have not seen",
+        hint="Nothing about one particular cloud may stand in the function.")
+def test_fresh_street_cleaned(student, seed):
+    assert_cleaned(student, broken(some_of(samples.fresh_street(seed), seed, 3000), seed))
+
+
+@hidden("drop_invalid", weight=1, title="Keeps points that are merely close to the sensor",
+        hint="Only exactly (0, 0, 0) is a lost return. The nearest real point may be nearest of "
+             "all for a good reason.")
+def test_near_points_stay(student, seed):
+    near = np.random.default_rng(seed).normal(scale=0.05, size=(40, 4))
+    near[::8, :3] = 0.0
+    assert_cleaned(student, near)
+    assert_cleaned(student, near * [1, 1, 1, 0])
+
+
+@hidden("drop_invalid", weight=2, title="Right for single precision, three columns and any order "
+        "of points",
+        hint="All columns and the order of the rows stay.")
+def test_columns_and_precision_cleaned(student, seed):
+    cloud = broken(samples.patch_of_course_cloud(seed, 300), seed)
+    assert_cleaned(student, cloud.astype(np.float32))
+    assert_cleaned(student, np.asfortranarray(cloud[:, :3]))
+    assert_cleaned(student, cloud[::-1])
+    # Twice the same good point is twice a point.
+    assert_cleaned(student, np.repeat(cloud[:20], 2, axis=0))

@@ -1,0 +1,493 @@
+# ---
+# jupyter:
+#   kernelspec:
+#     display_name: Python 3 (ipykernel)
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # 01 · Point clouds
+#
+# ![One turn of a laser scanner, twice, with colour for distance. Above, as the scanner sees it: rows of echoes in which a cyclist, two cars, people and posts stand out. Below, the same echoes as a map: a street from above, with rings of dots around the sensor.](pictures/01_preview.png)
+#
+# Both pictures show the same numbers. The upper one is how a scanner meets the street ahead: one row of echoes for each of its laser beams. The lower one is what it reports: a list of points in space, a *point cloud*. Every lesson of this course is about making sense of that list.
+#
+# **After this lesson you can**
+# - say how a laser scanner makes a point, and what each of its parameters buys,
+# - treat a hundred thousand points with one line of NumPy instead of a loop, and tell what that gains,
+# - throw out the returns that are no points at all.
+#
+# **You write** `horizontal_distance` (5 points) and `drop_invalid` (5 points). **Time:** about 45 minutes. **You need** Python; a little NumPy helps, and what is used is explained.
+
+# %% [markdown] tags=["badge"]
+# (where to run this notebook)
+
+# %% tags=["setup"]
+# (setup)
+
+# %% [markdown]
+# ## One pulse
+#
+# *A LiDAR measures one thing: how long light takes to come back.*
+#
+# LiDAR stands for *light detection and ranging*. A laser sends a pulse of a few nanoseconds; a detector beside it waits for the echo. Light travels there and back, so for an echo after the time $t$ the range is
+#
+# $$r = \frac{c\,t}{2}, \qquad c = 299\,792\,458\ \text{m/s}.$$
+#
+# **Predict first.** A car drives 30 m ahead. After how long does the echo arrive: a second, a millisecond, a microsecond, less? And how well must the clock run to tell 30.00 m from 30.02 m?
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+from ipywidgets import FloatSlider, IntSlider, interact
+
+from utils import check, load_cloud, plots
+
+SPEED_OF_LIGHT = 299_792_458  # metres per second
+print(f"echo from 30 m: after {2 * 30 / SPEED_OF_LIGHT * 1e9:.0f} nanoseconds")
+print(f"2 cm more:      {2 * 0.02 / SPEED_OF_LIGHT * 1e12:.0f} picoseconds later")
+
+# %% [markdown]
+# So a scanner does not have to wait: between two pulses a microsecond apart, light could fetch an echo from 150 m.
+#
+# A range alone is not a point. But the scanner knows where it aimed: the *azimuth* $\alpha$ is the angle around the vertical, from straight ahead towards the left, and the *elevation* $\varepsilon$ is the angle above the horizon. Range and two angles make a point:
+#
+# $$x = r\cos\varepsilon\cos\alpha, \qquad y = r\cos\varepsilon\sin\alpha, \qquad z = r\sin\varepsilon.$$
+#
+# The sensor itself is the origin. x points forward, y to the left, z up, all in metres. That never changes in this course.
+
+# %%
+def point_of(range_, azimuth, elevation):
+    """x, y, z of an echo; angles in degrees."""
+    azimuth, elevation = np.radians(azimuth), np.radians(elevation)
+    flat = range_ * np.cos(elevation)
+    return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), range_ * np.sin(elevation)])
+
+
+for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right")):
+    print(f"30 m {where}, 3 degrees down:", point_of(30, azimuth, -3).round(2))
+
+# %% [markdown]
+# ## One turn
+#
+# *A beam that turns around draws a ring on the road, and an obstacle tears the ring.*
+#
+# Stack several lasers at different elevations, let the stack turn, and fire all of them at every step. Each laser is a *beam* (or layer), each single shot a *ray*. A small sensor first: 8 beams, 128 steps, on a straight road with three box-shaped cars. The sensor is simulated, as everything in this course, so later we can ask what is true.
+#
+# **Predict first.** 8 × 128 rays leave the sensor. How many come back as points?
+
+# %%
+from utils.scenes import simple_highway
+
+highway = simple_highway().cloud
+print(f"{8 * 128} rays, {len(highway)} returns")
+
+ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
+figure, (above, beside) = plt.subplots(2, 1, figsize=(8.5, 7.5), layout="compressed")
+plots.from_above(highway, limits=((-25, 35), (-16, 16)), axes=above,
+                 title="Rings on the road; the higher dots are cars")
+plots.from_side(ahead, limits=((-2, 22), (-3.2, 0.6)), axes=beside,
+                title="The rays that go straight ahead")
+for x, _, z, _ in ahead:
+    beside.plot([0, x], [0, z], color="black", linewidth=0.4)
+
+# %% [markdown]
+# In the lower picture, the steep rays meet the road, each a little farther out. The two flattest meet a car, 13 m ahead. In the upper picture, the outermost ring is torn behind that car: it casts a *shadow*. A scanner sees fronts, never backs. And a ray that meets nothing within its reach gives no row at all: the list is silent about free space.
+#
+# ## Play: build your own scanner
+#
+# *More beams cost lasers, finer steps cost time, less noise costs both.*
+#
+# Three parameters decide what a scan looks like: the number of beams, the azimuth step between two firings, and the noise of the range. The street stays the same; you change the scanner. With how few beams do you still see that there are cars?
+
+# %%
+from utils.scenes import random_street
+from utils.simulator import Sensor, layers
+
+
+def scan_with(beams=32, step=0.8, noise=0.02):
+    """A street seen by a scanner of your own; the step in degrees, the noise in metres."""
+    sensor = Sensor(elevations=layers(beams, -25.0, 2.0), azimuth_step=np.radians(step),
+                    range_noise=noise)
+    return random_street(seed=3, sensor=sensor).cloud
+
+
+block = ((-12, 18), (-10, 10))
+
+
+@interact(beams=IntSlider(value=32, min=4, max=32, step=4, description="beams",
+                          continuous_update=False),
+          step=FloatSlider(value=0.8, min=0.8, max=6, step=0.4, description="step (°)",
+                           continuous_update=False),
+          noise=FloatSlider(value=0.02, min=0, max=0.5, step=0.02, description="noise (m)",
+                            continuous_update=False))
+def show_scanner(beams, step, noise):
+    seen = scan_with(beams, step, noise)
+    plots.from_above(seen, limits=block, title=f"{len(seen):,} returns")
+    plt.show()
+
+# %% [markdown]
+# The same without sliders: one scanner, and what happens when one of its three parameters gets worse.
+
+# %%
+scanners = {"32 beams, 0.8°, 2 cm": {}, "8 beams": {"beams": 8},
+            "steps of 4°": {"step": 4.0}, "30 cm of noise": {"noise": 0.3}}
+figure, rows = plt.subplots(2, 2, figsize=(8.5, 6.4), layout="compressed")
+for (name, change), axes in zip(scanners.items(), rows.flat):
+    seen = scan_with(**change)
+    plots.from_above(seen, limits=block, axes=axes, title=f"{name}: {len(seen):,}")
+
+# %% [markdown]
+# Fewer beams: the rings lie farther apart, and a pedestrian may slip between two of them. Coarser steps: gaps along each ring, and thin poles vanish. More noise: all is there, but walls grow thick and flat things rough.
+#
+# ## A cloud is an array
+#
+# *One row per return, one column per quantity; the order of the rows says nothing about who is whose neighbour.*
+#
+# From here on we use one full turn of a 64-beam scanner on the roof of a car. The file has a row for each return: x, y, z, and the *intensity* of the echo between 0 and 1. Bright paint and number plates throw back much light, tyres and windows little.
+
+# %%
+cloud = load_cloud("cloud.txt")
+print(f"shape {cloud.shape}: {len(cloud):,} rows of {cloud.shape[1]} numbers, "
+      f"{cloud.nbytes / 1e6:.1f} MB per turn, {10 * cloud.nbytes / 1e6:.0f} MB per second")
+print(cloud[:3])
+
+street = ((-15, 25), (-11, 11))
+figure, (upper, lower) = plt.subplots(2, 1, figsize=(8.5, 9), layout="compressed")
+plots.from_above(cloud, limits=street, axes=upper, title="Coloured by height")
+plots.from_above(cloud, values=cloud[:, 3], label="intensity", limits=street, axes=lower,
+                 title="Coloured by intensity: the same points, another column");
+
+# %% [markdown]
+# Four bits of NumPy are all you need to work with such an array:
+
+# %%
+heights = cloud[:, 2]                       # a column: one number per point
+on_the_left = cloud[:, 1] > 0               # a comparison: one True or False per point
+left = cloud[on_the_left]                   # a mask picks the rows that are True
+bright_left = cloud[on_the_left & (cloud[:, 3] > 0.9)]  # & for "and", each side in parentheses
+
+print("heights:    ", heights.shape, heights[:3])
+print("on_the_left:", on_the_left.shape, on_the_left[:3], "holds", on_the_left.sum(), "times")
+print("left:       ", left.shape)
+print("bright_left:", bright_left.shape)
+
+# %% [markdown]
+# No loop anywhere: each line treats every point at once. That is called *vectorised*, and you will measure in a moment what it gains.
+#
+# ## The naive idea: the length of the row
+#
+# *A row of a cloud is not a vector: its columns do not all mean the same.*
+#
+# How far away is a return? A car brakes for what stands in its way *along the road*. Whether the laser hit a bumper or the roof above it must make no difference. NumPy has a function for the length of a vector, so the first idea is `np.linalg.norm(cloud, axis=1)`. We try it on a narrow strip straight ahead, less than 30 cm to either side. There the right answer is simply x.
+
+# %%
+strip = cloud[(np.abs(cloud[:, 1]) < 0.3) & (cloud[:, 0] > 3) & (cloud[:, 0] < 21)]
+x = strip[:, 0]
+error = np.linalg.norm(strip, axis=1) - x
+plots.curves({}, {"returns straight ahead": (x, error)}, across="x, the distance along the road (m)",
+             up="error of the length (m)", title="The nearer the return, the larger the error")
+print(f"largest error: {error.max():.2f} m, at a distance of {x[error.argmax()]:.1f} m")
+
+# %% [markdown]
+# The error is largest near the car, where it counts. The string of points that hangs down just before 9 m is a person crossing the road: her feet count as farther away than her head.
+#
+# There are two reasons. The length runs down to the road at a slant, so height is mixed in. And the length of a whole row also squares and adds the intensity: what is "metres plus brightness"?
+#
+# ## The idea: measure on the ground
+#
+# *Drop the height and Pythagoras does the rest.*
+#
+# The *horizontal distance* of a point $(x, y, z)$ from the sensor is
+#
+# $$d = \sqrt{x^2 + y^2}.$$
+#
+# All points of a lamp post have the same $d$, from foot to lamp.
+
+# %% [markdown]
+# ## Exercise 1 · `horizontal_distance` (5 points)
+#
+# Return one distance per point. The cloud may have three columns or four, and it may be empty.
+
+# %% nbgrader={"grade": false, "grade_id": "horizontal_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
+def horizontal_distance(cloud):
+    """Distance of each point from the sensor, measured along the ground.
+
+    Parameters
+    ----------
+    cloud : ndarray, shape (n, 3) or (n, 4)
+        x, y, z in metres, the sensor at the origin; then intensity.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        sqrt(x² + y²) in metres. Neither height nor intensity counts.
+    """
+    # 1. Take the column of x and the column of y.
+    # 2. Square both, add, take the root (np.sqrt): all points at once, no loop.
+    # roughly 2 lines
+    ### BEGIN SOLUTION
+    x, y = cloud[:, 0], cloud[:, 1]
+    return np.sqrt(x**2 + y**2)
+    ### END SOLUTION
+
+# %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# A column of n numbers behaves like a single number: `heights * 2` doubles all of them. So write Pythagoras as if for one point.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# `cloud[:, 0]` is x of every point (all rows, column 0). Which column is y?
+# </details>
+# <details><summary>Hint 3</summary>
+#
+# `np.hypot(a, b)` is the root of a² + b², for whole columns too. Return it for the columns 0 and 1.
+# </details>
+
+# %% [markdown]
+# **Look before you check.** Coloured by your distance, the street should change in circles around the sensor: each dashed line, at 5, 10, 15 and 20 m, runs along one colour.
+
+# %%
+distance = horizontal_distance(cloud)
+near = np.abs(cloud[:, 0]) < 25
+axes = plots.from_above(cloud[near], values=distance[near], label="horizontal distance (m)",
+                        limits=street, title="Equal colour, equal distance")
+for radius in (5, 10, 15, 20):
+    axes.add_patch(plt.Circle((0, 0), radius, fill=False, linestyle="--"))
+
+# %% nbgrader={"grade": true, "grade_id": "test_horizontal_distance", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
+check(horizontal_distance)
+
+# %% [markdown]
+# ## Theory against practice: where the rings lie
+#
+# *Equal angles between the beams are unequal distances on the road: a scanner sees sharply only what is near.*
+#
+# A beam that looks down by the angle $\delta$ from the height $h$ meets a flat road at the distance
+#
+# $$d = \frac{h}{\tan\delta}.$$
+#
+# Our sensor sits $h = 1.73$ m above the road. For each beam we know its angle and, because the scan is simulated, which returns are road. Your function measures where its ring lies, once ahead of the car and once behind. **Predict first:** do the measured rings lie on the curve?
+
+# %%
+from utils.datasets import DATA
+from utils.simulator import hdl64
+
+truth = np.load(DATA / "cloud_truth.npz")
+is_road = truth["classes"] == truth["class_names"].tolist().index("ground")
+is_road &= np.abs(cloud[:, 1]) < 2.5  # not the pavement beside it
+downwards = -np.degrees(np.array(hdl64().elevations))
+
+
+def rings(side):
+    """Angle and measured distance of the beams that met the road at least 10 times."""
+    angle_of, ring_of = [], []
+    for beam, angle in enumerate(downwards):
+        met_road = is_road & side & (truth["beams"] == beam)
+        if met_road.sum() >= 10:
+            angle_of.append(angle)
+            ring_of.append(np.median(horizontal_distance(cloud[met_road])))
+    return angle_of, ring_of
+
+
+angles = np.linspace(2.5, 25, 100)
+axes = plots.curves({"flat road": (angles, 1.73 / np.tan(np.radians(angles)))},
+                    {"yours, ahead": rings(cloud[:, 0] > 2), "yours, behind": rings(cloud[:, 0] < -2)},
+                    across="angle below the horizon (degrees)", up="distance of the ring (m)",
+                    title="Each beam draws a ring: theory, and your measurement")
+axes.set_ylim(0, 45)
+for ring in (5, 10, 20, 40):
+    higher = np.arctan(1.73 / ring) - np.radians(1 / 3)
+    print(f"a ring {ring:2d} m away; the beam a third of a degree higher draws its ring "
+          f"{1.73 / np.tan(higher) - ring:.2f} m farther out")
+
+# %% [markdown]
+# Near the car the rings fit the curve. Farther out those ahead come too early and those behind too late: the street climbs. And look at the gaps: twice as far away they are four times as wide. So points crowd near the car, and a pedestrian far away has a handful of them. Keep that in mind whenever a later lesson asks for "at least so many points".
+#
+# ## Why no loop?
+#
+# *NumPy does the same work in the same order, in machine code instead of Python.*
+#
+# A scanner delivers ten turns a second, so all processing of a turn must fit into 100 ms. Here is the loop that you did not write. **Predict first:** how many times faster is your function on the full scan: 2, 10, 100?
+
+# %%
+import math
+from time import perf_counter
+
+
+def with_a_loop(cloud):
+    """The same distances, point by point."""
+    return [math.sqrt(row[0] * row[0] + row[1] * row[1]) for row in cloud]
+
+
+def seconds(function, cloud):
+    """The quickest of several runs: the one that was disturbed least."""
+    runs = []
+    for _ in range(5):
+        begin = perf_counter()
+        function(cloud)
+        runs.append(perf_counter() - begin)
+    return min(runs)
+
+
+counts = np.array([100, 300, 1_000, 3_000, 10_000, 30_000, 100_000])
+loop = np.array([seconds(with_a_loop, cloud[:n]) for n in counts])
+yours = np.array([seconds(horizontal_distance, cloud[:n]) for n in counts])
+plots.timing({"loop": (counts, loop), "yours": (counts, yours)}, fit=False,
+             title="Time for n points, both axes logarithmic")
+for n in (100, 100_000):
+    print(f"{n:7,} points: the loop takes {(loop / yours)[counts == n][0]:4.0f} times as long")
+slopes = [np.polyfit(np.log(counts[3:]), np.log(times[3:]), 1)[0] for times in (loop, yours)]
+print(f"from 3,000 points on: loop n^{slopes[0]:.2f}, yours n^{slopes[1]:.2f}")
+
+# %% [markdown]
+# On logarithmic axes $t = k\,n^p$ is a straight line of slope $p$. Both lines rise with slope about 1: ten times the points, ten times the time, and a little more once the array outgrows the processor's cache. Being vectorised changes $k$, not $p$; the gap between the lines is the price of Python's handling of every single number. At the left end your curve goes flat: calling NumPy costs a microsecond or so, however little there is to do.
+#
+# ## A return from nowhere
+#
+# *Some rows are not points, and they look nearest of all.*
+#
+# Your function can answer the question that an emergency brake asks ten times a second: how near is the nearest thing?
+
+# %%
+print(f"nearest return: {horizontal_distance(cloud).min():.2f} m")
+print("the rows at this distance:")
+print(cloud[horizontal_distance(cloud) < 0.5])
+
+# %% [markdown]
+# Full braking, for nothing: an obstacle in the very middle of the sensor. When an echo is lost, many scanners write a row all the same, at exactly (0, 0, 0). Each frame of the street recordings that this course grew from holds one.
+#
+# Others write NaN, *not a number*, or an infinite range. NaN is poison: it spreads through every sum, and it is not equal to anything, itself included.
+
+# %%
+nan = np.nan
+print("nan == nan:", nan == nan, "   nan < 5:", nan < 5, "   nan > 5:", nan > 5)
+one_bad = np.array([[4.0, 1.0, -1.5], [nan, nan, nan], [6.0, 2.0, -1.4]])
+print("mean of the cloud:", one_bad.mean(axis=0))
+print("naive repair, one_bad[one_bad != nan]:", one_bad[one_bad != nan])
+
+# %% [markdown]
+# The naive repair keeps everything, and loses the rows on top of it. Ask with a function instead. `np.isfinite` is False for NaN and for both infinities, number by number. To come from numbers to rows, `all` and `any` go along an axis; `~` turns a mask around:
+
+# %%
+table = np.array([[1.0, 2.0], [np.inf, 3.0], [0.0, 0.0]])
+print(np.isfinite(table))
+print("whole row finite:  ", np.isfinite(table).all(axis=1))
+print("a 0 in the row:    ", (table == 0).any(axis=1))
+print("no 0 in the row:   ", ~(table == 0).any(axis=1))
+
+# %% [markdown]
+# ## Exercise 2 · `drop_invalid` (5 points)
+#
+# Keep the rows that are points. A row is *not* a point when one of its coordinates is not finite, or when all three are exactly 0. A point exactly to the left of the sensor has x = 0 and is fine; so is a point whose intensity is missing.
+
+# %% nbgrader={"grade": false, "grade_id": "drop_invalid", "locked": false, "schema_version": 3, "solution": true, "task": false}
+def drop_invalid(cloud):
+    """Remove the returns that are no points.
+
+    Parameters
+    ----------
+    cloud : ndarray, shape (n, 3) or (n, 4)
+        x, y, z in metres, the sensor at the origin; then intensity.
+
+    Returns
+    -------
+    ndarray, shape (m, 3) or (m, 4)
+        The rows without those that have a NaN or infinite coordinate, or that lie
+        at exactly (0, 0, 0). All columns, in the same order.
+    """
+    # 1. Take the three coordinates; intensity has no say.
+    # 2. A mask: are all three finite?
+    # 3. A mask: are all three equal to 0?
+    # 4. Keep the rows where the first holds and the second does not.
+    # roughly 4 lines
+    ### BEGIN SOLUTION
+    xyz = cloud[:, :3]
+    is_somewhere = np.isfinite(xyz).all(axis=1)
+    is_origin = (xyz == 0).all(axis=1)
+    return cloud[is_somewhere & ~is_origin]
+    ### END SOLUTION
+
+# %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# Build two masks with one entry per row, as for `table` above, from the columns `cloud[:, :3]`.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# "Finite" must hold for every coordinate of a good row: `all`. A bad row has 0 in every coordinate: `all` again, then turned around. With `any` you would lose the points straight to the left.
+# </details>
+# <details><summary>Hint 3</summary>
+#
+# `finite = np.isfinite(...).all(axis=1)` and `zero = (... == 0).all(axis=1)`, both of the three coordinates. Then index the cloud with `finite & ~zero`.
+# </details>
+
+# %% [markdown]
+# **Look before you check.** We break the scan as rain would: thousands of echoes lost. Before, a tall bar stands at 0 m; after, it must be gone, and nothing else may change.
+
+# %%
+rng = np.random.default_rng(1)
+wet = cloud.copy()
+wet[rng.choice(len(wet), 4000, replace=False), :3] = 0.0
+wet[rng.choice(len(wet), 1000, replace=False), :3] = np.nan
+dry = drop_invalid(wet)
+figure, pair = plt.subplots(1, 2, figsize=(8.5, 3.6), sharex=True, sharey=True, layout="compressed")
+for name, seen, axes in (("before", wet, pair[0]), ("after", dry, pair[1])):
+    d = horizontal_distance(seen)
+    plots.histogram(d[~(d > 20)], label="horizontal distance (m)", axes=axes,
+                    title=f"{name}: {len(seen):,} rows, nearest {np.nanmin(d):.2f} m")
+
+# %% nbgrader={"grade": true, "grade_id": "test_drop_invalid", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
+check(drop_invalid)
+
+# %% [markdown]
+# ## Common mistakes
+#
+# *Each leaves its mark in the picture.*
+#
+# | what was written | what you see |
+# |---|---|
+# | `abs(x) + abs(y)` | diamonds instead of circles: the distance of a taxi in Manhattan |
+# | no square root | "up to 10 m" keeps next to nothing: 4 m count as 16 |
+# | `cloud[0]` and `cloud[1]`, rows for columns | four numbers instead of one per point |
+# | `np.linalg.norm(cloud, axis=1)` | nearly right, and wrong where the car must brake |
+# | `x == 0` as the sign of a lost return | a slit to the left and right: points with x = 0 are gone |
+# | `cloud[cloud != nan]` | everything stays, as one long row of numbers |
+
+# %%
+xs, ys = cloud[:, 0], cloud[:, 1]
+wrong = {"abs(x) + abs(y)": np.abs(xs) + np.abs(ys), "no square root": xs * xs + ys * ys}
+figure, pair = plt.subplots(1, 2, figsize=(8.5, 3.4), layout="compressed")
+for (name, values), axes in zip(wrong.items(), pair):
+    plots.kept_and_removed(cloud, values <= 10, limits=((-15, 15), (-11, 11)), axes=axes,
+                           title=f"{name}, up to 10")
+    axes.add_patch(plt.Circle((0, 0), 10, fill=False, linestyle="--"))
+
+# %% [markdown]
+# ## In practice
+#
+# - Scanners speak in packets of ranges and angles; a driver turns them into points, as `point_of` does. Some keep the rows of the scanner (an *organised* cloud, rays × beams) and mark what is missing with NaN; others drop it. Check a new recording for both before you trust its nearest point.
+# - A turn takes 100 ms. At 50 km/h the car moves 1.4 m meanwhile, so real pipelines shift each return by what the car has moved since. Our simulated street holds still for a turn.
+# - Intensity depends on range, angle and make of scanner. It helps to find lane markings and plates; do not compare it between two sensors.
+#
+# ## If you want more
+#
+# 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance.
+# 2. From which distance on can a pedestrian, 0.5 m wide and 1.7 m tall, get fewer than 10 returns from the 64-beam scanner (0.18° steps, beams a third of a degree apart)? Reckon first, then look into `cloud_truth.npz`.
+# 3. Write `with_a_loop` for `cloud.tolist()` instead of the array. Why is it faster than the loop over rows?
+#
+# ## Summary
+#
+# - A ray gives a range; range, azimuth and elevation give a point; a turn gives a list of points without order.
+# - Columns and masks treat all points at once: the same growth with n, a far smaller constant.
+# - Distance that matters for driving is horizontal: sqrt(x² + y²).
+# - Rows at (0, 0, 0) and rows with NaN are no points. Drop them first.
+#
+# **Sources.** How LiDARs work: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).
+#
+# **Next:** 02 · RANSAC for a line
+
+# %% [markdown] tags=["footer"]
+# (footer)
