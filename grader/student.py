@@ -111,7 +111,7 @@ class Student:
             raise StudentStopped("The notebook's process was stopped, and what it had built is "
                                  f"gone. {self._stops[-1]}")
         self._ensure_running()
-        if name in self._missing:
+        if held is None and name in self._missing:
             raise StudentError(name, "NameError", "the notebook does not define it; keep the "
                                "name of the function as it was given", None)
         self._calls += 1

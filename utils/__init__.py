@@ -16,7 +16,8 @@ _HOME = {
     "read_bag": "utils.clouds",
     "write_cloud": "utils.clouds",
 }
-_MODULES = ("checks", "clouds", "datasets", "plots", "scenes", "scoring", "simulator")
+_MODULES = ("checks", "clouds", "datasets", "play", "plots", "recording", "scene3d", "scenes",
+            "scoring", "simulator")
 
 __all__ = [*_HOME, *_MODULES, "health"]
 

@@ -271,7 +271,7 @@ def insert(tree, point, index):
 
 # %% wrong: one tree for all, in a global variable
 # loses: test_two_trees
-# says: all that is known about a tree
+# says: All that is known about a tree
 OLDEST = []
 
 def insert(tree, point, index):

@@ -212,7 +212,7 @@ def median_order(points):
 
 # %% wrong: fails without points
 # loses: takes_the_smallest
-# says: Filters leave nothing
+# says: A part without rows
 def median_order(points):
     def take(rows, depth):
         rows = rows[np.argsort(points[rows, depth % points.shape[1]])]

@@ -299,7 +299,7 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: the circle prunes instead of the cut
-# loses: looks_on_both_sides, test_search_plane, test_search_street
+# loses: measures_a_circle, test_search_plane, test_search_street
 # says: Not found
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
