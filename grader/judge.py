@@ -70,8 +70,7 @@ def judge(path, seed, tier, lesson=None, student="", limits=None):
             raise UnknownLesson(
                 f"{path.name}: cannot tell which lesson this is. Give the file the name it was "
                 "released under, such as 06_filter_ground.ipynb.")
-        names = tuple(exercise.name for exercise in lesson.exercises if not exercise.by_hand)
-        with Student(notebook.cells, names, tier, limits, lesson.forbidden) as proxy:
+        with Student(notebook.cells, lesson.names, tier, limits, lesson.forbidden) as proxy:
             results = _run_tests(lesson, proxy, seed)
             problems = proxy.problems
     exercises = tuple(_score(exercise, results) for exercise in lesson.exercises

@@ -20,6 +20,8 @@ FORBIDDEN = {
     "05_euclidean_clustering": CLUSTERING,
     "10_accelerated_clustering": CLUSTERING,
 }
+# Classes that the judge makes objects of, beside the functions that are exercises.
+CLASSES = {"04_kd_tree": ("KdTree",)}
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,12 @@ class Lesson:
     def forbidden(self):
         """Modules that may not be used."""
         return FORBIDDEN.get(self.name, ())
+
+    @property
+    def names(self):
+        """Functions and classes of the notebook that the judge uses."""
+        return (*(exercise.name for exercise in self.exercises if not exercise.by_hand),
+                *CLASSES.get(self.name, ()))
 
     @functools.cached_property
     def exercises(self):
@@ -136,8 +144,7 @@ def load_reference(lesson_name):
     statements, problems = program.parse_notebook([text])
     if problems:
         raise ValueError(f"{lesson.source.name}: {problems[0]}")
-    names = [exercise.name for exercise in lesson.exercises if not exercise.by_hand]
     namespace = {"__name__": lesson.name}
-    for statement in program.slice_for(names, statements):
+    for statement in program.slice_for(lesson.names, statements):
         exec(program.compile_statement(statement, str(lesson.source)), namespace)
-    return types.SimpleNamespace(**{name: namespace[name] for name in names})
+    return types.SimpleNamespace(**{name: namespace[name] for name in lesson.names})

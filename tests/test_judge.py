@@ -17,6 +17,16 @@ VARIANTS = [variant for lesson in all_lessons() for exercise in lesson.exercises
             if not exercise.by_hand for variant in variants_of(exercise.name)]
 
 
+def wrong_variants(everyday=2):
+    """Parameters for all wrong variants; all but the first few of an exercise are slow."""
+    seen = {}
+    for variant in VARIANTS:
+        if not variant.right:
+            seen[variant.exercise] = seen.get(variant.exercise, 0) + 1
+            yield pytest.param(variant, id=f"{variant.exercise}: {variant.name}",
+                               marks=[pytest.mark.slow] * (seen[variant.exercise] > everyday))
+
+
 def judge_variant(variant, seed, tier, folder):
     """(result of the variant's exercise, verdict)."""
     lesson = next(lesson for lesson in all_lessons()
@@ -28,7 +38,8 @@ def judge_variant(variant, seed, tier, folder):
                 if result.name == variant.exercise), verdict
 
 
-@pytest.mark.parametrize("seed", [1, 22, 333, 4444, 55555])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow)
+                                       for seed in (22, 333, 4444, 55555))])
 def test_solution_earns_everything(lesson, seed, tier):
     verdict = judge(lesson.solved, seed, tier)
     assert [test.message for exercise in verdict.exercises for test in exercise.tests
@@ -63,8 +74,7 @@ def test_right_variant_earns_everything_on_five_seeds(variant, tier, tmp_path):
         assert verdict.problems == ()
 
 
-@pytest.mark.parametrize("variant", [variant for variant in VARIANTS if not variant.right],
-                         ids=lambda variant: f"{variant.exercise}: {variant.name}")
+@pytest.mark.parametrize("variant", wrong_variants())
 def test_wrong_variant_loses_the_right_points(variant, tier, tmp_path):
     result, verdict = judge_variant(variant, 7, tier, tmp_path)
     failed = {test.name.removeprefix("test_visible[").rstrip("]"): test.message

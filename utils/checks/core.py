@@ -13,7 +13,7 @@ _LESSONS = {
     "02": ("line_through", "point_line_distance", "ransac_line"),
     "03": ("plane_through", "point_plane_distance", "ransac_plane", "fit_plane",
            "iterations_needed"),
-    "04": ("KdTree", "median_order"),
+    "04": ("insert", "search", "median_order"),
     "05": ("euclidean_clustering",),
     "06": ("filter_ground", "voxel_grid"),
     "07": ("filter_by_distance", "crop_region", "remove_ego_returns"),
@@ -137,13 +137,15 @@ def run_check(one_check, function):
     return Outcome(one_check, None)
 
 
-def check(function):
+def check(function, exercise=None):
     """Check an answer and show what is right, what is wrong and why it matters.
 
     Parameters
     ----------
     function : callable
         A function (or class) of the course that you wrote.
+    exercise : str, optional
+        Which exercise, where a class holds more than one; by default the function's own name.
 
     Raises
     ------
@@ -152,8 +154,8 @@ def check(function):
     """
     from utils.checks.display import show
 
-    outcomes = [run_check(one_check, function)
-                for one_check in checks_of(getattr(function, "__name__", str(function)))]
+    exercise = exercise or getattr(function, "__name__", str(function))
+    outcomes = [run_check(one_check, function) for one_check in checks_of(exercise)]
     show(outcomes)
     failed = sum(outcome.failure is not None for outcome in outcomes)
     if failed:
