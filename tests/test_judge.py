@@ -74,7 +74,7 @@ def test_right_variant_earns_everything_on_five_seeds(variant, tier, tmp_path):
         assert verdict.problems == ()
 
 
-@pytest.mark.parametrize("variant", wrong_variants())
+@pytest.mark.parametrize("variant", list(wrong_variants()))
 def test_wrong_variant_loses_the_right_points(variant, tier, tmp_path):
     result, verdict = judge_variant(variant, 7, tier, tmp_path)
     failed = {test.name.removeprefix("test_visible[").rstrip("]"): test.message

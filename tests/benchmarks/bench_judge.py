@@ -14,8 +14,8 @@ from pathlib import Path
 from nbgrader.converters import Autograde
 from nbgrader.preprocessors import AssignLatePenalties, Execute, LimitOutput, SaveAutoGrades
 
-from grader.gradebook import converter, enter, register
 from grader.grade import judge_class
+from grader.gradebook import converter, enter, register
 from grader.lessons import all_lessons
 from grader.paths import PROJECT, Course
 from grader.sandbox import choose_tier

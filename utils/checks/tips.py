@@ -35,7 +35,8 @@ _TIPS = (
      "The shapes do not fit. (n, 3) minus (3,) works; (3, n) or (n, 4) minus (3,) does not: "
      "take cloud[:, :3]."),
     ("ValueError", r"zero-size array|empty",
-     "The cloud, or one cluster of it, can be empty. Return early, or use an operation that allows no rows."),
+     "The cloud, or one cluster of it, can be empty. Return early, or use an operation that "
+     "allows no rows."),
     ("ValueError", r"read-only|assignment destination",
      "The input must stay as it is: work on a copy."),
     ("RecursionError", r"",

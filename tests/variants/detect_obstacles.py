@@ -1,0 +1,547 @@
+# Answers to detect_obstacles; see grader/variants.py.
+
+# %% right: the functions of the lessons, pasted into cells of their own
+import numpy as np
+from collections import deque
+from scipy.spatial import cKDTree
+
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)]
+
+def crop_region(cloud, minimum, maximum):
+    return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
+
+def remove_ego_returns(cloud, minimum, maximum):
+    return cloud[~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
+
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 2] >= ground_level]
+# ---- another cell ----
+def voxel_grid(cloud, voxel_size=0.2):
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    labels = np.zeros(len(cloud), dtype=int)
+    neighbours = cKDTree(cloud[:, :3]).query_ball_point(cloud[:, :3], threshold)
+    number = 0
+    for start in range(len(cloud)):
+        if labels[start]:
+            continue
+        number += 1
+        labels[start] = number
+        queue = deque([start])
+        while queue:
+            for other in neighbours[queue.popleft()]:
+                if labels[other] == 0:
+                    labels[other] = number
+                    queue.append(other)
+    return labels
+
+def filter_clusters(labels, min_num_points=100):
+    _, which, count = np.unique(labels, return_inverse=True, return_counts=True)
+    return np.where(count[which] < min_num_points, 0, labels)
+
+def get_oriented_boxes(cloud, labels):
+    boxes = []
+    for label in np.unique(labels[labels > 0]):
+        points = cloud[labels == label, :3]
+        middle = points[:, :2].mean(axis=0)
+        axes = np.linalg.svd(np.vstack([points[:, :2] - middle, np.zeros((2, 2))]))[2]
+        seen = (points[:, :2] - middle) @ axes.T
+        (a, c), (b, d) = seen.min(axis=0), seen.max(axis=0)
+        floor = np.array([[a, c], [b, c], [b, d], [a, d]]) @ axes + middle
+        boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max())
+                      for corner in floor])
+    return np.array(boxes).reshape(-1, 8, 3)
+# ---- another cell ----
+def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
+                     minimum=(-15.0, -7.0, -3.0), maximum=(25.0, 9.0, 1.0)):
+    points = drop_invalid(cloud[:, :3])
+    points = crop_region(points, minimum, maximum)
+    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+    points = filter_ground(points, ground_level)
+    if len(points) == 0:
+        return np.empty((0, 8, 3))
+    points = voxel_grid(points, 0.2)
+    labels = euclidean_clustering_accelerated(points, threshold)
+    return get_oriented_boxes(points, filter_clusters(labels, min_num_points))
+
+# %% right: RANSAC for the road, components of a graph, eigenvectors
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+def road(points, rng, iterations=50, tolerance=0.15):
+    best = np.zeros(len(points), dtype=bool)
+    for _ in range(iterations if len(points) >= 3 else 0):
+        a, b, c = points[rng.choice(len(points), 3, replace=False)]
+        normal = np.cross(b - a, c - a)
+        length = np.linalg.norm(normal)
+        if length < 1e-9 or abs(normal[2]) < 0.9 * length:
+            continue
+        inliers = np.abs((points - a) @ (normal / length)) <= tolerance
+        if inliers.sum() > best.sum():
+            best = inliers
+    return best
+
+def detect_obstacles(cloud):
+    rng = np.random.default_rng()
+    p = np.array(cloud[:, :3], dtype=float)
+    p = p[np.isfinite(p).all(axis=1) & p.any(axis=1)]
+    p = p[(p > (-10, -5, -2.5)).all(axis=1) & (p < (30, 6, 1)).all(axis=1)]
+    p = p[~((p > (-1.5, -1.7, -1.0)).all(axis=1) & (p < (2.6, 1.7, -0.4)).all(axis=1))]
+    p = p[np.unique(np.floor(p / 0.2), axis=0, return_index=True)[1]]
+    p = p[~road(p, rng)]
+    if not len(p):
+        return []
+    i, j = cKDTree(p).query_pairs(0.55, output_type="ndarray").T
+    n, labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)
+    boxes = []
+    for k in range(n):
+        q = p[labels == k]
+        if not 14 <= len(q) <= 2000:
+            continue
+        centre = q[:, :2].mean(0)
+        axes = np.linalg.eigh(np.cov(q[:, :2].T))[1]
+        flat = (q[:, :2] - centre) @ axes
+        low, high = flat.min(0), flat.max(0)
+        ring = np.array([low, (high[0], low[1]), high, (low[0], high[1])]) @ axes.T + centre
+        boxes.append(np.vstack([np.column_stack([ring, np.full(4, z)])
+                                for z in (q[:, 2].min(), q[:, 2].max())]))
+    return boxes
+
+# %% right: cells that touch, in plain Python; the smallest rectangle; corners of the roof first
+import math
+import numpy as np
+
+def flood(cells):
+    cells, groups = set(cells), []
+    while cells:
+        todo, group = [cells.pop()], []
+        while todo:
+            x, y = todo.pop()
+            group.append((x, y))
+            for u in (x - 1, x, x + 1):
+                for v in (y - 1, y, y + 1):
+                    if (u, v) in cells:
+                        cells.remove((u, v))
+                        todo.append((u, v))
+        groups.append(group)
+    return groups
+
+def detect_obstacles(cloud, side=0.3):
+    boxes, members = [], {}
+    for x, y, z in np.asarray(cloud, dtype=float)[:, :3].tolist():
+        near = -12 <= x <= 25 and -7 <= y <= 8 and -1.2 <= z <= 1 and (x, y, z) != (0, 0, 0)
+        if near and not (-1.5 <= x <= 2.6 and -1.7 <= y <= 1.7):
+            members.setdefault((math.floor(x / side), math.floor(y / side)), []).append((x, y, z))
+    for group in flood(members):
+        points = np.array([point for cell in group for point in members[cell]])
+        if len(points) < 20:
+            continue
+        best = None
+        for degrees in range(0, 90, 3):
+            c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+            u, v = points[:, 0] * c + points[:, 1] * s, points[:, 1] * c - points[:, 0] * s
+            area = np.ptp(u) * np.ptp(v)
+            if best is None or area < best[0]:
+                best = (area, c, s, u.min(), u.max(), v.min(), v.max())
+        _, c, s, a, b, d, e = best
+        boxes.append([[u * c - v * s, u * s + v * c, z]
+                      for z in (points[:, 2].max(), points[:, 2].min())
+                      for u, v in ((a, d), (b, d), (b, e), (a, e))])
+    return np.array(boxes, dtype=np.float32).reshape(-1, 8, 3)
+
+# %% right: scikit-learn, the whole scan, printing and warning
+import warnings
+import numpy as np
+from sklearn.cluster import DBSCAN
+from sklearn.decomposition import PCA
+
+class Detector:
+    def __init__(self, reach):
+        self.reach = reach
+
+    def select(self, cloud):
+        xyz = np.array(cloud)[:, :3].astype(float)
+        xyz = xyz[np.all(np.isfinite(xyz), axis=1)]
+        distance = np.hypot(xyz[:, 0], xyz[:, 1])
+        own = (np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75)
+        return xyz[(distance < self.reach) & ~own & (xyz[:, 2] > -1.2)]
+
+    def thin(self, xyz):
+        cells = (np.floor(xyz * 5)).astype(int)
+        return xyz[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
+
+    def box(self, points):
+        pca = PCA(2).fit(points[:, :2])
+        seen = pca.transform(points[:, :2])
+        low, high = seen.min(0), seen.max(0)
+        ring = pca.inverse_transform([low, (high[0], low[1]), high, (low[0], high[1])])
+        floor = np.column_stack([ring, np.full(4, points[:, 2].min())])
+        roof = np.column_stack([ring, np.full(4, points[:, 2].max())])
+        return np.concatenate([floor, roof])
+# ---- another cell ----
+%matplotlib inline
+def detect_obstacles(cloud, *, reach=20.0):
+    warnings.warn("detecting")
+    detector = Detector(reach)
+    xyz = detector.thin(detector.select(cloud))
+    print(len(xyz), "points")
+    if len(xyz) < 5:
+        return np.zeros((0, 8, 3))
+    labels = DBSCAN(eps=0.4, min_samples=1).fit(xyz).labels_
+    found = [detector.box(xyz[labels == label]) for label in set(labels.tolist())
+             if (labels == label).sum() >= 12]
+    return np.array(found) if found else np.zeros((0, 8, 3))
+
+# %% right: a height map for the road, no thinning beyond it
+import numpy as np
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.25):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    with np.errstate(invalid="ignore"):
+        keep = (np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] < 1)
+        keep &= ~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))
+    xyz = xyz[keep & np.isfinite(xyz).all(axis=1)]
+    coarse = (np.floor(xyz[:, :2] / 2.0) + 40).astype(int)
+    ground = np.full((80, 80), np.inf)
+    np.minimum.at(ground, tuple(coarse.T), xyz[:, 2])
+    height = xyz[:, 2] - np.minimum(ground[tuple(coarse.T)], -1.4)
+    high = xyz[height > 0.45]
+    fine = (np.floor(high[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((400, 400), dtype=bool)
+    grid[tuple(fine.T)] = True
+    components, count = ndimage.label(grid, structure=np.ones((3, 3)))
+    labels = components[tuple(fine.T)]
+    boxes = []
+    for label in range(1, count + 1):
+        points = high[labels == label]
+        if len(points) < 30:
+            continue
+        angles = np.linspace(0, np.pi / 2, 46)[:-1]
+        turn = np.stack([np.cos(angles), np.sin(angles)])
+        u = points[:, :2] @ turn
+        v = points[:, :2] @ np.stack([-turn[1], turn[0]])
+        k = int(np.argmin((u.max(0) - u.min(0)) * (v.max(0) - v.min(0))))
+        forward, left = turn[:, k], np.array([-turn[1, k], turn[0, k]])
+        ring = [a * forward + b * left for a, b in (
+            (u[:, k].min(), v[:, k].min()), (u[:, k].max(), v[:, k].min()),
+            (u[:, k].max(), v[:, k].max()), (u[:, k].min(), v[:, k].max()))]
+        low, top = points[:, 2].min(), points[:, 2].max()
+        boxes.append([[*corner, z] for z in (low, top) for corner in ring])
+    return np.reshape(boxes, (-1, 8, 3))
+
+# %% wrong: nothing is ever in the way
+# loses: returns_boxes, finds_cars, leaves_the_road, test_fresh_streets, test_few_ghosts, test_city
+# says: hardly any boxes
+def detect_obstacles(cloud):
+    return np.empty((0, 8, 3))
+
+# %% wrong: one box around everything
+# loses: finds_cars, turns_boxes, test_fresh_streets, test_city, test_turned_cars
+# says: the box over it is
+def detect_obstacles(cloud):
+    xyz = cloud[np.isfinite(cloud).all(axis=1), :3]
+    xyz = xyz[xyz[:, 2] > -1.2]
+    if not len(xyz):
+        return np.empty((0, 8, 3))
+    low, high = xyz.min(axis=0), xyz.max(axis=0)
+    return np.array([[[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)]])
+
+# %% wrong: boxes of the road
+# loses: finds_cars, leaves_the_road, test_fresh_streets, test_few_ghosts, test_empty_road
+# says: hold more road than obstacle
+from scipy import ndimage
+
+def detect_obstacles(cloud):
+    return boxes_of_cells(cloud, lambda z: z < -1.2)
+# ---- another cell ----
+def boxes_of_cells(cloud, choose, cell=0.4, minimum=20, own=True):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & choose(xyz[:, 2])]
+    if own:
+        xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            x, y, z = (np.array([side.min(), side.max()]) for side in points.T)
+            boxes.append([[x[i], y[j], z[k]] for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: the road stays in
+# loses: finds_cars, turns_boxes, test_fresh_streets, test_city, test_empty_road
+# says: Is the road gone?
+from scipy import ndimage
+
+def boxes_of_cells(cloud, choose, cell=0.3, minimum=20):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & choose(xyz[:, 2])]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            x, y, z = (np.array([side.min(), side.max()]) for side in points.T)
+            boxes.append([[x[i], y[j], z[k]] for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+def detect_obstacles(cloud):
+    return boxes_of_cells(cloud, lambda z: z > -9.0)
+
+# %% wrong: boxes along the axes
+# loses: turns_boxes, test_turned_cars
+# says: must be turned with
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.3, minimum=20):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            x, y, z = (np.array([side.min(), side.max()]) for side in points.T)
+            boxes.append([[x[i], y[j], z[k]] for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: its own car and invalid returns stay in
+# loses: forgets_itself, test_dirty_scan
+# says: where the own car is
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.3, minimum=2):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            middle = points[:, :2].mean(axis=0)
+            axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+            a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+            ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+            boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: cars and walls are one cluster
+# loses: finds_cars, turns_boxes, test_fresh_streets
+# says: threshold too large
+from scipy.spatial import cKDTree
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+def detect_obstacles(cloud, threshold=5.0):
+    p = cloud[np.isfinite(cloud[:, :3]).all(axis=1), :3]
+    p = p[(p[:, 2] > -1.2) & (np.hypot(p[:, 0], p[:, 1]) < 25) & (np.hypot(p[:, 0], p[:, 1]) > 2.7)]
+    p = p[np.unique(np.floor(p / 0.5), axis=0, return_index=True)[1]]
+    if len(p) == 0:
+        return np.empty((0, 8, 3))
+    i, j = cKDTree(p).query_pairs(threshold, output_type="ndarray").T
+    labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)[1]
+    boxes = []
+    for k in range(labels.max() + 1):
+        x, y, z = (np.array([side.min(), side.max()]) for side in p[labels == k].T)
+        boxes.append([[x[i], y[j], z[k]] for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    return np.array(boxes)
+
+# %% wrong: every cell of the voxel grid is an obstacle
+# loses: finds_cars, leaves_the_road, turns_boxes, test_fresh_streets, test_few_ghosts
+# says: pieces
+def detect_obstacles(cloud):
+    p = cloud[np.isfinite(cloud[:, :3]).all(axis=1), :3]
+    p = p[(p[:, 2] > -1.2) & (np.hypot(p[:, 0], p[:, 1]) < 15) & (np.hypot(p[:, 0], p[:, 1]) > 2.7)]
+    cells = np.unique(np.floor(p / 0.5), axis=0) * 0.5
+    corners = np.array([[x, y, z] for z in (0, .5) for x, y in ((0, 0), (.5, 0), (.5, .5), (0, .5))])
+    return cells[:, None] + corners
+
+# %% wrong: cannot bear that nothing is left
+# loses: takes_what_comes, test_empty_road
+# says: can leave nothing
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.3, minimum=20):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
+    fine = np.floor(xyz[:, :2] / cell).astype(int)
+    fine -= fine.min(axis=0)
+    grid = np.zeros(fine.max(axis=0) + 1, dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            middle = points[:, :2].mean(axis=0)
+            axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+            a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+            ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+            boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes)
+
+# %% wrong: needs intensity
+# loses: takes_what_comes, test_order_and_precision
+# says: may have three columns
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.3, minimum=20):
+    bright = cloud[:, 3] > 0.0
+    xyz = cloud[bright, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            middle = points[:, :2].mean(axis=0)
+            axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+            a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+            ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+            boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: functions from another notebook, which the judge does not have
+# loses: returns_boxes, finds_cars, test_fresh_streets
+# says: paste what it needs into that notebook
+def detect_obstacles(cloud, threshold=0.5, min_num_points=10):
+    from utils import load_my_functions
+
+    points = load_my_functions("06_filter_ground.ipynb").filter_ground(cloud)
+    labels = load_my_functions("10_accelerated_clustering.ipynb").euclidean_clustering_accelerated(points)
+    return load_my_functions("11_pca_boxes.ipynb").get_oriented_boxes(points, labels)
+
+# %% wrong: returns that are not a number
+# loses: takes_what_comes, test_dirty_scan
+# says: raised ValueError
+from scipy.spatial import cKDTree
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+def detect_obstacles(cloud, threshold=0.5):
+    p = np.array(cloud[:, :3], dtype=float)
+    p = p[~(p[:, 2] < -1.2) & ~(np.abs(p[:, 1]) > 7) & ~(np.abs(p[:, 0]) > 15)]
+    p = p[~((np.abs(p[:, 0] - 0.55) < 2.1) & (np.abs(p[:, 1]) < 1.75))]
+    if len(p) == 0:
+        return np.empty((0, 8, 3))
+    p = p[np.unique(np.floor(p / 0.2), axis=0, return_index=True)[1]]
+    i, j = cKDTree(p).query_pairs(threshold, output_type="ndarray").T
+    labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)[1]
+    boxes = []
+    for label in np.unique(labels):
+        points = p[labels == label]
+        if len(points) >= 10:
+            middle = points[:, :2].mean(axis=0)
+            axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+            a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+            ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+            boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: boxes tilted in three dimensions
+# loses: returns_boxes
+# says: stand upright
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.3, minimum=20):
+    xyz = np.asarray(cloud, dtype=float)[:, :3]
+    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            middle = points.mean(axis=0)
+            axes = np.linalg.eigh(np.cov(points.T))[1]
+            seen = (points - middle) @ axes
+            ends = np.stack([seen.min(0), seen.max(0)])
+            boxes.append([[ends[k >> d & 1, d] for d in range(3)] @ axes.T + middle for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: middles instead of boxes
+# loses: returns_boxes, finds_cars, test_city
+# says: N boxes of 8 corners
+def detect_obstacles(cloud):
+    p = cloud[np.isfinite(cloud[:, :3]).all(axis=1), :3]
+    p = p[p[:, 2] > -1.2]
+    cells, which = np.unique(np.floor(p[:, :2] / 4), axis=0, return_inverse=True)
+    return np.array([p[which.ravel() == k].mean(axis=0) for k in range(len(cells))])
+
+# %% wrong: cleans its input
+# loses: takes_what_comes
+# says: changed its input
+from scipy import ndimage
+
+def detect_obstacles(cloud, cell=0.3, minimum=20):
+    cloud[~np.isfinite(cloud).all(axis=1)] = 0.0
+    xyz = cloud[:, :3]
+    xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
+    fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
+    grid = np.zeros((500, 500), dtype=bool)
+    grid[tuple(fine.T)] = True
+    labels = ndimage.label(grid, structure=np.ones((3, 3)))[0][tuple(fine.T)]
+    boxes = []
+    for label in np.unique(labels):
+        points = xyz[labels == label]
+        if len(points) >= minimum:
+            middle = points[:, :2].mean(axis=0)
+            axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+            a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+            ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+            boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: cars where cars usually stand
+# loses: leaves_the_road, test_few_ghosts, test_empty_road
+# says: hold more road than obstacle
+def detect_obstacles(cloud):
+    car = np.array([[x, y, z] for z in (-1.6, -0.3) for x, y in ((2.1, .9), (-2.1, .9), (-2.1, -.9), (2.1, -.9))])
+    rows = [(x, y, 0) for x in range(-12, 26, 5) for y in (-2.75, 0.4, 2.8, 5.15)
+            if abs(x) > 4 or abs(y) > 2]
+    return np.array(rows)[:, None] + car
+
+# %% wrong: stub left in place
+# loses: returns_boxes, finds_cars, test_fresh_streets, test_small_scans
+# says: still raises NotImplementedError
+def detect_obstacles(cloud):
+    raise NotImplementedError

@@ -1,0 +1,381 @@
+# Answers to euclidean_clustering_accelerated; see grader/variants.py.
+
+# %% right: the lesson's plan, a KD-tree of cells and a loop over what is open
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% right: dictionary of cells and union-find in plain Python, a list back
+from itertools import product
+
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = [tuple(map(float, row[:3])) for row in cloud]
+    side = threshold / 3 ** 0.5
+    cells = {}
+    for i, (x, y, z) in enumerate(points):
+        cells.setdefault((int(x // side), int(y // side), int(z // side)), []).append(i)
+    parent = {cell: cell for cell in cells}
+
+    def find(cell):
+        while parent[cell] != cell:
+            parent[cell] = parent[parent[cell]]
+            cell = parent[cell]
+        return cell
+
+    around = [step for step in product(range(-2, 3), repeat=3) if step > (0, 0, 0)]
+    limit = threshold * threshold
+    array = np.array(points).reshape(-1, 3)
+    for (x, y, z), mine in cells.items():
+        for a, b, c in around:
+            other = (x + a, y + b, z + c)
+            if other not in cells or find(other) == find((x, y, z)):
+                continue
+            theirs = cells[other]
+            p, q = points[mine[0]], points[theirs[0]]
+            near = (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2 < limit
+            if not near:
+                near = cKDTree(array[mine]).query(array[theirs])[0].min() < threshold
+            if near:
+                parent[find(other)] = find((x, y, z))
+    labels, numbers = [0] * len(points), {}
+    for cell, mine in cells.items():
+        number = numbers.setdefault(find(cell), len(numbers) + 1)
+        for i in mine:
+            labels[i] = number
+    return labels
+
+# %% right: packed keys, sorted, and a queue over cells
+from collections import deque
+
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    n = len(cloud)
+    if n == 0:
+        return np.array([], dtype=np.int32)
+    xyz = np.asarray(cloud[:, :3], dtype=float)
+    grid = np.floor((xyz - xyz.min(axis=0)) / (threshold / np.sqrt(3.0001))).astype(np.int64) + 2
+    width = grid.max(axis=0) + 3
+    keys = (grid[:, 0] * width[1] + grid[:, 1]) * width[2] + grid[:, 2]
+    order = np.argsort(keys, kind="stable")
+    names, starts = np.unique(keys[order], return_index=True)
+    members = np.split(order, starts[1:])
+    row_of = {key: row for row, key in enumerate(names.tolist())}
+    steps = [(a * width[1] + b) * width[2] + c for a in range(-2, 3) for b in range(-2, 3)
+             for c in range(-2, 3) if (a, b, c) != (0, 0, 0)]
+    steps = [int(step) for step in steps]
+    piece = np.zeros(len(names), dtype=int)
+    trees = {}
+    for start in range(len(names)):
+        if piece[start]:
+            continue
+        piece[start] = piece.max() + 1
+        waiting = deque([start])
+        while waiting:
+            here = waiting.popleft()
+            key = int(names[here])
+            for there in (row_of.get(key + step) for step in steps):
+                if there is None or piece[there]:
+                    continue
+                p, q = xyz[members[here]], xyz[members[there]]
+                if np.linalg.norm(p[0] - q[0]) >= threshold:
+                    if here not in trees:
+                        trees[here] = cKDTree(p)
+                    if trees[here].query(q)[0].min() >= threshold:
+                        continue
+                piece[there] = piece[start]
+                waiting.append(there)
+    labels = np.empty(n, dtype=np.int32)
+    for row, rows in enumerate(members):
+        labels[rows] = piece[row]
+    return labels
+
+# %% right: neighbours of representatives, labels as floats, printing
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    print("clustering", len(cloud), "points")
+    if len(cloud) < 1:
+        return np.zeros(0)
+    points = np.array(cloud, dtype=np.float64)[:, :3]
+    _, first, which = np.unique(np.floor(points / (0.57 * threshold)), axis=0, return_index=True,
+                                return_inverse=True)
+    which = which.reshape(-1)
+    tree = cKDTree(points[first])
+    label = components(len(first), tree.query_pairs(threshold * 0.9999999, output_type="ndarray"))
+    # Every point is closer than the threshold to its representative: three of them bridge all.
+    far = tree.query_pairs(3 * threshold, output_type="ndarray")
+    order = np.argsort(which, kind="stable")
+    ends = np.cumsum(np.bincount(which))
+    for a, b in far[label[far[:, 0]] != label[far[:, 1]]].tolist():
+        if label[a] == label[b]:
+            continue
+        p = points[order[ends[a - 1] if a else 0:ends[a]]]
+        q = points[order[ends[b - 1] if b else 0:ends[b]]]
+        if (np.maximum(p.min(axis=0) - q.max(axis=0), q.min(axis=0) - p.max(axis=0)) > threshold) \
+                .any():
+            continue
+        if len(p) * len(q) > 4000:
+            close = cKDTree(p).query(q)[0].min() < threshold
+        else:
+            close = (np.linalg.norm(p[:, None] - q[None], axis=2) < threshold).any()
+        if close:
+            label = np.where(label == label[b], label[a], label)
+    return label[which] + 1.0
+
+# %% right: a class with a helper in another cell
+class Cells:
+    def __init__(self, points, side):
+        self.points = points
+        cells, self.first, self.of_point = np.unique(
+            np.floor(points / side).astype(int), axis=0, return_index=True, return_inverse=True)
+        self.of_point = self.of_point.ravel()
+        self.pairs = cKDTree(cells).query_pairs(2.5, p=np.inf, output_type="ndarray")
+        self.sizes = np.bincount(self.of_point)
+        self.rows = np.argsort(self.of_point, kind="stable")
+        self.start = np.cumsum(self.sizes) - self.sizes
+
+    def inside(self, cell):
+        begin = self.start[cell]
+        return self.points[self.rows[begin:begin + self.sizes[cell]]]
+# ---- another cell ----
+%%time
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if not len(cloud):
+        return []
+    grid = Cells(np.asarray(cloud)[:, :3].astype(float), threshold * 0.577)
+    a, b = grid.pairs.reshape(-1, 2).T
+    near = np.sum((grid.points[grid.first[a]] - grid.points[grid.first[b]]) ** 2, axis=1) \
+        < threshold ** 2
+    extra, count = [], len(grid.sizes)
+    label = components(count, grid.pairs[near])
+    for i, j in grid.pairs[label[a] != label[b]]:
+        tree = cKDTree(grid.inside(i))
+        if np.isfinite(tree.query(grid.inside(j), distance_upper_bound=threshold)[0]).any():
+            extra.append((i, j))
+    joined_pairs = np.vstack([grid.pairs[near]] + [np.array(extra).reshape(-1, 2)])
+    return (components(count, joined_pairs)[grid.of_point] + 1).tolist()
+
+# %% wrong: the queue of lesson 05
+# loses: is_quick, test_whole_scan, test_heaps
+# says: work with cells instead of points
+from collections import deque
+
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start]:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            gaps = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            fresh = np.flatnonzero((gaps < threshold) & (labels == 0))
+            labels[fresh] = cluster
+            waiting.extend(fresh)
+    return labels
+
+# %% wrong: a list of all pairs
+# loses: test_heaps
+# says: a list of all pairs is as long as the square
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    pairs = cKDTree(cloud[:, :3]).query_pairs(threshold, output_type="ndarray")
+    return components(len(cloud), pairs) + 1
+
+# %% wrong: a queue that asks a KD-tree for every point
+# loses: test_heaps
+# says: whoever shares a small cell belongs together anyway
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    labels = np.zeros(len(cloud), dtype=int)
+    if len(cloud) == 0:
+        return labels
+    points = cloud[:, :3]
+    tree, cluster = cKDTree(points), 0
+    for start in range(len(points)):
+        if labels[start]:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = [start]
+        while waiting:
+            near = np.array(tree.query_ball_point(points[waiting.pop()], threshold))
+            fresh = near[labels[near] == 0]
+            labels[fresh] = cluster
+            waiting.extend(fresh.tolist())
+    return labels
+
+# %% wrong: representatives only
+# loses: compares_the_points, test_crowded_cells
+# says: Representatives far apart prove nothing
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    _, first, which = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                return_index=True, return_inverse=True)
+    label = components(len(first), cKDTree(points[first]).query_pairs(threshold,
+                                                                      output_type="ndarray"))
+    return label[which.ravel()] + 1
+
+# %% wrong: neighbouring cells joined without measuring
+# loses: parts_what_is_apart, test_fresh_streets, test_crowded_cells
+# says: really measured
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, which = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                             return_inverse=True)
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    return components(len(cells), pairs)[which.ravel()] + 1
+
+# %% wrong: side of a cell = threshold
+# loses: parts_what_is_apart, test_fresh_streets
+# says: Is the side of a cell threshold / sqrt(3)
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, which = np.unique(np.floor(points / threshold), axis=0, return_index=True,
+                                    return_inverse=True)
+    which = which.ravel()
+    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(which), np.cumsum(np.bincount(which))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if cKDTree(points[members[a]]).query(points[members[b]])[0].min() < threshold:
+            label[label == label[b]] = label[a]
+    return label[which] + 1
+
+# %% wrong: only the 26 cells around a cell
+# loses: joins_across_borders, test_fresh_streets
+# says: corners included
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, which = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                    return_index=True, return_inverse=True)
+    which = which.ravel()
+    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(which), np.cumsum(np.bincount(which))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if cKDTree(points[members[a]]).query(points[members[b]])[0].min() < threshold:
+            label[label == label[b]] = label[a]
+    return label[which] + 1
+
+# %% wrong: rounds towards zero
+# loses: parts_what_is_apart
+# says: below zero np.floor and .astype(int) differ
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, which = np.unique((points / (threshold / np.sqrt(3))).astype(int), axis=0,
+                                    return_index=True, return_inverse=True)
+    which = which.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(which), np.cumsum(np.bincount(which))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if cKDTree(points[members[a]]).query(points[members[b]])[0].min() < threshold:
+            label[label == label[b]] = label[a]
+    return label[which] + 1
+
+# %% wrong: intensity is a coordinate
+# loses: ignores_intensity
+# says: a fourth column, if there is one, is not
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    return components(len(cloud), cKDTree(cloud).query_pairs(threshold, output_type="ndarray")) + 1
+
+# %% wrong: thins the cloud to centroids first
+# loses: compares_the_points, test_crowded_cells, test_whole_scan
+# says: belong
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    _, which, count = np.unique(np.floor(points / 0.2), axis=0, return_inverse=True,
+                                return_counts=True)
+    which = which.ravel()
+    sums = np.zeros((len(count), 3))
+    np.add.at(sums, which, points)
+    middles = sums / count[:, None]
+    pairs = cKDTree(middles).query_pairs(threshold, output_type="ndarray")
+    return components(len(middles), pairs)[which] + 1
+
+# %% wrong: the threshold is written into the function
+# loses: follows_the_threshold, test_other_thresholds
+# says: Everything scales with the parameter threshold
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    pairs = cKDTree(cloud[:, :3]).query_pairs(0.5, output_type="ndarray")
+    return components(len(cloud), pairs) + 1
+
+# %% wrong: labels from 0
+# loses: separates_groups
+# says: not 1 to N
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    pairs = cKDTree(cloud[:, :3]).query_pairs(threshold, output_type="ndarray")
+    return components(len(cloud), pairs)
+
+# %% wrong: fails on an empty cloud
+# loses: takes_the_smallest
+# says: Return an array of length 0 early
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3] - cloud[:, :3].min(axis=0)
+    pairs = cKDTree(points).query_pairs(threshold, output_type="ndarray")
+    return components(len(cloud), pairs) + 1
+
+# %% wrong: a library does the whole exercise
+# loses: separates_groups, test_course_cloud, test_whole_scan
+# says: not allowed in this lesson
+from sklearn.cluster import DBSCAN
+
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    return DBSCAN(eps=threshold, min_samples=1).fit(cloud[:, :3]).labels_ + 1
+
+# %% wrong: a parallel library does the whole exercise
+# loses: separates_groups, test_course_cloud, test_whole_scan
+# says: not allowed in this lesson
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    import open3d
+    shell = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(cloud[:, :3]))
+    return np.array(shell.cluster_dbscan(threshold, 1)) + 1
+
+# %% wrong: everything is one cluster
+# loses: separates_groups, parts_what_is_apart, test_course_cloud, test_heaps
+# says: Points of different clusters
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    return np.ones(len(cloud), dtype=int)
+
+# %% wrong: stub left in place
+# loses: separates_groups, takes_the_smallest, test_whole_scan
+# says: still raises NotImplementedError
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    raise NotImplementedError

@@ -1,0 +1,244 @@
+# Answers to match_boxes; see grader/variants.py.
+
+# %% right: the closest pair first
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% right: optimal assignment
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.distance import cdist
+
+def match_boxes(previous, current, max_distance):
+    partner = -np.ones(len(current))
+    if len(previous) and len(current):
+        cost = cdist(current.mean(axis=1), previous.mean(axis=1))
+        rows, columns = linear_sum_assignment(np.where(cost > max_distance, 1e6, cost))
+        good = cost[rows, columns] <= max_distance
+        partner[rows[good]] = columns[good]
+    return partner
+
+# %% right: sorted pairs in plain Python, a list back
+import math
+
+def centre(box):
+    return [sum(float(corner[axis]) for corner in box) / 8 for axis in range(3)]
+# ---- another cell ----
+def match_boxes(previous, current, max_distance):
+    old, new = [centre(box) for box in previous], [centre(box) for box in current]
+    pairs = sorted((math.dist(b, a), i, j) for i, b in enumerate(new) for j, a in enumerate(old))
+    result, taken = [-1] * len(new), set()
+    for distance, i, j in pairs:
+        if distance <= max_distance and result[i] == -1 and j not in taken:
+            result[i] = j
+            taken.add(j)
+    print(len(taken), "pairs")
+    return result
+
+# %% right: nearest to each other
+from scipy.spatial import cKDTree
+
+def match_boxes(previous, current, max_distance):
+    if len(previous) == 0 or len(current) == 0:
+        return np.full(len(current), -1, dtype=np.int32)
+    middle = lambda boxes: (boxes.min(axis=1) + boxes.max(axis=1)) / 2
+    old, new = middle(previous)[:, :2], middle(current)[:, :2]
+    distance, there = cKDTree(old).query(new)
+    back = cKDTree(new).query(old)[1]
+    mutual = (back[there] == np.arange(len(new))) & (distance < max_distance)
+    return np.where(mutual, there, -1).astype(np.int32)
+
+# %% right: each previous box chooses among those that nobody else is closer to
+class Matcher:
+    def __init__(self, limit):
+        self.limit = limit
+
+    def __call__(self, old, new):
+        result = np.full(len(new), -1, dtype=int)
+        order = np.argsort([min((np.linalg.norm(b - a) for b in new), default=0) for a in old])
+        for j in order:
+            free = [i for i in range(len(new)) if result[i] < 0]
+            if not free:
+                break
+            i = min(free, key=lambda i: np.linalg.norm(new[i] - old[j]))
+            if np.linalg.norm(new[i] - old[j]) <= self.limit:
+                result[i] = j
+        return result
+
+def match_boxes(previous, current, max_distance):
+    return Matcher(max_distance)(np.asarray(previous).mean(axis=1), np.asarray(current).mean(axis=1))
+
+# %% wrong: the nearest, whoever else has it
+# loses: is_one_to_one, test_rivals
+# says: several current boxes
+def match_boxes(previous, current, max_distance):
+    if len(previous) == 0:
+        return np.full(len(current), -1)
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    return np.where(table.min(axis=1) <= max_distance, table.argmin(axis=1), -1)
+
+# %% wrong: first come, first served
+# loses: is_one_to_one, test_rivals
+# says: whoever comes first
+def match_boxes(previous, current, max_distance):
+    partner, taken = np.full(len(current), -1), set()
+    for i, box in enumerate(current.mean(axis=1)):
+        distances = [np.inf if j in taken else np.linalg.norm(box - old)
+                     for j, old in enumerate(previous.mean(axis=1))]
+        if distances and min(distances) <= max_distance:
+            partner[i] = int(np.argmin(distances))
+            taken.add(int(np.argmin(distances)))
+    return partner
+
+# %% wrong: never too far
+# loses: knows_new_ones, test_many_boxes, test_lengths
+# says: is new and has no partner
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    for _ in range(min(table.shape)):
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: the other way round
+# loses: knows_new_ones, finds_again, test_many_boxes
+# says: one index for each current box
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(previous), -1)
+    while table.size and table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[column] = row
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: the first corner stands for the box
+# loses: test_order_of_corners
+# says: The mean of all eight
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current[:, 0][:, None] - previous[:, 0][None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: squared distance
+# loses: knows_new_ones, test_many_boxes
+# says: Compare the distance with max_distance
+def match_boxes(previous, current, max_distance):
+    table = ((current.mean(axis=1)[:, None] - previous.mean(axis=1)[None]) ** 2).sum(axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: the distance is written into the function
+# loses: knows_new_ones, test_many_boxes
+# says: Compare the distance with max_distance
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() < 1.5:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: box k is box k
+# loses: finds_again, knows_new_ones, is_one_to_one, test_many_boxes, test_rivals
+# says: was previous box
+def match_boxes(previous, current, max_distance):
+    index = np.arange(len(current))
+    return np.where(index < len(previous), index, -1)
+
+# %% wrong: everything is new
+# loses: finds_again, knows_new_ones, is_one_to_one, test_many_boxes, test_rivals
+# says: was previous box
+def match_boxes(previous, current, max_distance):
+    return np.full(len(current), -1)
+
+# %% wrong: no boxes, no mercy
+# loses: takes_no_boxes
+# says: empty table
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: a list of pairs
+# loses: finds_again, is_one_to_one, test_many_boxes
+# says: one index for each current box
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    pairs = []
+    while table.size and table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        pairs.append((int(row), int(column)))
+        table[row], table[:, column] = np.inf, np.inf
+    return pairs
+
+# %% wrong: every previous box takes the nearest, however far
+# loses: knows_new_ones, test_many_boxes
+# says: Compare the distance with max_distance
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    for column in range(len(previous)):
+        row = table[:, column].argmin() if len(current) else 0
+        if len(current):
+            partner[row] = column
+    return partner
+
+# %% wrong: None for new ones
+# loses: knows_new_ones, test_many_boxes
+# says: expected an array of indices
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = [None] * len(current)
+    while table.size and table.min() < max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = int(column)
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: parameters renamed
+# loses: finds_again
+# says: A parameter was renamed
+def match_boxes(old, new, limit):
+    table = np.linalg.norm(new.mean(axis=1)[:, None] - old.mean(axis=1)[None], axis=2)
+    partner = np.full(len(new), -1)
+    while table.size and table.min() < limit:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: moves the boxes it has used out of the way
+# loses: takes_no_boxes
+# says: changed its input
+def match_boxes(previous, current, max_distance):
+    partner = np.full(len(current), -1)
+    for _ in range(len(current)):
+        table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+        if not table.size or table.min() > max_distance:
+            break
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        previous[column] += 1e6
+        current[row] -= 1e6
+    return partner
