@@ -1,6 +1,5 @@
 """Every notebook runs: the solved one to its end, the student's to its first stub."""
 
-import time
 
 import nbclient
 import nbformat
@@ -36,10 +35,8 @@ def errors_of(notebook):
 
 
 def test_solved_notebook_runs_to_its_end(lesson):
-    begin = time.perf_counter()
     notebook = run(lesson.solved, lesson.released.parent)
     assert errors_of(notebook) == []
-    assert time.perf_counter() - begin < LONGEST_RUN
     noise = [output.text for cell in notebook.cells if cell.cell_type == "code"
              for output in cell.outputs if output.get("name") == "stderr"]
     assert noise == []
