@@ -108,6 +108,10 @@ class _Collector:
         self.proxy, self.course_seed = proxy, seed
         self.results, self.broken = [], None
 
+    def pytest_configure(self, config):
+        """Spare pytest its long tracebacks, which nobody reads: most of a judge's time."""
+        config.option.tbstyle = "native"
+
     @pytest.fixture
     def student(self):
         """The functions under test."""
