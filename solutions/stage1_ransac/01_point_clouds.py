@@ -487,7 +487,7 @@ for (name, values), axes in zip(wrong.items(), pair):
 #
 # **Sources.** How LiDARs work: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).
 #
-# **Next:** 02 · RANSAC for a line
+# **Next:** 02 · RANSAC: a line through the crowd
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -383,7 +383,7 @@ check(ransac_line)
 
 # %%
 @interact(rounds=IntSlider(value=10, min=1, max=100, description="rounds", continuous_update=False),
-          tolerance=FloatSlider(value=1.0, min=0.1, max=4.0, step=0.1, description="tolerance (m)",
+          tolerance=FloatSlider(value=1.0, min=0.1, max=4.0, step=0.1, description="tolerance",
                                 continuous_update=False),
           seed=IntSlider(value=0, min=0, max=20, description="seed", continuous_update=False))
 def show_ransac(rounds, tolerance, seed):
@@ -565,7 +565,7 @@ for (name, (line, mask)), axes in zip(wrong.items(), row):
 #
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). PROSAC: [Chum and Matas 2005](https://doi.org/10.1109/CVPR.2005.221). LO-RANSAC: [Chum, Matas and Kittler 2003](https://doi.org/10.1007/978-3-540-45243-0_31). A survey in code: [Raguram et al. 2013](https://doi.org/10.1109/TPAMI.2012.257).
 #
-# **Next:** 03 · RANSAC for a plane
+# **Next:** 03 · The road as a plane
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -319,7 +319,7 @@ check(ransac_plane)
 
 # %%
 @interact(tolerance=FloatSlider(value=0.2, min=0.02, max=0.8, step=0.02,
-                                description="tolerance (m)", continuous_update=False))
+                                description="tolerance", continuous_update=False))
 def show_tolerance(tolerance):
     found, near = ransac_plane(street, 50, tolerance, 1)
     plots.plane_model(street, found, near, tolerance, limits=side,
@@ -653,7 +653,7 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 #
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html).
 #
-# **Next:** 04 · A tree for neighbours
+# **Next:** 04 · The KD-tree
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -371,7 +371,7 @@ def draw_search(x, radius, axes=None):
 
 @interact(x=FloatSlider(value=8.8, min=-8, max=24, step=0.2, description="x (m)",
                         continuous_update=False),
-          radius=FloatSlider(value=1.0, min=0.2, max=10, step=0.2, description="tolerance (m)",
+          radius=FloatSlider(value=1.0, min=0.2, max=10, step=0.2, description="tolerance",
                              continuous_update=False))
 def show_search(x, radius):
     draw_search(x, radius)

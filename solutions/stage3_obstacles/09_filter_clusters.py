@@ -379,7 +379,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 #
 # **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and spray in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
 #
-# **Next:** 10 · Accelerated clustering
+# **Next:** 10 · Clustering in real time
 
 # %% [markdown] tags=["footer"]
 # (footer)
