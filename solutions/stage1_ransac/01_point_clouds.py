@@ -160,6 +160,15 @@ plots.from_above(cloud, values=cloud[:, 3], label="intensity", limits=street, ax
                  title="Coloured by intensity: the same points, another column");
 
 # %% [markdown]
+# From above, everything lies flat. Here are the same points in space: drag to turn them. Look along the street from behind, and find the people.
+
+# %%
+from utils.scene3d import Scene
+
+nearby = cloud[(np.abs(cloud[:, 0]) < 25) & (np.abs(cloud[:, 1]) < 12)]
+Scene("The street in space").add_cloud(nearby).add_ego_car().show(interactive=True)
+
+# %% [markdown]
 # Four bits of NumPy are all you need to work with such an array:
 
 # %%

@@ -309,6 +309,13 @@ model, inliers = ransac_plane(street, 50, 0.2, np.random.default_rng(1))
 print("plane:", np.round(model, 3))
 plots.plane_model(street, model, inliers, 0.2, limits=side, title="Found by your ransac_plane");
 
+# %%
+from utils.scene3d import Scene
+
+inliers = np.asarray(inliers)
+(Scene("The same in space: green the plane, red what stands on it")
+ .add_plane(street[inliers], model).add_obstacles(street[~inliers]).show())
+
 # %% nbgrader={"grade": true, "grade_id": "test_ransac_plane", "locked": true, "points": 25, "schema_version": 3, "solution": false, "task": false}
 check(ransac_plane)
 

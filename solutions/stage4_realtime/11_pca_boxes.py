@@ -367,6 +367,13 @@ plots.boxes(boxes, cloud=cloud[labels > 0], limits=((-10, 20), (-10, 10)), axes=
             title="The street")
 plots.boxes(boxes, cloud=cloud[labels > 0], limits=around_car, axes=close, title="The turning car");
 
+# %%
+from utils.scene3d import Scene
+
+# Drag to turn the street, scroll to come nearer.
+(Scene("Your boxes in space").add_cloud(cloud[stands_near]).add_oriented_boxes(boxes)
+ .add_ego_car().show(interactive=True))
+
 # %% nbgrader={"grade": true, "grade_id": "test_get_oriented_boxes", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(get_oriented_boxes)
 
