@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -253,16 +254,17 @@ def print_class(judged):
     students = {}
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
-    table = Table(title="Scores", title_justify="left")
-    table.add_column("Student")
+    table = Table(title="Scores by lesson", title_justify="left", box=SIMPLE_HEAD,
+                  show_footer=True, padding=(0, 1, 0, 0), expand=True)
+    table.add_column("Student", "out of", no_wrap=True, width=14)
     for lesson in lessons:
-        table.add_column(lesson, justify="right")
-    table.add_column("First thing that went wrong", overflow="ellipsis", no_wrap=True,
-                     max_width=60)
+        most = max(verdict.max_score for _, verdict in judged if verdict.lesson == lesson)
+        table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=4)
+    table.add_column("First thing that went wrong", no_wrap=True, ratio=1)
     for student, verdicts in students.items():
         table.add_row(escape(student), *(
-            f"{verdicts[lesson].score:g} / {verdicts[lesson].max_score:g}"
-            if lesson in verdicts else "-" for lesson in lessons), _first_fault(verdicts.values()))
+            f"{verdicts[lesson].score:.3g}" if lesson in verdicts else "-" for lesson in lessons),
+            _first_fault(verdicts.values()))
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 

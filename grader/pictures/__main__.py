@@ -10,12 +10,13 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 from grader.lessons import all_lessons  # noqa: E402
+from grader.pictures import hero  # noqa: E402
 
 DOTS_PER_INCH = 110
 
 
 def main(numbers):
-    """Draw the previews of the lessons with these numbers, or of all."""
+    """Draw the previews of the lessons with these numbers; or of all, and the README's film."""
     for lesson in all_lessons():
         number = lesson.name[:2]
         if numbers and number not in numbers:
@@ -27,6 +28,8 @@ def main(numbers):
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
         print(f"drew {path.name}")
+    if not numbers:
+        print(f"recorded {hero.film().path.name}")
 
 
 if __name__ == "__main__":
