@@ -122,4 +122,5 @@ def common_messages(verdicts, most=8):
 def _without_numbers(message):
     """A message without what differs from cloud to cloud, so that equal mistakes count as one."""
     message = re.sub(r", for example \([^)]*\)", "", message)
-    return re.sub(r"(?<![\w.])\d+(?![\w.])", "some", message).replace("some row ", "some rows ")
+    message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(?!\w)", "…", message)
+    return re.sub(r"\(…(, …)*\)", "(…)", message).replace("… row ", "… rows ")
