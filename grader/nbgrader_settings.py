@@ -8,7 +8,7 @@ from pathlib import Path
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
 # Solutions are written in .py files beside the notebooks that nbgrader reads.
-IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py", "pictures", "drafts"]
+IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py", "pictures"]
 
 
 def configure(c, root):

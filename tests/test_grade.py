@@ -44,24 +44,30 @@ def quiet(done, total, what):
     """Report no progress."""
 
 
-@pytest.fixture
-def course(tmp_path, tier):
-    """A course of its own, with four students."""
-    made = Course(tmp_path / "course")
+def make_course(root, lesson, texts, tier):
+    """A course of one lesson, with a notebook's text from each student."""
+    made = Course(root)
     for folder in ("solutions", "notebooks"):
-        shutil.copytree(PROJECT / folder / LESSON.stage, made.root / folder / LESSON.stage,
+        shutil.copytree(PROJECT / folder / lesson.stage, made.root / folder / lesson.stage,
                         ignore=shutil.ignore_patterns("*.py", "pictures"))
-        for stray in (made.root / folder / LESSON.stage).glob("*.ipynb"):
-            if stray.stem != LESSON.name:
+        for stray in (made.root / folder / lesson.stage).glob("*.ipynb"):
+            if stray.stem != lesson.name:
                 stray.unlink()
     (made.root / "nbgrader_config.py").write_text(CONFIGURATION.format(
         project=str(PROJECT), root=str(made.root), seed=SEED, tier=tier))
-    for student, text in {"right": answer(), "half": answer("filter_ground"),
-                          "untouched": fill_in(LESSON, {}), "broken": answer()[:5000]}.items():
-        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+    for student, text in texts.items():
+        path = made.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(text, "utf-8")
     return made
+
+
+@pytest.fixture
+def course(tmp_path, tier):
+    """A course of its own, with four students."""
+    return make_course(tmp_path / "course", LESSON, {
+        "right": answer(), "half": answer("filter_ground"), "untouched": fill_in(LESSON, {}),
+        "broken": answer()[:5000]}, tier)
 
 
 def scores_by_verdict(judged):
@@ -115,6 +121,45 @@ def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(cou
         assert line not in page
     broken = (course.root / "feedback" / "broken" / LESSON.stage / f"{LESSON.name}.html")
     assert "not valid JSON" in broken.read_text()
+
+
+@pytest.mark.slow
+def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, tier):
+    lesson = find_lesson("12_streaming_obstacles")
+    report = "I widened the region to 18.5 m.\n\n| before | after |\n|---|---|\n| 0.67 | 1.00 |"
+    right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
+    course = make_course(tmp_path / "course", lesson, {
+        "writer": fill_in(lesson, {"match_boxes": right, "second_data_set": report}),
+        "untouched": fill_in(lesson, {})}, tier)
+    gradebook.register(course, [lesson.stage])
+
+    def autograde():
+        done = nbgrader(course, "autograde", lesson.stage, "--force")
+        assert done.returncode == 0, done.stderr
+        assert report in "\n".join(
+            "".join(cell["source"]) for cell in json.loads((
+                course.root / "autograded" / "writer" / lesson.stage / f"{lesson.name}.ipynb"
+            ).read_text())["cells"])
+
+    def grades(student):
+        with gradebook.open_gradebook(course) as book:
+            found = book.find_submission_notebook(lesson.name, lesson.stage, student).grades
+            return {grade.name: (grade.auto_score, grade.manual_score, grade.needs_manual_grade)
+                    for grade in found}
+
+    autograde()
+    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, tier))
+    assert grades("writer") == {
+        "test_detect_obstacles": (0, None, False), "test_match_boxes": (5, None, False),
+        "second_data_set": (None, None, True), "write_up": (0, None, False)}  # left as it was
+    assert not any(by_hand for _, _, by_hand in grades("untouched").values())
+
+    with gradebook.open_gradebook(course) as book:
+        book.find_grade("second_data_set", lesson.name, lesson.stage, "writer").manual_score = 4
+        book.db.commit()
+    autograde()
+    assert grades("writer")["second_data_set"][1] == 4
+    assert gradebook.scores(course)["writer", lesson.stage, lesson.name] == 9
 
 
 def test_second_run_judges_only_what_changed(course, tier, monkeypatch):

@@ -1,20 +1,42 @@
 """The judge gives right answers everything, wrong ones what they earn, and always a verdict."""
 
+import ast
 import json
 import subprocess
 import sys
 
 import pytest
 
+from grader.inside import program
 from grader.judge import UnknownLesson, judge, verdict_key
 from grader.lessons import all_lessons, find_lesson
 from grader.paths import PROJECT
 from grader.sandbox import Limits
-from grader.variants import fill_in, variants_of
+from grader.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.verdict import read_verdict, write_verdict
 
 VARIANTS = [variant for lesson in all_lessons() for exercise in lesson.exercises
             if not exercise.by_hand for variant in variants_of(exercise.name)]
+
+
+# What lesson 12 builds on, and the detector that its hints spell out.
+EARLIER = {"01_point_clouds": ("drop_invalid",),
+           "06_filter_ground": ("filter_ground", "voxel_grid"),
+           "07_filter_by_distance": ("crop_region", "remove_ego_returns"),
+           "09_filter_clusters": ("filter_clusters",),
+           "10_accelerated_clustering": ("euclidean_clustering_accelerated",),
+           "11_pca_boxes": ("get_oriented_boxes",)}
+AS_HINTED = """\
+def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
+                     minimum=(-15.0, -7.0, -3.0), maximum=(35.0, 9.0, 1.0)):
+    points = drop_invalid(cloud[:, :3])
+    points = crop_region(points, minimum, maximum)
+    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+    points = filter_ground(points, ground_level)
+    points = voxel_grid(points)
+    labels = euclidean_clustering_accelerated(points, threshold)
+    return get_oriented_boxes(points, filter_clusters(labels, min_num_points))
+"""
 
 
 def wrong_variants(everyday=2):
@@ -46,6 +68,22 @@ def test_solution_earns_everything(lesson, seed, tier):
             if not test.passed] == []
     assert verdict.score == verdict.max_score
     assert verdict.problems == ()
+
+
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow)
+                                       for seed in (22, 333, 4444, 55555))])
+def test_detector_of_the_lessons_own_functions_earns_everything(seed, tier, tmp_path):
+    cells = []
+    for name, functions in EARLIER.items():
+        statements, _ = program.parse_notebook([find_lesson(name).source.read_text("utf-8")])
+        cells.append("".join(f"{ast.unparse(statement.node)}\n"
+                             for statement in program.slice_for(functions, statements)))
+    path = tmp_path / "12_streaming_obstacles.ipynb"
+    path.write_text(fill_in(find_lesson(path.stem), {
+        "detect_obstacles": ANOTHER_CELL.join([*cells, AS_HINTED])}), "utf-8")
+    result = judge(path, seed, tier).exercises[0]
+    assert [test.message for test in result.tests if not test.passed] == []
+    assert result.score == result.max_score
 
 
 def test_untouched_notebook_earns_nothing(lesson, tier):

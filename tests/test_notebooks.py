@@ -1,6 +1,5 @@
 """Every notebook runs: the solved one to its end, the student's to its first stub."""
 
-
 import nbclient
 import nbformat
 import pytest
@@ -12,18 +11,13 @@ LONGEST_RUN = 120  # seconds; the aim is 30, on a machine with nothing else to d
 
 def run(path, folder):
     """Execute a notebook as if it lay in `folder`, errors and all."""
-    try:
-        return run_once(path, folder)
-    except nbclient.exceptions.CellTimeoutError:
-        # With widgets nbclient now and then waits for a message that was lost
-        # (github.com/jupyter/nbclient/issues/312); the notebook is not to blame.
-        return run_once(path, folder)
-
-
-def run_once(path, folder):
     notebook = nbformat.read(path, as_version=4)
-    nbclient.NotebookClient(notebook, timeout=LONGEST_RUN, allow_errors=True, resources={
-        "metadata": {"path": str(folder)}}).execute()
+    client = nbclient.NotebookClient(notebook, timeout=LONGEST_RUN, allow_errors=True, resources={
+        "metadata": {"path": str(folder)}})
+    # While nbclient answers widgets it may sleep through the kernel's reply to a cell
+    # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
+    client.comm_open_handlers.clear()
+    client.execute()
     return notebook
 
 

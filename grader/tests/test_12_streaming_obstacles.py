@@ -38,15 +38,32 @@ def fresh_streets(seed):
 
 @functools.lru_cache(maxsize=32)
 def city_frames(seed):
-    """Two frames of a drive through a city that nobody has seen, with two clear cars or more."""
+    """Two frames of a drive through a city that nobody has seen, with a clear car or more."""
     from utils.scenes import city_block
 
     frames = (city_block(seed, 200)[number] for number in range(0, 200, 8))
-    good = itertools.islice((frame for frame in frames if len(clear_cars(frame)) >= 2), 2)
+    good = itertools.islice((frame for frame in frames if clear_cars(frame)), 2)
     return [*good, square(seed + 1), square(seed + 2)][:2]
 
 
 @functools.lru_cache(maxsize=32)
+def rain(seed):
+    """Single returns (n, 4) in the air over a square, away from its things and each other."""
+    from scipy.spatial import cKDTree
+
+    rng = np.random.default_rng(seed)
+    frame = square(seed)
+    places = rng.uniform((-11, -5.5), (18, 5.5), (400, 2))
+    things = cKDTree(frame.cloud[frame.scan.objects > 0, :2])
+    places = places[(things.query(places)[0] > 1.5) & (np.hypot(*places.T) > 3.5)]
+    drops = []
+    for place in places:
+        if all(np.hypot(*(place - other)) > 2.0 for other in drops):
+            drops.append(place)
+    return np.column_stack([drops, rng.uniform((-0.9, 0.0), (0.3, 0.1), (len(drops), 2))])
+
+
+@functools.cache
 def empty_road():
     """A scan of a level road and nothing else."""
     from utils.frames import observe
@@ -119,6 +136,20 @@ def test_dirty_scan(student, seed):
     cloud[bad[1500:2000], 2] = -np.inf
     cloud[bad[2000:]] = 0.0
     assert_own_car_free(assert_detects(student, cloud, frame), frame)
+
+
+@hidden("detect_obstacles", weight=2, title="Does not take single returns in the air, such as "
+        "drops of rain, for obstacles",
+        hint="filter_clusters removes clusters of a few points. Does the detector call it?")
+def test_rain(student, seed):
+    frame, drops = square(seed), rain(seed)
+    boxes = as_boxes(assert_detects(student, np.vstack([frame.cloud, drops]), frame))
+    small = boxes[np.ptp(boxes, axis=1).max(axis=1) < 1.0].mean(axis=1)
+    wet = sum((np.linalg.norm(small - drop[:3], axis=1) < 0.5).any() for drop in drops)
+    if wet > len(drops) // 3:
+        raise CheckFailed("Single returns in the air have boxes.",
+                          yours=f"boxes around {wet} of {len(drops)} drops of rain",
+                          expected="none around clusters of one point")
 
 
 @hidden("detect_obstacles", weight=3, title="An empty road has no obstacles",
