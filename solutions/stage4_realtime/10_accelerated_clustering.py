@@ -436,7 +436,7 @@ third = obstacles[::3]
 
 
 @interact(threshold=FloatSlider(value=0.5, min=0.1, max=2.0, step=0.1,
-                                description="threshold (m)", continuous_update=False))
+                                description="threshold", continuous_update=False))
 def show_threshold(threshold):
     begin = perf_counter()
     found = euclidean_clustering_accelerated(third, threshold)
@@ -536,7 +536,7 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
 #
 # **Sources.** Cells of side $r/\sqrt{d}$ for DBSCAN: [Gunawan 2013](https://research.tue.nl/en/studentTheses/a-faster-algorithm-for-dbscan), [Gan and Tao 2015](https://doi.org/10.1145/2723372.2737792). Parallel and exact, the `dbscan` package: [Wang, Gu and Shun 2020](https://doi.org/10.1145/3318464.3380582). Connected components: [SciPy](https://docs.scipy.org/doc/scipy/reference/generated/scipy.sparse.csgraph.connected_components.html). In the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
 #
-# **Next:** 11 · Oriented boxes
+# **Next:** 11 · Boxes that turn
 
 # %% [markdown] tags=["footer"]
 # (footer)
