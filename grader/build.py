@@ -11,16 +11,21 @@ import json
 import re
 import tempfile
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
 from grader.lessons import all_lessons
 from grader.paths import PROJECT
 
-# Cells that are the same in every lesson; a lesson marks their place with a tag.
+# Cells that are the same in every lesson; a lesson marks their place with a tag. Between two
+# variants stands a line `---`: the first is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 # A stripped line this short, or of this kind, tells nobody the solution.
 LEAK_LENGTH = 12
+# Address and revision become part of links and of a command, so they hold nothing unusual.
+ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
+REVISION = re.compile(r"\w[\w./-]*")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
@@ -66,13 +71,15 @@ def check():
     return faults
 
 
-def build_all():
-    """Bytes of every generated notebook by path."""
-    solved = {lesson.solved: to_bytes(solved_notebook(lesson)) for lesson in all_lessons()}
+def build_all(origin=None):
+    """Bytes of every generated notebook by path; `origin` is pyproject.toml's unless given."""
+    origin = origin or read_origin()
+    solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin))
+              for lesson in all_lessons()}
     return {**solved, **_released(solved)}
 
 
-def solved_notebook(lesson):
+def solved_notebook(lesson, origin):
     """The instructor's notebook of a lesson, as nbformat's NotebookNode."""
     import jupytext
 
@@ -83,7 +90,7 @@ def solved_notebook(lesson):
     seen = {}
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
-            cell.source = _common_cell(tag, lesson)
+            cell.source = common_cell(tag, lesson, origin)
         if cell.cell_type == "markdown":
             _attach_pictures(cell, lesson.source.parent)
         cell.id = _stable_id(cell, seen)
@@ -121,10 +128,48 @@ def leaks(solved, released):
     return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
 
 
-def repository():
-    """Public address of the course, from pyproject.toml; empty while there is none."""
+@dataclass(frozen=True)
+class Origin:
+    """Where the public finds the course, and which version of it the notebooks belong to.
+
+    Attributes
+    ----------
+    repository : str
+        Address such as ``https://github.com/OWNER/NAME``; empty while there is none.
+    revision : str
+        Branch, tag or commit.
+
+    Raises
+    ------
+    ValueError
+        One of them is not what it should be.
+    """
+
+    repository: str
+    revision: str
+
+    def __post_init__(self):
+        if self.repository and not ADDRESS.fullmatch(self.repository):
+            raise ValueError(f"`repository` in pyproject.toml is {self.repository!r}. It should "
+                             'look like "https://github.com/OWNER/NAME", or be empty.')
+        if not REVISION.fullmatch(self.revision):
+            raise ValueError(f"`revision` in pyproject.toml is {self.revision!r}. It should be "
+                             "the name of a branch or tag, or a commit.")
+
+    @property
+    def owner_and_name(self):
+        """``OWNER/NAME``."""
+        return ADDRESS.fullmatch(self.repository)[1]
+
+
+def read_origin():
+    """The `Origin` that pyproject.toml names.
+
+    The git remote of whoever builds has no say: every clone builds the same bytes.
+    """
     settings = tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))
-    return settings["tool"]["lidar-obstacle-lab"]["repository"].rstrip("/")
+    chosen = settings["tool"]["lidar-obstacle-lab"]
+    return Origin(chosen["repository"].removesuffix("/").removesuffix(".git"), chosen["revision"])
 
 
 def _released(solved):
@@ -157,14 +202,28 @@ def _strays():
     return sorted(set(found) - known)
 
 
-def _common_cell(tag, lesson):
-    text = (PROJECT / "solutions" / COMMON_CELLS[tag]).read_text("utf-8").strip()
-    if tag != "badge":
-        return text
-    with_address, without = text.split("\n---\n")
-    address = repository()
-    chosen = with_address.replace("REPOSITORY", address) if address else without
-    return chosen.replace("NOTEBOOK", str(lesson.released.relative_to(PROJECT))).strip()
+def common_cell(tag, lesson, origin):
+    """Text of a cell that every lesson has.
+
+    Parameters
+    ----------
+    tag : str
+        One of `COMMON_CELLS`.
+    lesson : Lesson
+    origin : Origin
+
+    Returns
+    -------
+    str
+    """
+    text = (PROJECT / "solutions" / COMMON_CELLS[tag]).read_text("utf-8")
+    variants = re.split(r"\n(?:# )?---\n", text)
+    if not origin.repository:
+        return variants[-1].strip()
+    notebook = lesson.released.relative_to(PROJECT).as_posix()
+    return (variants[0].replace("ADDRESS", origin.repository)
+            .replace("OWNER_NAME", origin.owner_and_name)
+            .replace("REVISION", origin.revision).replace("NOTEBOOK", notebook).strip())
 
 
 def _attach_pictures(cell, folder):

@@ -10,7 +10,6 @@ from grader import build
 from grader.lessons import all_lessons, find_lesson, load_reference
 from grader.marks import checks_of
 from grader.nbgrader_settings import STUB
-from grader.paths import PROJECT
 
 
 @pytest.fixture(scope="module")
@@ -73,10 +72,6 @@ def test_every_picture_is_inside_and_has_a_description(built, lesson):
         text = source_of(cell)
         assert "](pictures/" not in text
         assert "![](" not in text
-
-
-def test_setup_is_short():
-    assert len((PROJECT / "solutions" / "setup_cell.py").read_text().splitlines()) <= 8
 
 
 def test_a_planted_leak_is_found(built):

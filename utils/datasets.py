@@ -112,9 +112,9 @@ def cache_folder() -> Path:
     """Where made and fetched data are kept: ``LIDAR_LAB_CACHE``, or the user's cache folder."""
     if folder := os.environ.get("LIDAR_LAB_CACHE"):
         return Path(folder).expanduser()
-    import pooch
+    import platformdirs  # every Jupyter brings it; pooch, which has the same, Colab may lack
 
-    return Path(pooch.os_cache("lidar-obstacle-lab"))
+    return Path(platformdirs.user_cache_dir("lidar-obstacle-lab"))
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,13 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
     DownloadError
         There is no connection, no such address, or the file is not the expected one.
     """
-    import pooch
+    try:
+        import pooch
+    except ImportError:
+        raise DownloadError(
+            "Recordings are fetched with the library pooch, which is missing. Install it: "
+            "pip install pooch."
+        ) from None
 
     logger = pooch.get_logger()  # writes to standard error, which graders take for a failure
     level = logger.level

@@ -15,6 +15,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 
+from utils import colab
+
 WITHOUT_SCREEN = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", "EGL_LOG_LEVEL": "fatal"}
 LAST_RESORT = "vtkOSOpenGLRenderWindow"
 OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
@@ -28,9 +30,15 @@ NO_OPENGL = (
 
 @lru_cache(maxsize=1)
 def obstacle() -> str:
-    """What keeps PyVista from drawing, as a sentence; empty when nothing does."""
+    """What keeps PyVista from drawing, as a sentence; empty when nothing does.
+
+    Colab has no PyVista; there, it is installed when the first scene is drawn.
+    """
     if importlib.util.find_spec("pyvista") is None:
-        return NOT_INSTALLED
+        if not colab.in_colab():
+            return NOT_INSTALLED
+        if problem := colab.install_pyvista():
+            return f"PyVista cannot be installed ({problem}), so matplotlib draws."
     try:
         with without_screen():
             from pyvista import Plotter  # noqa: F401

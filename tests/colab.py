@@ -1,0 +1,141 @@
+"""A stand-in for Google Colab: its versions in an environment of their own, and a web server.
+
+Colab's versions are those of August 2026. Only what a notebook can meet is installed.
+"""
+
+import contextlib
+import functools
+import hashlib
+import http.server
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import threading
+from pathlib import Path
+
+from grader.paths import PROJECT
+
+PINS = ("numpy==2.1.3", "scipy==1.16.3", "matplotlib==3.10.0", "scikit-learn==1.6.1",
+        "ipython==7.34.0", "ipykernel==6.17.1", "ipywidgets==7.7.1", "pytest==8.4.2")
+PYTHONS = ((3, 13), (3, 12))
+# Colab's kernel loads this package before the first cell; the course tells Colab by it.
+MARK = "import sys, types; sys.modules['google.colab'] = types.ModuleType('google.colab')"
+NEEDED = ("curl", "tar")  # the setup cell calls them; Colab has both
+
+
+def why_not():
+    """What keeps this machine from playing Colab, as a sentence; empty when nothing does."""
+    missing = [name for name in NEEDED if not shutil.which(name)]
+    if sys.platform != "linux" or missing:
+        return f"Colab is a Linux with {' and '.join(NEEDED)}"
+    if not find_python():
+        return "Colab has Python 3.12 or 3.13, and none is found here"
+    return ""
+
+
+@functools.cache
+def find_python():
+    """Path of a Python of Colab's version, or None: this one, one on PATH, one of pyenv's."""
+    if sys.version_info[:2] in PYTHONS:
+        return sys.executable
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    for major, minor in PYTHONS:
+        candidates = [shutil.which(f"python{major}.{minor}"),
+                      *sorted(pyenv.glob(f"{major}.{minor}.*/bin/python"))]
+        for path in filter(None, candidates):
+            program = "import ensurepip, sys, venv; print(*sys.version_info[:2])"
+            done = subprocess.run([path, "-c", program], capture_output=True, text=True)
+            if done.stdout.split() == [str(major), str(minor)]:  # one of pyenv's shims may be dead
+                return str(path)
+    return None
+
+
+def environment(cache):
+    """Make the environment in the folder `cache`, once for all the tests and runs.
+
+    Returns
+    -------
+    pathlib.Path
+        Its folder.
+    """
+    import fcntl
+
+    version = subprocess.run([find_python(), "-VV"], capture_output=True, text=True).stdout
+    key = hashlib.sha256(repr((PINS, MARK, version)).encode()).hexdigest()[:12]
+    folder = Path(cache) / key
+    with open(Path(cache) / f"{key}.lock", "w") as lock:  # pytest-xdist runs several of us
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "complete").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            subprocess.run([find_python(), "-m", "venv", folder], check=True)
+            subprocess.run([folder / "bin" / "python", "-m", "pip", "install", "--quiet",
+                            "--disable-pip-version-check", *PINS], check=True)
+            site = next(folder.glob("lib/python3.*/site-packages"))
+            (site / "colab.pth").write_text(MARK + "\n")
+            _describe_kernel(folder)
+            (folder / "complete").touch()
+    return folder
+
+
+def _describe_kernel(folder):
+    """Make the environment known to Jupyter as the kernel "colab", for JUPYTER_PATH=`folder`."""
+    argv = [str(folder / "bin" / "python"), "-Xfrozen_modules=off", "-m", "ipykernel_launcher",
+            "-f", "{connection_file}"]
+    (folder / "kernels" / "colab").mkdir(parents=True)
+    (folder / "kernels" / "colab" / "kernel.json").write_text(json.dumps(
+        {"argv": argv, "display_name": "Colab", "language": "python"}))
+
+
+def archive_of(files, top="lab-main"):
+    """A .tar.gz as GitHub makes them, with everything in one folder.
+
+    Parameters
+    ----------
+    files : dict of str to bytes
+        Content by path.
+    top : str
+        That folder.
+    """
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:gz", compresslevel=1) as archive:
+        for path, content in files.items():
+            entry = tarfile.TarInfo(f"{top}/{path}")
+            entry.size = len(content)
+            archive.addfile(entry, io.BytesIO(content))
+    return buffer.getvalue()
+
+
+def course_files():
+    """Content by path of what is in the repository, less what takes long to pack."""
+    return {path.relative_to(PROJECT).as_posix(): path.read_bytes()
+            for folder in ("data", "solutions", "utils") for path in (PROJECT / folder).rglob("*")
+            if path.is_file() and path.suffix in (".py", ".md", ".html", ".txt", ".npz")}
+
+
+@contextlib.contextmanager
+def served(pages):
+    """Serve `pages`, bytes by path, on this machine; yields the address and what was asked for."""
+    asked = []
+
+    class Handler(http.server.BaseHTTPRequestHandler):
+        def do_GET(self):
+            asked.append(self.path)
+            content = pages.get(self.path)
+            self.send_response(404 if content is None else 200)
+            self.end_headers()
+            self.wfile.write(content or b"")
+
+        def log_message(self, *message):
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}", asked
+    finally:
+        server.shutdown()
+        server.server_close()

@@ -1,0 +1,271 @@
+"""In Colab a notebook runs alone, with Colab's own versions."""
+
+import io
+import json
+import re
+import subprocess
+import sys
+import tarfile
+
+import nbclient
+import nbformat
+import pytest
+
+from grader import build
+from grader.lessons import all_lessons
+from grader.paths import PROJECT
+from tests.colab import (
+    MARK,
+    archive_of,
+    course_files,
+    environment,
+    served,
+    why_not,
+)
+from utils import colab
+from utils.scene3d import opengl
+
+REPOSITORY, REVISION = "owner/lab", "v1.2"
+ARCHIVE = f"/{REPOSITORY}/archive/{REVISION}.tar.gz"
+# The smallest course that the setup cell can look over.
+COURSE = {"README.md": b"", "utils/__init__.py": b"def health(): return 'Ready: a course.'",
+          "utils/checks/__init__.py": b"", "data/cloud.txt": b"1 2 3\n", "solutions/x.py": b""}
+LONGEST_CELL = 120  # seconds
+
+only_like_colab = pytest.mark.skipif(bool(why_not()), reason=why_not())
+
+
+def setup_cell(address):
+    """The setup cell of a course that is published at `address`."""
+    origin = build.Origin(address and f"{address}/{REPOSITORY}", REVISION)
+    return build.common_cell("setup", all_lessons()[0], origin)
+
+
+def run_setup(folder, address, in_colab=True):
+    """Run the setup cell in `folder`; what it printed, and the last line of what went wrong."""
+    program = f"{MARK if in_colab else ''}\n{setup_cell(address)}"
+    done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True,
+                          text=True)
+    assert done.stderr.count("\n") <= 6  # a sentence, not a page
+    return done.stdout.strip(), (done.stderr.strip().splitlines() or [""])[-1]
+
+
+def names_in(folder):
+    return sorted(path.name for path in folder.iterdir() if not path.name.startswith("."))
+
+
+@only_like_colab
+def test_setup_fetches_the_matching_version_once(tmp_path):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+        assert run_setup(tmp_path, address) == ("Ready: a course.", "")
+        assert run_setup(tmp_path, address) == ("Ready: a course.", "")
+    assert asked == [ARCHIVE]
+    assert names_in(tmp_path) == ["data", "utils"]
+    assert run_setup(tmp_path, address) == ("Ready: a course.", "")  # now without a connection
+
+
+@only_like_colab
+def test_setup_says_what_to_do_without_a_connection(tmp_path):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+        pass
+    printed, problem = run_setup(tmp_path, address)
+    assert printed == "" and "Check the connection and run this cell again" in problem
+    assert names_in(tmp_path) == []
+
+
+@only_like_colab
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_setup_leaves_nothing_half_done(tmp_path, share):
+    pages = {ARCHIVE: archive_of(COURSE)}
+    whole = pages[ARCHIVE]
+    with served(pages) as (address, asked):
+        pages[ARCHIVE] = whole[:int(share * len(whole))]
+        assert "run this cell again" in run_setup(tmp_path, address)[1]
+        assert names_in(tmp_path) == []
+        pages[ARCHIVE] = whole
+        assert run_setup(tmp_path, address) == ("Ready: a course.", "")
+
+
+@only_like_colab
+@pytest.mark.parametrize("path", ["utils/../../../evil.txt", "/../../evil.txt"])
+def test_setup_writes_nowhere_else(tmp_path, path):
+    folder = tmp_path / "a" / "b"
+    folder.mkdir(parents=True)
+    with served({ARCHIVE: archive_of(COURSE | {path: b""})}) as (address, asked):
+        run_setup(folder, address)
+    assert not list(tmp_path.rglob("evil.txt"))
+
+
+@only_like_colab
+def test_setup_follows_no_link_out_of_the_folder(tmp_path):
+    folder, outside = tmp_path / "content", tmp_path / "outside"
+    folder.mkdir()
+    outside.mkdir()
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:gz") as archive:
+        link = tarfile.TarInfo("lab/utils/link")
+        link.type, link.linkname = tarfile.SYMTYPE, str(outside)
+        archive.addfile(link)
+        archive.addfile(tarfile.TarInfo("lab/utils/link/evil.txt"))
+    with served({ARCHIVE: buffer.getvalue()}) as (address, asked):
+        run_setup(folder, address)
+    assert names_in(outside) == []
+
+
+@pytest.mark.parametrize("in_colab", [True, False])
+@pytest.mark.parametrize("published", [True, False])
+def test_setup_finds_the_course_in_a_folder_above(tmp_path, in_colab, published):
+    for path, content in COURSE.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    folder = tmp_path / "notebooks" / "stage"
+    folder.mkdir(parents=True)
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+        found = run_setup(folder, address if published else "", in_colab)
+    assert found == ("Ready: a course.", "") and asked == [] and names_in(folder) == []
+
+
+@pytest.mark.parametrize(("published", "in_colab"), [(False, True), (False, False), (True, False)])
+def test_setup_fetches_nothing_elsewhere_or_without_an_address(tmp_path, published, in_colab):
+    with served({ARCHIVE: archive_of(COURSE)}) as (address, asked):
+        printed, problem = run_setup(tmp_path, address if published else "", in_colab)
+    assert printed == "" and "unzip the whole course" in problem
+    assert asked == [] and list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("address", ["", "https://github.com"])
+def test_setup_is_short(address):
+    assert len(setup_cell(address).splitlines()) <= 8
+
+
+def test_badges_open_this_notebook_at_this_revision():
+    lesson = all_lessons()[0]
+    text = build.common_cell("badge", lesson, build.Origin("https://github.com/owner/lab", "v1.2"))
+    path = f"notebooks/{lesson.stage}/{lesson.name}.ipynb"
+    assert re.findall(r"\]\((https://(?:colab|mybinder)[^)]*)\)(?!\])", text) == [
+        f"https://colab.research.google.com/github/owner/lab/blob/v1.2/{path}",
+        f"https://mybinder.org/v2/gh/owner/lab/v1.2?urlpath=lab/tree/{path}"]
+    without = build.common_cell("badge", lesson, build.Origin("", "v1.2"))
+    assert "http" not in without and "Colab" in without
+
+
+@pytest.mark.parametrize(("repository", "revision"), [
+    ("github.com/owner/lab", "main"), ("https://github.com/owner", "main"),
+    ("https://github.com/owner/lab; rm -r x", "main"), ("https://github.com/owner/lab", ""),
+    ("https://github.com/owner/lab", "main; rm -r x")])
+def test_a_wrong_setting_is_named(repository, revision):
+    with pytest.raises(ValueError, match="pyproject.toml"):
+        build.Origin(repository, revision)
+
+
+def test_binder_and_vs_code_have_what_they_need():
+    requirements = PROJECT / ".binder" / "requirements.txt"
+    included = requirements.read_text().split()[-1]
+    assert (requirements.parent / included).resolve() == PROJECT / "requirements.txt"
+    runtime = (PROJECT / ".binder" / "runtime.txt").read_text().strip()
+    assert runtime in ("python-3.11", "python-3.12", "python-3.13")
+    extensions = json.loads((PROJECT / ".vscode" / "extensions.json").read_text())
+    assert {"ms-python.python", "ms-toolsai.jupyter"} <= set(extensions["recommendations"])
+    assert json.loads((PROJECT / ".vscode" / "settings.json").read_text())
+
+
+def test_colab_gets_the_pyvista_of_the_requirements():
+    pins = re.findall(r"^(\w+==\S+)", (PROJECT / "requirements.txt").read_text(), re.M)
+    assert set(colab.PYVISTA) <= set(pins)
+
+
+def test_matplotlib_draws_in_colab_when_pyvista_cannot_be_installed(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "google.colab", None)
+    monkeypatch.setattr(opengl.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(colab, "PYVISTA", ("pyvista==0.0.0",))
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    problem = opengl.obstacle.__wrapped__()
+    assert problem.startswith("PyVista cannot be installed (ERROR: ")
+    assert problem.endswith("), so matplotlib draws.")
+    assert "half a minute" in capsys.readouterr().out
+
+
+@pytest.fixture(scope="session")
+def place(pytestconfig):
+    """Folder of an environment with Colab's versions."""
+    return environment(pytestconfig.cache.mkdir("colab"))
+
+
+@pytest.fixture
+def colab_kernel(place, monkeypatch):
+    """Let Jupyter know the kernel "colab"."""
+    monkeypatch.setenv("JUPYTER_PATH", str(place))
+
+
+@pytest.fixture(scope="session")
+def course():
+    """The course as it is published: the notebooks, by path, and whence they fetch the rest."""
+    with served({ARCHIVE: archive_of(course_files())}) as (address, asked):
+        yield build.build_all(build.Origin(f"{address}/{REPOSITORY}", REVISION))
+
+
+def run_alone(text, folder):
+    """Execute a notebook in an empty folder of Colab, up to its first error."""
+    notebook = nbformat.reads(text.decode(), as_version=4)
+    client = nbclient.NotebookClient(notebook, timeout=LONGEST_CELL, kernel_name="colab",
+                                     resources={"metadata": {"path": str(folder)}})
+    # While nbclient answers widgets it may sleep through the kernel's reply to a cell
+    # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
+    client.comm_open_handlers.clear()
+    try:
+        client.execute()
+    except nbclient.exceptions.CellExecutionError:
+        assert errors_of(notebook)
+    assert names_in(folder) == ["data", "utils"]
+    return notebook
+
+
+def outputs_of(notebook):
+    return [output for cell in notebook.cells for output in cell.get("outputs", ())]
+
+
+def errors_of(notebook):
+    return [f"{output.ename}: {output.evalue}" for output in outputs_of(notebook)
+            if output.output_type == "error"]
+
+
+def written(notebook, stream):
+    return "".join(output.text for output in outputs_of(notebook) if output.get("name") == stream)
+
+
+@only_like_colab
+@pytest.mark.slow
+def test_solved_notebook_runs_in_colab(lesson, course, colab_kernel, tmp_path):
+    notebook = run_alone(course[lesson.solved], tmp_path)
+    assert errors_of(notebook) == []
+    assert written(notebook, "stderr") == ""
+    assert "NumPy 2.1.3" in written(notebook, "stdout")
+
+
+@only_like_colab
+@pytest.mark.slow
+def test_student_notebook_runs_in_colab_to_its_first_stub(lesson, course, colab_kernel, tmp_path):
+    notebook = run_alone(course[lesson.released], tmp_path)
+    assert [error.split(":")[0] for error in errors_of(notebook)] == ["NotImplementedError"]
+    assert written(notebook, "stderr") == ""
+    assert "Ready:" in written(notebook, "stdout")
+
+
+@only_like_colab
+@pytest.mark.slow
+def test_pyvista_changes_nothing_that_colab_has(place, tmp_path):
+    def in_colab(program):
+        return subprocess.run([place / "bin" / "python", "-c", program], cwd=PROJECT,
+                              capture_output=True, text=True, check=True).stdout
+
+    command = json.loads(in_colab(
+        "import json; from pathlib import Path; from utils import colab;"
+        f"print(json.dumps(colab.pip_install(Path({str(tmp_path)!r}))))"))
+    report = subprocess.run([*command, "--dry-run", "--report", "-"], capture_output=True,
+                            text=True, check=True).stdout
+    new = {entry["metadata"]["name"].lower() for entry in json.loads(report)["install"]}
+    there = set(in_colab("from importlib import metadata;"
+                         "print(*(found.name.lower() for found in metadata.distributions()))"
+                         ).split())
+    assert {"pyvista", "vtk"} <= new and {"numpy", "ipython"} <= there
+    assert not new & there
