@@ -27,8 +27,9 @@ help:
 	@$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
 	@touch $@
 
+# PYTHONPATH is for authors: a lesson's .py has no setup cell before it is built.
 lab: .venv/ready
-	$(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.default_url=/lab/tree/notebooks $(AS_ROOT)
+	PYTHONPATH="$(CURDIR)" $(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.default_url=/lab/tree/notebooks $(AS_ROOT)
 
 demo: .venv/ready
 	$(BIN)/python -m grader demo
@@ -37,7 +38,7 @@ grade: .venv/ready
 	$(BIN)/python -m grader grade
 
 test: .venv/ready
-	$(BIN)/python -m pytest -n auto -m "slow or not slow"
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
 
 bench: .venv/ready
 	@for file in tests/benchmarks/bench_*.py; do echo "== $$file"; PYTHONPATH=. $(BIN)/python $$file || exit 1; done

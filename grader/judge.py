@@ -71,7 +71,7 @@ def judge(path, seed, tier, lesson=None, student="", limits=None):
                 f"{path.name}: cannot tell which lesson this is. Give the file the name it was "
                 "released under, such as 06_filter_ground.ipynb.")
         with Student(notebook.cells, lesson.names, tier, limits, lesson.forbidden) as proxy:
-            results = _run_tests(lesson, proxy, seed)
+            results = run_tests(lesson, proxy, seed)
             problems = proxy.problems
     exercises = tuple(_score(exercise, results) for exercise in lesson.exercises
                       if not exercise.by_hand)
@@ -134,8 +134,21 @@ class _Collector:
         return report
 
 
-def _run_tests(lesson, proxy, seed):
-    """(name, mark, error or None) of each test."""
+def run_tests(lesson, proxy, seed):
+    """Run the tests of a lesson.
+
+    Parameters
+    ----------
+    lesson : grader.lessons.Lesson
+    proxy : grader.student.Student
+    seed : int
+        The course's secret.
+
+    Returns
+    -------
+    list of (str, dict, Exception or None)
+        Name, mark and fault of each test.
+    """
     collector = _Collector(proxy, seed)
     plugins = os.environ.get("PYTEST_DISABLE_PLUGIN_AUTOLOAD")
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"

@@ -152,6 +152,9 @@ class TestNpz:
         assert "shape (3,)" in message_of(decode_npz, self.archive(value=np.zeros(3)))
         assert "(2, 5)" in message_of(decode_npz, self.archive(value=np.zeros((2, 5))))
         assert "intact .npz" in message_of(decode_npz, b"1 2 3\n")
+        of_the_future = bytearray(self.archive(value=np.zeros((1, 3))))
+        of_the_future[of_the_future.index(b"PK\1\2") + 6] = 255  # the version it asks for
+        assert "intact .npz" in message_of(decode_npz, bytes(of_the_future))
         assert "damaged" in message_of(decode_npz, self.archive(raw=b"no array"))
 
     def test_a_pickle_is_never_loaded(self):

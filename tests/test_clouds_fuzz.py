@@ -115,7 +115,7 @@ def test_files_of_any_content(reader):
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
 def test_many_files_of_any_content(reader):
-    @settings(max_examples=3_000, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=1_000, deadline=None, suppress_health_check=list(HealthCheck))
     @given(damaged(READERS[reader][1]))
     def property_holds(data):
         check_bytes(reader, data)
@@ -233,4 +233,4 @@ def test_recordings_of_any_content(tmp_path, kind):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
 def test_many_recordings_of_any_content(tmp_path, kind):
-    fuzz_recordings(tmp_path, kind, examples=600)
+    fuzz_recordings(tmp_path, kind, examples=200)

@@ -193,8 +193,12 @@ def place(pytestconfig):
 
 @pytest.fixture
 def colab_kernel(place, monkeypatch):
-    """Let Jupyter know the kernel "colab"."""
+    """Let Jupyter know the kernel "colab", in which PyVista cannot be installed.
+
+    The environment is shared, and a notebook has to run without PyVista, too.
+    """
     monkeypatch.setenv("JUPYTER_PATH", str(place))
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
 
 
 @pytest.fixture(scope="session")

@@ -1,8 +1,12 @@
 """Every notebook runs: the solved one to its end, the student's to its first stub."""
 
+import contextlib
+
 import nbclient
 import nbformat
 import pytest
+
+from tests.colab import why_not
 
 pytestmark = pytest.mark.slow
 
@@ -10,14 +14,15 @@ LONGEST_RUN = 120  # seconds; the aim is 30, on a machine with nothing else to d
 
 
 def run(path, folder):
-    """Execute a notebook as if it lay in `folder`, errors and all."""
+    """Execute a notebook as if it lay in `folder`, up to its first error."""
     notebook = nbformat.read(path, as_version=4)
-    client = nbclient.NotebookClient(notebook, timeout=LONGEST_RUN, allow_errors=True, resources={
+    client = nbclient.NotebookClient(notebook, timeout=LONGEST_RUN, resources={
         "metadata": {"path": str(folder)}})
     # While nbclient answers widgets it may sleep through the kernel's reply to a cell
     # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
     client.comm_open_handlers.clear()
-    client.execute()
+    with contextlib.suppress(nbclient.exceptions.CellExecutionError):
+        client.execute()
     return notebook
 
 
@@ -40,6 +45,7 @@ def test_solved_notebook_runs_to_its_end(lesson):
     assert all(len(picture.data["image/png"]) < 400_000 for picture in pictures)
 
 
+@pytest.mark.skipif(not why_not(), reason="test_colab.py runs them, with Colab's versions")
 def test_student_notebook_runs_to_its_first_stub(lesson):
     notebook = run(lesson.released, lesson.released.parent)
     stub = next(number for number, cell in enumerate(notebook.cells)

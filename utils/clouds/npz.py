@@ -32,15 +32,17 @@ def decode_npz(data: bytes, name: str = "cloud.npz") -> np.ndarray:
         No archive, no such array, no numbers, another shape, or damaged data.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            return _read_member(archive, name)
-    except zipfile.BadZipFile as error:
+        archive = zipfile.ZipFile(io.BytesIO(data))
+    # Damage can also look like an archive of the future, or like a name in no alphabet.
+    except (zipfile.BadZipFile, NotImplementedError, ValueError) as error:
         raise file_error(
             name,
             "",
             f"this is not an intact .npz archive ({excerpt(error, 80)})",
             "Was the file copied completely?",
         ) from None
+    with archive:
+        return _read_member(archive, name)
 
 
 def encode_npz(cloud: np.ndarray) -> bytes:
