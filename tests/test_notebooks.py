@@ -8,7 +8,8 @@ import pytest
 
 from tests.colab import why_not
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(
+    not why_not(), reason="test_colab.py runs them all, with Colab's versions")]
 
 LONGEST_RUN = 120  # seconds; the aim is 30, on a machine with nothing else to do
 
@@ -45,7 +46,6 @@ def test_solved_notebook_runs_to_its_end(lesson):
     assert all(len(picture.data["image/png"]) < 400_000 for picture in pictures)
 
 
-@pytest.mark.skipif(not why_not(), reason="test_colab.py runs them, with Colab's versions")
 def test_student_notebook_runs_to_its_first_stub(lesson):
     notebook = run(lesson.released, lesson.released.parent)
     stub = next(number for number, cell in enumerate(notebook.cells)
