@@ -35,7 +35,7 @@ def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
     assert pictures.shape == (3, 90, 160, 3)  # even, as players want it
     assert not np.array_equal(pictures[0], pictures[2])
     assert film.frames == 3 and film.boxes == (1, 1, 1) and len(film.seconds) == 3
-    assert "1 boxes per frame; detection took" in film.recap
+    assert "1 box per frame; detection took" in film.recap
     assert list(tmp_path.iterdir()) == [path]
 
 

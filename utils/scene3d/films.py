@@ -50,8 +50,8 @@ class Film:
             low, high = min(self.boxes), max(self.boxes)
             number = f"{low}" if low == high else f"{low} to {high}"
             middle, slowest = 1000 * statistics.median(self.seconds), 1000 * max(self.seconds)
-            words.append(f"{number} boxes per frame; detection took {middle:.0f} ms "
-                         f"(median), at most {slowest:.0f} ms.")
+            words.append(f"{number} box{'' if high == 1 else 'es'} per frame; "
+                         f"detection took {middle:.0f} ms (median), at most {slowest:.0f} ms.")
         if self.problems:
             words.append(f"The detector failed in {len(self.problems)} of them; "
                          f"first: {self.problems[0]}.")
