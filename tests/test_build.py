@@ -5,11 +5,15 @@ import json
 import jupytext
 import nbformat
 import pytest
+from nbgrader.apps.api import NbGraderAPI
+from nbgrader.coursedir import CourseDirectory
+from traitlets.config import Config
 
 from grader import build
-from grader.lessons import all_lessons, find_lesson, load_reference
+from grader.lessons import all_lessons, find_lesson, load_reference, stages
 from grader.marks import checks_of
-from grader.nbgrader_settings import STUB
+from grader.nbgrader_settings import STUB, configure
+from grader.paths import PROJECT
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +105,9 @@ def test_jupytext_reads_and_writes_a_source_unchanged(lesson):
     notebook = jupytext.reads(text, fmt="py:percent")
     again = jupytext.reads(jupytext.writes(notebook, fmt="py:percent"), fmt="py:percent")
     assert [cell.source for cell in again.cells] == [cell.source for cell in notebook.cells]
+
+
+def test_nbgrader_sees_the_stages_and_nothing_else():
+    config = configure(Config(), PROJECT)
+    api = NbGraderAPI(CourseDirectory(config=config), config=config)
+    assert api.get_source_assignments() == set(stages())
