@@ -38,7 +38,7 @@ grade: .venv/ready
 	$(BIN)/python -m grader grade
 
 test: .venv/ready
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "slow or not slow"
+	$(BIN)/python -m pytest -m "slow or not slow"
 
 bench: .venv/ready
 	@for file in tests/benchmarks/bench_*.py; do echo "== $$file"; PYTHONPATH=. $(BIN)/python $$file || exit 1; done
