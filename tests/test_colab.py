@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tarfile
 
-import nbclient
 import nbformat
 import pytest
 
@@ -22,6 +21,7 @@ from tests.colab import (
     served,
     why_not,
 )
+from tests.running import assert_stopped_at_a_stub, errors_of, run, written
 from utils import colab
 from utils.scene3d import opengl
 
@@ -30,7 +30,6 @@ ARCHIVE = f"/{REPOSITORY}/archive/{REVISION}.tar.gz"
 # The smallest course that the setup cell can look over.
 COURSE = {"README.md": b"", "utils/__init__.py": b"def health(): return 'Ready: a course.'",
           "utils/checks/__init__.py": b"", "data/cloud.txt": b"1 2 3\n", "solutions/x.py": b""}
-LONGEST_CELL = 120  # seconds
 
 only_like_colab = pytest.mark.skipif(bool(why_not()), reason=why_not())
 
@@ -210,31 +209,9 @@ def course():
 
 def run_alone(text, folder):
     """Execute a notebook in an empty folder of Colab, up to its first error."""
-    notebook = nbformat.reads(text.decode(), as_version=4)
-    client = nbclient.NotebookClient(notebook, timeout=LONGEST_CELL, kernel_name="colab",
-                                     resources={"metadata": {"path": str(folder)}})
-    # While nbclient answers widgets it may sleep through the kernel's reply to a cell
-    # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
-    client.comm_open_handlers.clear()
-    try:
-        client.execute()
-    except nbclient.exceptions.CellExecutionError:
-        assert errors_of(notebook)
+    notebook = run(nbformat.reads(text.decode(), as_version=4), folder, kernel_name="colab")
     assert names_in(folder) == ["data", "utils"]
     return notebook
-
-
-def outputs_of(notebook):
-    return [output for cell in notebook.cells for output in cell.get("outputs", ())]
-
-
-def errors_of(notebook):
-    return [f"{output.ename}: {output.evalue}" for output in outputs_of(notebook)
-            if output.output_type == "error"]
-
-
-def written(notebook, stream):
-    return "".join(output.text for output in outputs_of(notebook) if output.get("name") == stream)
 
 
 @only_like_colab
@@ -250,7 +227,7 @@ def test_solved_notebook_runs_in_colab(lesson, course, colab_kernel, tmp_path):
 @pytest.mark.slow
 def test_student_notebook_runs_in_colab_to_its_first_stub(lesson, course, colab_kernel, tmp_path):
     notebook = run_alone(course[lesson.released], tmp_path)
-    assert [error.split(":")[0] for error in errors_of(notebook)] == ["NotImplementedError"]
+    assert_stopped_at_a_stub(notebook)
     assert written(notebook, "stderr") == ""
     assert "Ready:" in written(notebook, "stdout")
 

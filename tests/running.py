@@ -1,0 +1,60 @@
+"""Run notebooks and read what came of it."""
+
+import contextlib
+
+import nbclient
+
+LONGEST_CELL = 120  # seconds; a whole notebook should take 30
+
+
+def run(notebook, folder, **settings):
+    """Execute a notebook as if it lay in `folder`, up to its first error.
+
+    Parameters
+    ----------
+    notebook : nbformat.NotebookNode
+        Gets the outputs.
+    folder : pathlib.Path
+    **settings : dict
+        For nbclient, such as `kernel_name`.
+
+    Returns
+    -------
+    nbformat.NotebookNode
+        The same.
+    """
+    client = nbclient.NotebookClient(notebook, timeout=LONGEST_CELL, resources={
+        "metadata": {"path": str(folder)}}, **settings)
+    # While nbclient answers widgets it may sleep through the kernel's reply to a cell
+    # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
+    client.comm_open_handlers.clear()
+    with contextlib.suppress(nbclient.exceptions.CellExecutionError):
+        client.execute()
+    return notebook
+
+
+def outputs_of(notebook):
+    """(cell number, output) of everything that the cells gave."""
+    return [(number, output) for number, cell in enumerate(notebook.cells)
+            for output in cell.get("outputs", ())]
+
+
+def errors_of(notebook):
+    """(cell number, "name of the exception: its message") of the cell that failed, if any."""
+    return [(number, f"{output.ename}: {output.evalue}") for number, output
+            in outputs_of(notebook) if output.output_type == "error"]
+
+
+def written(notebook, stream):
+    """All that was written to "stdout" or "stderr"."""
+    return "".join(output.text for _, output in outputs_of(notebook)
+                   if output.get("name") == stream)
+
+
+def assert_stopped_at_a_stub(notebook):
+    """Defining a stub is no error; calling it is. What comes before runs clean."""
+    stub = next(number for number, cell in enumerate(notebook.cells)
+                if cell.metadata.get("nbgrader", {}).get("solution"))
+    (number, error), = errors_of(notebook)
+    assert number > stub
+    assert error.startswith("NotImplementedError")
