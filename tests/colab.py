@@ -17,7 +17,7 @@ import tarfile
 import threading
 from pathlib import Path
 
-from grader.paths import PROJECT
+from grader.course.paths import PROJECT
 
 PINS = ("numpy==2.1.3", "scipy==1.16.3", "matplotlib==3.10.0", "ipython==7.34.0",
         "ipykernel==6.17.1", "ipywidgets==7.7.1")

@@ -5,17 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from grader.lessons import all_lessons
-from grader.sandbox import SandboxUnavailable, choose_tier
+from grader.course.lessons import all_lessons
+from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 
 
 @pytest.fixture(scope="session")
-def tier():
+def sandbox():
     """The sandbox to run code with: bubblewrap, or a plain process for the tests' own code."""
     try:
-        return choose_tier()
+        return choose_sandbox()
     except SandboxUnavailable:
-        return "process"
+        return SANDBOXES["process"]
 
 
 @pytest.fixture(scope="session")

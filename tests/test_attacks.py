@@ -16,17 +16,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader import sandbox
-from grader.inside import syscalls
-from grader.judge import judge
-from grader.lessons import all_lessons
-from grader.notebook import UnreadableNotebook, read_notebook
-from grader.sandbox import Limits, SandboxUnavailable, choose_tier
-from grader.student import Student, StudentError, StudentStopped
-from grader.variants import fill_in
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT
+from grader.course.variants import fill_in
+from grader.intake.notebook import UnreadableNotebook, read_notebook
+from grader.judging.judge import judge
+from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, bubblewrap
+from grader.sandbox.boundary import SHOWN
+from grader.sandbox.inside import syscalls
+from grader.sandbox.student import Student, StudentError, StudentStopped
 
+WALLS = SANDBOXES["bubblewrap"]
 try:
-    choose_tier("bubblewrap")
+    WALLS.available()
 except SandboxUnavailable as reason:
     pytestmark = pytest.mark.skip(reason=f"no sandbox to attack: {reason}")
 
@@ -39,7 +41,7 @@ EXERCISES = ("filter_ground", "voxel_grid")
 
 def attack(source, forbidden=(), **limits):
     """A student whose notebook is one cell that defines `f`."""
-    return Student([source], ("f",), "bubblewrap", Limits(**{**SHORT, **limits}), forbidden)
+    return Student([source], ("f",), WALLS, Limits(**{**SHORT, **limits}), forbidden)
 
 
 def outcome_of(source, *arguments, **limits):
@@ -60,7 +62,7 @@ def hand_in(filtering, tmp_path):
     def hand_in(answers=None, text=None, **limits):
         path = tmp_path / f"{filtering.name}.ipynb"
         path.write_text(fill_in(filtering, answers) if text is None else text, "utf-8")
-        return judge(path, SEED, "bubblewrap", filtering, "mallory", Limits(**{**SHORT, **limits}))
+        return judge(path, SEED, WALLS, filtering, "mallory", Limits(**{**SHORT, **limits}))
     return hand_in
 
 
@@ -79,14 +81,17 @@ def f(paths):
 
 
 def test_sees_no_test_no_solution_no_secret_and_no_other_student():
-    seen = outcome_of(SPY, [str(sandbox.PROJECT), "/home", "/srv", "/mnt", "/var", "/etc"],
+    seen = outcome_of(SPY, [str(PROJECT), "/home", "/srv", "/mnt", "/var", "/etc"],
                       call_seconds=8.0)
-    project = [Path(path).relative_to(sandbox.PROJECT) for path in seen
-               if Path(path).is_relative_to(sandbox.PROJECT)]
+    project = [Path(path).relative_to(PROJECT) for path in seen
+               if Path(path).is_relative_to(PROJECT)]
     ours = {path for path in project if path.parts[0] != ".venv"}
     assert ours, "the students' own library is there"
-    assert {path.parts[0] for path in ours} <= {"utils", "data", "grader"}
-    assert {path.parts[1] for path in ours if path.parts[0] == "grader"} == {"inside"}
+    shown = [path.relative_to(PROJECT) for path in SHOWN]
+    assert all(any(path.is_relative_to(folder) for folder in shown) for path in ours)
+    assert {path.parts[0] for path in shown} == {"utils", "data", "grader"}
+    assert {path.parts[:3] for path in ours if path.parts[0] == "grader"} == {
+        ("grader", "sandbox", "inside")}
     assert {path.suffix for path in ours if path.parts[0] == "data"} <= {".txt"}
     assert not [path for path in seen if path.startswith(("/home", "/srv", "/mnt", "/var"))]
 
@@ -182,9 +187,9 @@ def f(paths):
     return written
 """
     everywhere = ["/", "/usr", "/usr/bin", "/etc", "/dev", "/proc", "/proc/sys/kernel", "/tmp",
-                  "/dev/shm", sys.prefix, str(sandbox.PROJECT), str(sandbox.PROJECT / "utils")]
+                  "/dev/shm", sys.prefix, str(PROJECT), str(PROJECT / "utils")]
     assert outcome_of(source, everywhere) == ["/tmp", "/dev/shm"]
-    assert not (sandbox.PROJECT / "utils" / "x").exists()
+    assert not (PROJECT / "utils" / "x").exists()
 
 
 FILL = """
@@ -346,12 +351,12 @@ def f():
 
 def test_the_walls_for_an_ordinary_user_hold_too(monkeypatch):
     """Graders need not be root; as root we can still try the walls they get."""
-    monkeypatch.setattr(sandbox, "_is_root", lambda: False)
+    monkeypatch.setattr(bubblewrap, "_is_root", lambda: False)
     someone = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
     script = ("cd /tmp && echo x > y && cat y; grep CapEff /proc/self/status; "
               "unshare --user true && echo gained; echo x > /usr/x && echo gained; "
               "ls /proc | grep -c '^[0-9]'; ls -A / /root /home; true")
-    ran = subprocess.run([*sandbox._walls(Limits()), "--remount-ro", "/", "--",
+    ran = subprocess.run([*bubblewrap._walls(Limits()), "--remount-ro", "/", "--",
                           "/bin/sh", "-c", script],
                          capture_output=True, text=True, cwd="/", **someone)
     if ran.stderr.startswith("bwrap:") and "ermi" in ran.stderr:
@@ -434,7 +439,7 @@ while True: os.write(write, b" ")
 
 def test_the_judge_never_waits_in_a_read_or_a_write():
     """Data that `poll` has seen may be gone: whoever wrote them can read them first."""
-    worker = sandbox.start_worker("bubblewrap", Limits())
+    worker = WALLS.start(Limits())
     try:
         assert not os.get_blocking(worker.read_end) and not os.get_blocking(worker.write_end)
     finally:
@@ -548,7 +553,7 @@ def test_any_failure_is_one_short_printable_line(body, sentence):
 def test_problems_are_few_and_printable():
     cells = [f"x{n} = f = 1 / 0 # \x1b[2J" for n in range(300)] + ["def f(): return 1"]
     cells += [f"f.y = \x1b{n}" for n in range(50)]
-    with Student(cells, ("f",), "bubblewrap", Limits(**SHORT)) as student:
+    with Student(cells, ("f",), WALLS, Limits(**SHORT)) as student:
         student.f()
     assert 20 <= len(student.problems) <= 40
     assert all(sentence.isprintable() for sentence in student.problems)
@@ -674,7 +679,7 @@ def test_endless_files_are_not_read_to_their_end(tmp_path):
     pytest.param("x = !ls\n" * 501, marks=pytest.mark.slow, id="501 shell commands"),
 ])
 def test_a_cell_that_breaks_parsers_costs_only_itself(cell):
-    with Student([cell, "def f(): return 1"], ("f",), "bubblewrap", Limits(**SHORT)) as student:
+    with Student([cell, "def f(): return 1"], ("f",), WALLS, Limits(**SHORT)) as student:
         assert student.f() == 1
 
 
@@ -732,10 +737,10 @@ INJECTION = ("</td><script>alert(1)</script>\\x1b]0;owned\\x07 ![x](http://evil/
 
 
 def test_messages_are_text_in_the_verdict_the_report_and_the_feedback(hand_in, tmp_path):
-    from grader.grade import Submission
-    from grader.nbgrader_plugin import score_output
-    from grader.paths import Course
-    from grader.report import write_report
+    from grader.classroom.grade import Submission
+    from grader.classroom.report import write_report
+    from grader.course.paths import Course
+    from grader.lms.nbgrader_plugin import score_output
 
     verdict = hand_in({"filter_ground": f"def filter_ground(*a, **k):\n"
                                         f"    raise Exception('{INJECTION}')\n"})

@@ -9,11 +9,11 @@ from nbgrader.apps.api import NbGraderAPI
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
-from grader import build
-from grader.lessons import all_lessons, find_lesson, load_reference, stages
-from grader.marks import checks_of
-from grader.nbgrader_settings import STUB, configure
-from grader.paths import PROJECT
+from grader.course import build
+from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
+from grader.course.paths import PROJECT
+from grader.judging.marks import checks_of
+from grader.lms.nbgrader_settings import STUB, configure
 
 
 @pytest.fixture(scope="module")

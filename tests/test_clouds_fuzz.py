@@ -18,19 +18,19 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
-from utils.clouds import (
-    CloudFileError,
+from utils.clouds import CloudFileError
+from utils.clouds.kitti import decode_kitti
+from utils.clouds.npz import decode_npz, encode_npz
+from utils.clouds.pcd import decode_pcd, encode_pcd
+from utils.clouds.pcd_header import ENCODINGS
+from utils.clouds.text import decode_text, encode_text
+from utils.recordings import (
     read_bag,
     read_calibration,
     read_object_labels,
     read_tracking_labels,
     read_tracklets,
 )
-from utils.clouds.kitti import decode_kitti
-from utils.clouds.npz import decode_npz, encode_npz
-from utils.clouds.pcd import decode_pcd, encode_pcd
-from utils.clouds.pcd_header import ENCODINGS
-from utils.clouds.text import decode_text, encode_text
 
 CLOUD = np.random.default_rng(0).normal(scale=9, size=(12, 4)).astype(np.float32)
 CLOUD[3:6] = 0  # something that LZF and deflate can pack

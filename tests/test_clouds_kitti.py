@@ -7,18 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from utils.clouds import (
-    CloudFileError,
-    inside,
+from utils.boxes import Box, inside
+from utils.clouds import CloudFileError, read_cloud, write_cloud
+from utils.recordings import (
     read_calibration,
-    read_cloud,
     read_kitti_raw,
     read_object_labels,
     read_tracking_labels,
     read_tracklets,
-    write_cloud,
 )
-from utils.scenes import Box
 
 REAL = Path(os.environ.get("REAL_CLOUDS", "/nowhere"))
 

@@ -9,8 +9,9 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
-from utils.clouds import CloudFileError, read_bag
-from utils.clouds.rosbag import decode_message
+from utils.clouds import CloudFileError
+from utils.recordings import read_bag
+from utils.recordings.rosbag import decode_message
 
 TIMES = [1_000_000_000, 1_100_000_000, 1_100_000_000, 1_300_000_000]
 

@@ -10,9 +10,9 @@ import tarfile
 import nbformat
 import pytest
 
-from grader import build
-from grader.lessons import all_lessons
-from grader.paths import PROJECT
+from grader.course import build
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT
 from tests.colab import (
     MARK,
     archive_of,

@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 
 from utils import datasets, scenes
-from utils.clouds import CloudFileError, sources, write_cloud
-from utils.clouds.download import DownloadError, download
+from utils.clouds import CloudFileError, write_cloud
 from utils.clouds.pcd import encode_pcd
+from utils.recordings import sources
+from utils.recordings.download import DownloadError, download
 
 
 @pytest.fixture(autouse=True)

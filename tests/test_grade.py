@@ -10,12 +10,14 @@ import time
 
 import pytest
 
-from grader import cli, demo, grade, gradebook
-from grader.demo import make_class
-from grader.lessons import all_lessons, find_lesson, stages
-from grader.paths import PROJECT, Course
-from grader.report import write_report
-from grader.variants import fill_in, variants_of
+from grader import cli
+from grader.classroom import demo, grade
+from grader.classroom.demo import make_class
+from grader.classroom.report import write_report
+from grader.course.lessons import all_lessons, find_lesson, stages
+from grader.course.paths import PROJECT, Course
+from grader.course.variants import fill_in, variants_of
+from grader.lms import gradebook
 
 LESSON = find_lesson("06_filter_ground")
 SEED = 31
@@ -24,11 +26,11 @@ CONFIGURATION = """\
 import sys
 from pathlib import Path
 sys.path.insert(0, {project!r})
-from grader.nbgrader_settings import configure
+from grader.lms.nbgrader_settings import configure
 configure(get_config(), Path({root!r}))
 c = get_config()
 c.Judge.seed = {seed}
-c.Judge.sandbox = {tier!r}
+c.Judge.sandbox = {sandbox!r}
 """
 
 
@@ -44,7 +46,7 @@ def quiet(done, total, what):
     """Report no progress."""
 
 
-def make_course(root, lesson, texts, tier):
+def make_course(root, lesson, texts, sandbox):
     """A course of one lesson, with a notebook's text from each student."""
     made = Course(root)
     for folder in ("solutions", "notebooks"):
@@ -54,7 +56,7 @@ def make_course(root, lesson, texts, tier):
             if stray.stem != lesson.name:
                 stray.unlink()
     (made.root / "nbgrader_config.py").write_text(CONFIGURATION.format(
-        project=str(PROJECT), root=str(made.root), seed=SEED, tier=tier))
+        project=str(PROJECT), root=str(made.root), seed=SEED, sandbox=sandbox.name))
     for student, text in texts.items():
         path = made.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)
@@ -63,11 +65,11 @@ def make_course(root, lesson, texts, tier):
 
 
 @pytest.fixture
-def course(tmp_path, tier):
+def course(tmp_path, sandbox):
     """A course of its own, with four students."""
     return make_course(tmp_path / "course", LESSON, {
         "right": answer(), "half": answer("filter_ground"), "untouched": fill_in(LESSON, {}),
-        "broken": answer()[:5000]}, tier)
+        "broken": answer()[:5000]}, sandbox)
 
 
 def scores_by_verdict(judged):
@@ -75,8 +77,8 @@ def scores_by_verdict(judged):
             for submission, verdict in judged}
 
 
-def judge_it(course, tier, workers=2):
-    return grade.judge_class(course, (), SEED, tier, workers, quiet)
+def judge_it(course, sandbox, workers=2):
+    return grade.judge_class(course, (), SEED, sandbox, workers, quiet)
 
 
 def nbgrader(course, *words):
@@ -84,9 +86,9 @@ def nbgrader(course, *words):
                           capture_output=True, text=True, timeout=300)
 
 
-def test_scores_reach_the_gradebook(course, tier):
-    judged = judge_it(course, tier)
-    gradebook.enter(course, judged, SEED, tier, quiet)
+def test_scores_reach_the_gradebook(course, sandbox):
+    judged = judge_it(course, sandbox)
+    gradebook.enter(course, judged, SEED, sandbox, quiet)
     expected = scores_by_verdict(judged)
     assert gradebook.scores(course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
@@ -96,14 +98,14 @@ def test_scores_reach_the_gradebook(course, tier):
 
 
 @pytest.mark.slow
-def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(course, tier):
+def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(course, sandbox):
     made = nbgrader(course, "generate_assignment", LESSON.stage, "--force")
     assert made.returncode == 0, made.stderr
     assert (course.root / "notebooks" / LESSON.stage / f"{LESSON.name}.ipynb").read_bytes() \
         .strip() == LESSON.released.read_bytes().strip()
     done = nbgrader(course, "autograde", LESSON.stage)
     assert done.returncode == 0, done.stderr
-    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, tier))
+    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, sandbox))
 
     feedback = nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
@@ -124,13 +126,13 @@ def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(cou
 
 
 @pytest.mark.slow
-def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, tier):
+def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
     lesson = find_lesson("12_streaming_obstacles")
     report = "I widened the region to 18.5 m.\n\n| before | after |\n|---|---|\n| 0.67 | 1.00 |"
     right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
     course = make_course(tmp_path / "course", lesson, {
         "writer": fill_in(lesson, {"match_boxes": right, "second_data_set": report}),
-        "untouched": fill_in(lesson, {})}, tier)
+        "untouched": fill_in(lesson, {})}, sandbox)
     gradebook.register(course, [lesson.stage])
 
     def autograde():
@@ -148,7 +150,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, tier):
                     for grade in found}
 
     autograde()
-    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, tier))
+    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, sandbox))
     assert grades("writer") == {
         "test_detect_obstacles": (0, None, False), "test_match_boxes": (5, None, False),
         "second_data_set": (None, None, True), "write_up": (0, None, False)}  # left as it was
@@ -162,28 +164,28 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, tier):
     assert gradebook.scores(course)["writer", lesson.stage, lesson.name] == 9
 
 
-def test_second_run_judges_only_what_changed(course, tier, monkeypatch):
-    judge_it(course, tier)
+def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
+    judge_it(course, sandbox)
     before = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
     path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
-    judged = judge_it(course, tier)
+    judged = judge_it(course, sandbox)
     changed = {path.parent.parent.name for path in before
                if path.stat().st_mtime_ns != before[path]}
     assert changed == {"untouched"}
     assert scores_by_verdict(judged)["untouched", LESSON.stage, LESSON.name] == 30
 
 
-def test_gradebook_follows_a_new_submission(course, tier):
-    gradebook.enter(course, judge_it(course, tier), SEED, tier, quiet)
+def test_gradebook_follows_a_new_submission(course, sandbox):
+    gradebook.enter(course, judge_it(course, sandbox), SEED, sandbox, quiet)
     path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
-    judged = judge_it(course, tier)
-    gradebook.enter(course, judged, SEED, tier, quiet)
+    judged = judge_it(course, sandbox)
+    gradebook.enter(course, judged, SEED, sandbox, quiet)
     assert gradebook.scores(course) == scores_by_verdict(judged)
 
 
-def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, tier):
+def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox):
     path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     notebook = json.loads(path.read_text())
     for cell in notebook["cells"]:
@@ -194,20 +196,21 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, tier):
     notebook["cells"] = [cell for cell in notebook["cells"] if cell["metadata"].get(
         "nbgrader", {}).get("grade_id") != "test_voxel_grid"]
     path.write_text(json.dumps(notebook))
-    judged = judge_it(course, tier)
-    gradebook.enter(course, judged, SEED, tier, quiet)
+    judged = judge_it(course, sandbox)
+    gradebook.enter(course, judged, SEED, sandbox, quiet)
     assert gradebook.scores(course) == scores_by_verdict(judged)
 
 
 @pytest.mark.slow
-def test_killed_in_the_middle_nothing_is_lost(course, tier):
+def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
     for number in range(8):
         path = course.submitted / f"more{number}" / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(answer(), "utf-8")
-    code = ("from pathlib import Path; from grader import grade; from grader.paths import Course;"
-            f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, {tier!r}, 2, "
-            "lambda *a: None)")
+    code = ("from pathlib import Path; from grader.classroom import grade;"
+            "from grader.course.paths import Course; from grader.sandbox import SANDBOXES;"
+            f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, "
+            f"SANDBOXES[{sandbox.name!r}], 2, lambda *a: None)")
     running = subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT, start_new_session=True)
     deadline = time.monotonic() + 60
     while not list(course.verdicts.rglob("*.json")) and time.monotonic() < deadline:
@@ -216,7 +219,7 @@ def test_killed_in_the_middle_nothing_is_lost(course, tier):
     running.wait()
     kept = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
     assert kept
-    judged = judge_it(course, tier)
+    judged = judge_it(course, sandbox)
     assert len(judged) == 12
     assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
 
@@ -246,15 +249,15 @@ def test_submissions_are_found_and_others_ignored(course):
     assert grade.find_submissions(course, ["stage1_ransac"]) == []
 
 
-def test_odd_files_and_names_do_not_stop_the_class(course, tier, capsys):
-    from grader.cli import print_class
+def test_odd_files_and_names_do_not_stop_the_class(course, sandbox, capsys):
+    from grader.console import print_class
 
     stage = course.submitted / "[red]" / LESSON.stage
     (stage / f"{LESSON.name}.ipynb").mkdir(parents=True)
     pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
     pipe.parent.mkdir(parents=True)
     os.mkfifo(pipe)
-    judged = judge_it(course, tier)
+    judged = judge_it(course, sandbox)
     by_student = {submission.student: verdict for submission, verdict in judged}
     assert by_student["right"].score == 30
     for student in ("[red]", "pipe"):
@@ -265,7 +268,7 @@ def test_odd_files_and_names_do_not_stop_the_class(course, tier, capsys):
     write_report(course, judged)
 
 
-def test_a_failing_judge_stops_nobody_and_tries_again(course, tier, monkeypatch):
+def test_a_failing_judge_stops_nobody_and_tries_again(course, sandbox, monkeypatch):
     submission = grade.find_submissions(course)[0]
     verdict = grade.failed_verdict(submission, SEED, ValueError("oh"))
     assert "not the student's fault" in verdict.problems[0]
@@ -273,14 +276,14 @@ def test_a_failing_judge_stops_nobody_and_tries_again(course, tier, monkeypatch)
     assert grade.stored_verdict(course, submission, SEED) is None
 
 
-def test_a_problem_is_text_and_not_markup(course, tier):
+def test_a_problem_is_text_and_not_markup(course, sandbox):
     import nbformat
 
-    from grader.nbgrader_plugin import write_into
-    from grader.verdict import Verdict
+    from grader.judging.verdict import Verdict
+    from grader.lms.nbgrader_plugin import write_into
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
-    whole = {submission.student: verdict for submission, verdict in judge_it(course, tier)}
+    whole = {submission.student: verdict for submission, verdict in judge_it(course, sandbox)}
     verdict = whole["right"]
     problem = "![](http://example.org) [a](javascript:alert) <script>"
     write_into(notebook, Verdict(**{**verdict.__dict__, "problems": (problem,)}))
@@ -288,12 +291,12 @@ def test_a_problem_is_text_and_not_markup(course, tier):
     assert text.startswith("<div>") and "\n" not in text and "<script>" not in text
 
 
-def test_report_tells_and_escapes(course, tier):
+def test_report_tells_and_escapes(course, sandbox):
     path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, {
         "filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n"
                          "    raise ValueError('<script>alert(1)</script>')\n"}), "utf-8")
-    page = write_report(course, judge_it(course, tier), 1.0).read_text("utf-8")
+    page = write_report(course, judge_it(course, sandbox), 1.0).read_text("utf-8")
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)" in page
     for words in ("4 students", "right", "Hardest checks", "not valid JSON"):
@@ -303,7 +306,7 @@ def test_report_tells_and_escapes(course, tier):
 @pytest.mark.slow
 @pytest.mark.parametrize("stage, students", [
     (stage, 13 if stage == demo.STAGE else 4) for stage in stages()])
-def test_demo_grades_its_class(stage, students, tier, monkeypatch, tmp_path, capsys):
+def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(demo, "STAGE", stage)
     monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
     assert cli.main(["demo", "--students", str(students), "--workers", "2"]) == 0
@@ -319,7 +322,7 @@ def test_demo_grades_its_class(stage, students, tier, monkeypatch, tmp_path, cap
         by_student[student] = by_student.get(student, 0) + score
     assert by_student["ada"] == whole
     assert by_student["untouched"] == by_student.get("cut_off", 0) == 0
-    if tier == "bubblewrap":
+    if not sandbox.warning:
         assert by_student.get("mallory", 0) == 0
     assert len(by_student) == students
     assert 0 < by_student["chioma"] < whole

@@ -7,15 +7,15 @@ import sys
 
 import pytest
 
-from grader.inside import program
-from grader.judge import UnknownLesson, judge, run_tests, verdict_key
-from grader.lessons import all_lessons, find_lesson
-from grader.notebook import read_notebook
-from grader.paths import PROJECT
+from grader.course.lessons import all_lessons, find_lesson
+from grader.course.paths import PROJECT
+from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
+from grader.intake.notebook import read_notebook
+from grader.judging.judge import UnknownLesson, judge, run_tests, verdict_key
+from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
-from grader.student import Student
-from grader.variants import ANOTHER_CELL, fill_in, variants_of
-from grader.verdict import read_verdict, write_verdict
+from grader.sandbox.student import Student
+from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
 VARIANTS = [variant for lesson in all_lessons() for exercise in lesson.exercises
@@ -52,31 +52,31 @@ def wrong_variants(everyday=2):
                                marks=[pytest.mark.slow] * (seen[variant.exercise] > everyday))
 
 
-def judge_variant(variant, seed, tier, folder):
+def judge_variant(variant, seed, sandbox, folder):
     """(result of the variant's exercise, verdict)."""
     lesson = next(lesson for lesson in all_lessons()
                   if variant.exercise in [exercise.name for exercise in lesson.exercises])
     path = folder / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, {variant.exercise: variant.source}), "utf-8")
-    verdict = judge(path, seed, tier, limits=LIMITS)
+    verdict = judge(path, seed, sandbox, limits=LIMITS)
     return next(result for result in verdict.exercises
                 if result.name == variant.exercise), verdict
 
 
-def test_solution_earns_everything(lesson, tier):
-    verdict = judge(lesson.solved, 1, tier)
+def test_solution_earns_everything(lesson, sandbox):
+    verdict = judge(lesson.solved, 1, sandbox)
     assert [test.message for exercise in verdict.exercises for test in exercise.tests
             if not test.passed] == []
     assert verdict.score == verdict.max_score
     assert verdict.problems == ()
 
 
-def faults_on_other_seeds(path, lesson, tier):
+def faults_on_other_seeds(path, lesson, sandbox):
     """What the hidden tests find on four more seeds.
 
     One process of the student answers them all: starting it would take longest.
     """
-    student = Student(read_notebook(path).cells, lesson.names, tier, LIMITS, lesson.forbidden)
+    student = Student(read_notebook(path).cells, lesson.names, sandbox, LIMITS, lesson.forbidden)
     with student:
         return [(seed, name, str(error)) for seed in (22, 333, 4444, 55555)
                 for name, mark, error in run_tests(lesson, student, seed)
@@ -84,29 +84,29 @@ def faults_on_other_seeds(path, lesson, tier):
 
 
 @pytest.mark.slow
-def test_solution_earns_everything_on_four_more_seeds(lesson, tier):
-    assert faults_on_other_seeds(lesson.solved, lesson, tier) == []
+def test_solution_earns_everything_on_four_more_seeds(lesson, sandbox):
+    assert faults_on_other_seeds(lesson.solved, lesson, sandbox) == []
 
 
 @pytest.mark.slow
-def test_detector_of_the_lessons_own_functions_earns_everything(tier, tmp_path):
+def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_path):
     cells = []
     for name, functions in EARLIER.items():
-        statements, _ = program.parse_notebook([find_lesson(name).source.read_text("utf-8")])
+        statements, _ = slicing.parse_notebook([find_lesson(name).source.read_text("utf-8")])
         cells.append("".join(f"{ast.unparse(statement.node)}\n"
-                             for statement in program.slice_for(functions, statements)))
+                             for statement in slicing.slice_for(functions, statements)))
     lesson = find_lesson("12_streaming_obstacles")
     path = tmp_path / f"{lesson.name}.ipynb"
     right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
     path.write_text(fill_in(lesson, {
         "detect_obstacles": ANOTHER_CELL.join([*cells, AS_HINTED]), "match_boxes": right}), "utf-8")
-    verdict = judge(path, 1, tier)
+    verdict = judge(path, 1, sandbox)
     assert verdict.score == verdict.max_score
-    assert faults_on_other_seeds(path, lesson, tier) == []
+    assert faults_on_other_seeds(path, lesson, sandbox) == []
 
 
-def test_untouched_notebook_earns_nothing(lesson, tier):
-    verdict = judge(lesson.released, 1, tier)
+def test_untouched_notebook_earns_nothing(lesson, sandbox):
+    verdict = judge(lesson.released, 1, sandbox)
     assert verdict.score == 0
     assert all("NotImplementedError" in test.message for exercise in verdict.exercises
                for test in exercise.tests)
@@ -135,20 +135,20 @@ def right_notebooks():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("chosen, answers", list(right_notebooks()))
-def test_right_variants_earn_everything_on_five_seeds(chosen, answers, tier, tmp_path):
+def test_right_variants_earn_everything_on_five_seeds(chosen, answers, sandbox, tmp_path):
     path = tmp_path / f"{chosen.name}.ipynb"
     path.write_text(fill_in(chosen, answers), "utf-8")
-    verdict = judge(path, 1, tier, limits=LIMITS)
+    verdict = judge(path, 1, sandbox, limits=LIMITS)
     for result in verdict.exercises:
         assert [test.message for test in result.tests if not test.passed] == []
         assert result.name not in answers or result.score == result.max_score
     assert verdict.problems == ()
-    assert faults_on_other_seeds(path, chosen, tier) == []
+    assert faults_on_other_seeds(path, chosen, sandbox) == []
 
 
 @pytest.mark.parametrize("variant", list(wrong_variants()))
-def test_wrong_variant_loses_the_right_points(variant, tier, tmp_path):
-    result, verdict = judge_variant(variant, 7, tier, tmp_path)
+def test_wrong_variant_loses_the_right_points(variant, sandbox, tmp_path):
+    result, verdict = judge_variant(variant, 7, sandbox, tmp_path)
     failed = {test.name.removeprefix("test_visible[").rstrip("]"): test.message
               for test in result.tests if not test.passed}
     assert variant.loses, "the variant does not say what it shall lose"
@@ -160,7 +160,7 @@ def test_wrong_variant_loses_the_right_points(variant, tier, tmp_path):
 
 
 def test_hidden_tests_differ_from_seed_to_seed():
-    from grader import samples
+    from grader.judging import samples
 
     assert not (samples.obstacles_of_street(1, 50)[:, :3]
                 == samples.obstacles_of_street(2, 50)[:, :3]).all()
@@ -169,7 +169,7 @@ def test_hidden_tests_differ_from_seed_to_seed():
 def test_cluster_oracle_agrees_with_brute_force():
     import numpy as np
 
-    from grader import samples
+    from grader.judging import samples
 
     cloud = samples.without_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
     labels = samples.cluster_labels(cloud, 0.5)
@@ -188,55 +188,55 @@ def test_cluster_oracle_agrees_with_brute_force():
     (b'{"cells": 7}', "no cells"),
     (b"[" * 100_000, "not valid JSON"),
 ])
-def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, tier, tmp_path):
+def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(content)
-    verdict = judge(path, 1, tier)
+    verdict = judge(path, 1, sandbox)
     assert verdict.score == 0
     assert verdict.max_score == 30
     assert sentence in verdict.problems[0]
 
 
-def test_byte_order_mark_and_old_format_are_read(tier, tmp_path):
+def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     answers = {exercise: next(variant.source for variant in variants_of(exercise)
                               if variant.right) for exercise in ("filter_ground", "voxel_grid")}
     text = fill_in(find_lesson("06_filter_ground"), answers)
     path.write_bytes(b"\xef\xbb\xbf" + text.encode())
-    assert judge(path, 1, tier).score == 30
+    assert judge(path, 1, sandbox).score == 30
     cells = [{"cell_type": "code", "input": cell["source"], "language": "python", "outputs": []}
              for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
     path.write_text(json.dumps({"nbformat": 3, "nbformat_minor": 0, "metadata": {},
                                 "worksheets": [{"cells": cells}]}), "utf-8")
-    assert judge(path, 1, tier).score == 30
+    assert judge(path, 1, sandbox).score == 30
 
 
-def test_one_bad_cell_does_not_cost_the_other_exercise(tier, tmp_path):
+def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     good = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
     path.write_text(fill_in(find_lesson("06_filter_ground"), {
         "filter_ground": "def filter_ground(cloud:\n    return", "voxel_grid": good}), "utf-8")
-    verdict = judge(path, 1, tier)
+    verdict = judge(path, 1, sandbox)
     assert [result.score for result in verdict.exercises] == [0, 10]
     assert "not valid Python" in verdict.problems[0]
     assert "does not define it" in verdict.exercises[0].tests[0].message
 
 
-def test_renamed_file_is_recognised(tmp_path, tier):
+def test_renamed_file_is_recognised(tmp_path, sandbox):
     lesson = find_lesson("06_filter_ground")
     for name in ("Copy of 06_filter_ground (1).ipynb", "my homework.ipynb"):
         path = tmp_path / name
         path.write_bytes(lesson.released.read_bytes())
-        assert judge(path, 1, tier).lesson == "06_filter_ground"
+        assert judge(path, 1, sandbox).lesson == "06_filter_ground"
     path = tmp_path / "other.ipynb"
     path.write_text('{"cells": [], "metadata": {}}')
     with pytest.raises(UnknownLesson, match="which lesson"):
-        judge(path, 1, tier)
+        judge(path, 1, sandbox)
 
 
-def test_verdict_survives_the_disk(tier, tmp_path):
+def test_verdict_survives_the_disk(sandbox, tmp_path):
     lesson = find_lesson("06_filter_ground")
-    verdict = judge(lesson.released, 1, tier)
+    verdict = judge(lesson.released, 1, sandbox)
     write_verdict(verdict, tmp_path / "a" / "verdict.json")
     assert read_verdict(tmp_path / "a" / "verdict.json") == verdict
     (tmp_path / "half.json").write_text((tmp_path / "a" / "verdict.json").read_text()[:200])
@@ -260,9 +260,9 @@ def command(*arguments):
                           capture_output=True, text=True, timeout=300)
 
 
-def test_command_line_prints_one_json_object(tier):
+def test_command_line_prints_one_json_object(sandbox):
     lesson = find_lesson("06_filter_ground")
-    done = command("judge", lesson.solved, "--json", "--seed", 5, "--sandbox", tier)
+    done = command("judge", lesson.solved, "--json", "--seed", 5, "--sandbox", sandbox.name)
     assert done.returncode == 0, done.stderr
     verdict = json.loads(done.stdout)
     assert set(verdict) == {"lesson", "student", "score", "max_score", "exercises", "problems",
@@ -282,9 +282,10 @@ def test_command_line_says_what_is_wrong_with_a_call(tmp_path):
 
 
 def test_grading_without_a_sandbox_is_refused(monkeypatch, capsys):
-    from grader import cli, sandbox
+    from grader import cli
+    from grader.sandbox import bubblewrap
 
-    monkeypatch.setattr(sandbox, "_bubblewrap_complaint", lambda: "bubblewrap is not installed.")
+    monkeypatch.setattr(bubblewrap, "_complaint", lambda: "bubblewrap is not installed.")
     lesson = find_lesson("06_filter_ground")
     assert cli.main(["judge", str(lesson.released), "--seed", "1"]) == 2
     assert "--sandbox process" in capsys.readouterr().err

@@ -5,8 +5,8 @@ import traceback
 
 import pytest
 
-from grader.lessons import find_lesson
-from utils.my_functions import load_my_functions
+from grader.course.lessons import find_lesson
+from utils.notebooks.my_functions import load_my_functions
 
 STORY = """\
 from utils import plots

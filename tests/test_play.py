@@ -29,9 +29,9 @@ def without_screen(monkeypatch, tmp_path):
 def notebook(monkeypatch):
     """Pretend that notebooks define what a test puts in here."""
     functions = SimpleNamespace()
-    module = ModuleType("utils.my_functions")
+    module = ModuleType("utils.notebooks.my_functions")
     module.load_my_functions = lambda path: functions
-    monkeypatch.setitem(sys.modules, "utils.my_functions", module)
+    monkeypatch.setitem(sys.modules, "utils.notebooks.my_functions", module)
     return functions
 
 
@@ -66,7 +66,7 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
 
 def test_bags_are_opened_with_their_topic(monkeypatch):
     asked = []
-    monkeypatch.setattr("utils.clouds.read_bag", lambda *question: asked.append(question) or [])
+    monkeypatch.setattr("utils.recordings.read_bag", lambda *question: asked.append(question) or [])
     play.open_programme("drive.bag", topic="/points")
     assert asked == [(Path("drive.bag"), "/points")]
 
@@ -163,5 +163,5 @@ def test_help_names_what_can_be_played():
 
 def test_utils_imports_no_grader():
     folder = PROJECT / "utils"
-    for path in [*folder.glob("scene3d/*.py"), folder / "play.py", folder / "recording.py"]:
+    for path in folder.rglob("*.py"):
         assert not re.search(r"^\s*(from|import) grader", path.read_text("utf-8"), re.M)

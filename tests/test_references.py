@@ -5,8 +5,8 @@ import time
 import numpy as np
 import pytest
 
-from grader import samples
-from grader.lessons import load_reference
+from grader.course.lessons import load_reference
+from grader.judging import samples
 from utils.clouds import read_cloud
 
 

@@ -11,8 +11,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from shapely.geometry import Polygon
 
-from utils.scenes import (
-    Frame,
+from utils.simulator import CLASSES, Sensor, layers
+from utils.simulator.frames import Frame
+from utils.simulator.scenes import (
     city_block,
     cyclist,
     highway,
@@ -21,7 +22,6 @@ from utils.scenes import (
     simple_highway,
     write_lesson_cloud,
 )
-from utils.simulator import CLASSES, Sensor, layers
 
 DATA = Path(__file__).parents[1] / "data"
 CHEAP = Sensor(layers(16, 2.0, -24.0), math.radians(1.0), weakest_signal=0.05)

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from shapely.geometry import Polygon
 
-from utils.scenes import Box, lesson_street
+from utils.boxes import Box
+from utils.scenes import lesson_street
 from utils.scoring import (
     Score,
     TrackedFrame,

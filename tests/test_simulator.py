@@ -7,10 +7,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from utils import simulator
-from utils.ground import Ground
-from utils.pose import Pose
-from utils.shapes import Material, box, cylinder, sphere
 from utils.simulator import (
     CLASSES,
     Sensor,
@@ -19,8 +15,12 @@ from utils.simulator import (
     layers,
     ray_directions,
     scan,
+    scanner,
 )
-from utils.world import Obstacle, World
+from utils.simulator.ground import Ground
+from utils.simulator.pose import Pose
+from utils.simulator.shapes import Material, box, cylinder, sphere
+from utils.simulator.world import Obstacle, World
 
 EXACT = Sensor(
     elevations=layers(24, 10.0, -25.0),
@@ -199,7 +199,7 @@ def test_trying_only_the_rays_that_may_hit_changes_nothing(seed, monkeypatch):
     world = World(Ground(slope=0.02), obstacles)
     quick = scan(world, EXACT, seed)
     whole = (slice(None), slice(None))
-    monkeypatch.setattr(simulator, "_blocks", lambda solid, sensor: [whole])
+    monkeypatch.setattr(scanner, "_blocks", lambda solid, sensor: [whole])
     slow = scan(world, EXACT, seed)
     assert len(np.unique(quick.objects)) > 8
     for name in ("cloud", "classes", "objects", "beams", "times"):

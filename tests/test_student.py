@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from grader.sandbox import Limits
-from grader.student import Student, StudentError, StudentStopped
+from grader.sandbox.student import Student, StudentError, StudentStopped
 
 TREE = '''
 import numpy as np
@@ -34,8 +34,8 @@ class KdTree:
 
 
 @pytest.fixture
-def student(tier):
-    with Student([TREE], ("KdTree",), tier, Limits(call_seconds=5)) as proxy:
+def student(sandbox):
+    with Student([TREE], ("KdTree",), sandbox, Limits(call_seconds=5)) as proxy:
         yield proxy
 
 
@@ -82,10 +82,10 @@ def test_a_thousand_calls_are_quick(student):
     assert tree.count == 1000
 
 
-def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(tier):
+def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
     source = ("from collections import deque\nimport array\n"
               "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
               " 'array': array.array('d', [0, 1, 2])}[kind]")
-    with Student([source], ("f",), tier) as proxy:
+    with Student([source], ("f",), sandbox) as proxy:
         for kind in ("range", "deque", "array"):
             assert list(proxy.f(kind)) == [0, 1, 2]

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
-from grader.inside import wire
-from grader.inside.wire import Opaque, TooLarge, WireClosed, WireError, WireTimeout
+from grader.sandbox.inside import wire
+from grader.sandbox.inside.wire import Opaque, TooLarge, WireClosed, WireError, WireTimeout
 
 SCALARS = st.one_of(
     st.none(), st.booleans(), st.integers(-(2**63), 2**63 - 1), st.floats(),

@@ -10,14 +10,17 @@ _HOME = {
     "load_cloud": "utils.datasets",
     "load_sequence": "utils.datasets",
     "fetch_recording": "utils.datasets",
-    "load_my_functions": "utils.my_functions",
+    "load_my_functions": "utils.notebooks.my_functions",
     "read_cloud": "utils.clouds",
     "read_sequence": "utils.clouds",
-    "read_bag": "utils.clouds",
+    "read_bag": "utils.recordings",
     "write_cloud": "utils.clouds",
 }
-_MODULES = ("checks", "clouds", "datasets", "play", "plots", "recording", "scene3d", "scenes",
-            "scoring", "simulator")
+_MODULES = {
+    name: f"utils.{name}"
+    for name in ("boxes", "checks", "clouds", "datasets", "films", "play", "plots", "recordings",
+                 "scene3d", "scenes", "scoring", "simulator")
+} | {"recording": "utils.films"}  # what lesson 12 calls it
 
 __all__ = [*_HOME, *_MODULES, "health"]
 
@@ -26,7 +29,7 @@ def __getattr__(name):
     if name in _HOME:
         return getattr(importlib.import_module(_HOME[name]), name)
     if name in _MODULES:
-        return importlib.import_module(f"utils.{name}")
+        return importlib.import_module(_MODULES[name])
     raise AttributeError(f"module 'utils' has no attribute {name!r}")
 
 

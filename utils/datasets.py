@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from utils.clouds import SUFFIXES, CloudFileError, Recording, read_cloud
+from utils.clouds import SUFFIXES, CloudFileError, read_cloud
 from utils.clouds.errors import missing_file, write_bytes
-from utils.clouds.progress import progress
+from utils.progress import progress
+from utils.recordings import Recording
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 SCENES = {"highway": "highway", "city": "city_block", "cyclist": "cyclist"}
@@ -59,7 +60,7 @@ def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
 
     Returns
     -------
-    sequence of utils.scenes.Frame
+    sequence of utils.simulator.frames.Frame
         Lazy: each frame, with ``cloud`` (n, 4), ``boxes``, ``time`` and the truth of every return
         in ``scan``, is read when asked for. It equals what `utils.scenes` makes.
 
@@ -93,17 +94,17 @@ def fetch_recording(name: str) -> Recording:
 
     Returns
     -------
-    utils.clouds.Recording
+    utils.recordings.Recording
         A lazy sequence of frames with ``cloud`` (n, 4), ``boxes`` (KITTI only) and ``time``.
 
     Raises
     ------
     ValueError
         There is no recording of this name.
-    utils.clouds.download.DownloadError
+    utils.recordings.download.DownloadError
         There is no connection, or the files are not what they should be.
     """
-    from utils.clouds.sources import fetch
+    from utils.recordings.sources import fetch
 
     return fetch(name, cache_folder() / "recordings")
 
@@ -123,7 +124,7 @@ class CachedFrames(Sequence):
 
     Attributes
     ----------
-    stream : sequence of utils.scenes.Frame
+    stream : sequence of utils.simulator.frames.Frame
         Makes the frames.
     folder : Path
         Holds one file for each.
@@ -155,14 +156,10 @@ class CachedFrames(Sequence):
         return self.folder / f"{self.numbers[index]:04d}.npz"
 
 
-_SIMULATOR = ("bounds", "frames", "ground", "layouts", "pose", "scenes", "shapes", "simulator",
-              "streets", "traffic", "world")
-
-
 def _simulator_version() -> str:
     """A fingerprint of the code that makes the frames, so that a change makes them anew."""
-    folder = Path(__file__).parent
-    code = b"".join((folder / f"{name}.py").read_bytes() for name in _SIMULATOR)
+    folder = Path(__file__).parent / "simulator"
+    code = b"".join(path.read_bytes() for path in sorted(folder.glob("*.py")))
     return hashlib.sha256(code).hexdigest()[:12]
 
 
@@ -182,8 +179,9 @@ def _keep(frame, path: Path) -> bool:
 
 def _read_frame(path: Path):
     """Read a frame that `_keep` wrote."""
-    from utils.scenes import Box, Frame
+    from utils.boxes import Box
     from utils.simulator import Scan
+    from utils.simulator.frames import Frame
 
     with np.load(path, allow_pickle=False) as arrays:
         truth = json.loads(str(arrays["truth"]))

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
-from utils.recording import SIZE, Sight, record, scene_of, watch
+from utils.films.filming import SIZE, Sight, record, scene_of, watch
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
 
@@ -95,8 +95,9 @@ def _simulated(name: str, frames: int | None, seed: int) -> Sequence:
 
 
 def _recorded(name: str, topic: str | None) -> Sequence:
-    from utils.clouds import SUFFIXES, read_bag, read_cloud, read_kitti_raw, read_sequence
+    from utils.clouds import SUFFIXES, read_cloud, read_sequence
     from utils.datasets import fetch_recording
+    from utils.recordings import read_bag, read_kitti_raw
 
     path = Path(name).expanduser()
     if name in RECORDED and not path.exists():
@@ -118,7 +119,7 @@ def load_detector(notebook: str) -> Callable:
     ValueError
         The notebook has no such function; the message names those that it has.
     """
-    from utils.my_functions import load_my_functions
+    from utils.notebooks.my_functions import load_my_functions
 
     functions = load_my_functions(notebook)
     if not hasattr(functions, DETECTOR):

@@ -1,6 +1,6 @@
 """How good boxes and tracks are: overlap, matching, precision, recall and identity switches.
 
-Boxes are arrays (N, 8, 3); see `utils.overlap`.
+Boxes are arrays (N, 8, 3); see `utils.boxes`.
 
 References
 ----------
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from utils.overlap import plane_iou, space_iou
+from utils.boxes import plane_iou, space_iou
 
 __all__ = [
     "Score",

@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402
 
-from grader.lessons import all_lessons  # noqa: E402
+from grader.course.lessons import all_lessons  # noqa: E402
 from grader.pictures import hero  # noqa: E402
 
 DOTS_PER_INCH = 110

@@ -1,8 +1,8 @@
 """The film at the head of the README: a drive through the city, and the obstacles found."""
 
-from grader.lessons import find_lesson, load_reference
+from grader.course.lessons import find_lesson, load_reference
 from utils import scenes
-from utils.recording import record
+from utils.films.filming import record
 from utils.scene3d import Scene
 
 LESSON = "12_streaming_obstacles"
@@ -12,7 +12,7 @@ FRAMES, EVERY = 64, 2  # at 10 Hz; every second one makes a smaller film of a qu
 
 
 def film():
-    """Record the film; returns `utils.scene3d.films.Film`."""
+    """Record the film; returns `utils.films.writers.Film`."""
     return record(scenes.city_block(frames=FRAMES)[::EVERY], PATH,
                   load_reference(LESSON).detect_obstacles, compose=compose,
                   size=(800, 420))

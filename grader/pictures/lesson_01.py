@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from grader.lessons import load_reference
+from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.plots.style import COLOURS
 

@@ -3,10 +3,10 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from grader.lessons import load_reference
+from grader.course.lessons import load_reference
 from utils import load_cloud, plots
+from utils.boxes import Box
 from utils.datasets import DATA
-from utils.scenes import Box
 
 
 def draw():

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.lesson_01 import assert_distances
 from utils.checks.vocabulary import assert_rows
 

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.lesson_02 import (
     as_result,
     assert_line_distances,

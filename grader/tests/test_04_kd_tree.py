@@ -7,8 +7,8 @@ exercise stands on its own; and a tree crosses the pipe in one message.
 import numpy as np
 import pytest
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.lesson_04 import (
     assert_found,
     assert_lower_medians,

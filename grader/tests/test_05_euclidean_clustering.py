@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.vocabulary import assert_partition
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.vocabulary import assert_rows, assert_same_set_of_rows
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.lesson_07 import assert_boxed, assert_near
 
 MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.

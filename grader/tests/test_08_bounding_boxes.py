@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.boxes import as_boxes, assert_box_corners
 
 

@@ -4,8 +4,8 @@ from collections import Counter
 
 import numpy as np
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.lesson_09 import assert_filtered
 from utils.checks.vocabulary import assert_untouched
 

@@ -8,9 +8,9 @@ import functools
 
 import numpy as np
 
-from grader import samples
-from grader.marks import hidden, visible
-from grader.student import StudentStopped
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
+from grader.sandbox.student import StudentStopped
 from utils.checks.vocabulary import CheckFailed, assert_partition
 
 NAME = "euclidean_clustering_accelerated"

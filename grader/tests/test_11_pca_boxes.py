@@ -5,8 +5,8 @@ import functools
 import numpy as np
 import pytest
 
-from grader import samples
-from grader.marks import hidden, visible
+from grader.judging import samples
+from grader.judging.marks import hidden, visible
 from utils.checks.boxes import ROOMY, as_boxes, assert_turned_boxes
 from utils.checks.lesson_11 import as_axes, assert_axes
 from utils.checks.vocabulary import CheckFailed

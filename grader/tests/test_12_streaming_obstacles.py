@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 
-from grader.marks import hidden, visible
+from grader.judging.marks import hidden, visible
 from utils.checks.lesson_12 import (
     as_boxes,
     assert_boxes_real,
@@ -66,9 +66,9 @@ def rain(seed):
 @functools.cache
 def empty_road():
     """A scan of a level road and nothing else."""
-    from utils.frames import observe
-    from utils.ground import Ground
-    from utils.streets import world_of
+    from utils.simulator.frames import observe
+    from utils.simulator.ground import Ground
+    from utils.simulator.streets import world_of
 
     return observe(world_of(Ground(), ()), half_sensor(), 3)
 

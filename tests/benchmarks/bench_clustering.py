@@ -15,7 +15,7 @@ import tracemalloc
 
 import numpy as np
 
-from grader.lessons import load_reference
+from grader.course.lessons import load_reference
 from utils import load_cloud
 
 RADIUS = 0.5

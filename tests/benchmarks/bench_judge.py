@@ -14,11 +14,11 @@ from pathlib import Path
 from nbgrader.converters import Autograde
 from nbgrader.preprocessors import AssignLatePenalties, Execute, LimitOutput, SaveAutoGrades
 
-from grader.grade import judge_class
-from grader.gradebook import converter, enter, register
-from grader.lessons import all_lessons
-from grader.paths import PROJECT, Course
-from grader.sandbox import choose_tier
+from grader.classroom.grade import judge_class
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT, Course
+from grader.lms.gradebook import converter, enter, register
+from grader.sandbox import choose_sandbox
 
 STUDENTS = 6
 STUDENTS_OF_NBGRADER = 2
@@ -45,11 +45,11 @@ def make_course(root, students, lessons):
 def time_ours(lessons, folder):
     """(seconds of judging, seconds of entering, notebooks)."""
     course = make_course(folder / "ours", STUDENTS, lessons)
-    tier = choose_tier()
+    sandbox = choose_sandbox()
     begin = time.perf_counter()
-    judged = judge_class(course, (), SEED, tier, os.cpu_count(), lambda *news: None)
+    judged = judge_class(course, (), SEED, sandbox, os.cpu_count(), lambda *news: None)
     middle = time.perf_counter()
-    enter(course, judged, SEED, tier, lambda *news: None)
+    enter(course, judged, SEED, sandbox, lambda *news: None)
     return middle - begin, time.perf_counter() - middle, len(judged)
 
 

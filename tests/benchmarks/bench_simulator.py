@@ -15,9 +15,9 @@ from statistics import median
 
 import numpy as np
 
-from utils import simulator
 from utils.scenes import Frame, city_block, lesson_street, random_street, simple_highway
 from utils.scoring import plane_iou
+from utils.simulator import scanner
 
 TARGET = 0.5
 
@@ -43,12 +43,12 @@ def street_of(obstacles: int) -> Callable[[], Frame]:
 
 def without_culling(call: Callable[[], Frame]) -> float:
     """Time of one frame when every ray is tried on every solid."""
-    blocks = simulator._blocks
-    simulator._blocks = lambda solid, sensor: [(slice(None), slice(None))]
+    blocks = scanner._blocks
+    scanner._blocks = lambda solid, sensor: [(slice(None), slice(None))]
     try:
         return seconds(call, runs=1)
     finally:
-        simulator._blocks = blocks
+        scanner._blocks = blocks
 
 
 def main() -> None:

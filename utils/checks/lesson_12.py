@@ -38,11 +38,11 @@ def half_sensor():
 @functools.cache
 def street():
     """The street of `data/cloud.txt`."""
-    from utils.frames import observe
-    from utils.layouts import lesson_obstacles
-    from utils.pose import Pose
     from utils.scenes import ROAD
-    from utils.streets import EGO_LANE, world_of
+    from utils.simulator.frames import observe
+    from utils.simulator.layouts import lesson_obstacles
+    from utils.simulator.pose import Pose
+    from utils.simulator.streets import EGO_LANE, world_of
 
     world = world_of(ROAD, lesson_obstacles()).seen_from(Pose(0.0, EGO_LANE))
     return observe(world, half_sensor(), 12)
@@ -51,9 +51,9 @@ def street():
 @functools.lru_cache(maxsize=64)
 def square(seed):
     """Four cars around the sensor, each turned another way, between two rows of houses."""
-    from utils.frames import observe
-    from utils.ground import Ground
-    from utils.streets import Plan, placed, some_car, some_walker, street, world_of
+    from utils.simulator.frames import observe
+    from utils.simulator.ground import Ground
+    from utils.simulator.streets import Plan, placed, some_car, some_walker, street, world_of
 
     rng = np.random.default_rng((seed, 12))
     turned = rng.permutation(np.radians([40, 50, 45, -45])) + rng.uniform(-0.1, 0.1, 4)
@@ -99,11 +99,11 @@ def clear_cars(frame):
 
     Parameters
     ----------
-    frame : utils.frames.Frame
+    frame : utils.simulator.frames.Frame
 
     Returns
     -------
-    tuple of utils.frames.Box
+    tuple of utils.simulator.frames.Box
     """
     from scipy.spatial import cKDTree
 
@@ -128,9 +128,9 @@ def box_of(car, boxes, frame):
 
     Parameters
     ----------
-    car : utils.frames.Box
+    car : utils.simulator.frames.Box
     boxes : numpy.ndarray, shape (N, 8, 3)
-    frame : utils.frames.Frame
+    frame : utils.simulator.frames.Frame
     """
     returns = frame.cloud[frame.scan.objects == car.identity, :3]
     # Where the ground is cut is everyone's own choice, and wheels are nobody's.
@@ -154,7 +154,7 @@ def assert_cars_found(answers, frames):
     ----------
     answers : list of object
         For each frame what the detector said.
-    frames : list of utils.frames.Frame
+    frames : list of utils.simulator.frames.Frame
     """
     missed, count = [], 0
     for answer, frame in zip(answers, frames, strict=True):

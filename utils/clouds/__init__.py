@@ -7,35 +7,15 @@ file's suffix, `read_sequence` opens a folder of clouds, `read_bag` a ROS record
 `CloudFileError`.
 """
 
-from .errors import CloudFileError
-from .formats import SUFFIXES, read_cloud, write_cloud
-from .kitti_labels import (
-    Calibration,
-    read_calibration,
-    read_object_labels,
-    read_tracking_labels,
-)
-from .kitti_raw import read_kitti_raw, read_tracklets
-from .recording import RecordedFrame, Recording, inside
-from .rosbag import Bag, read_bag
-from .sequence import CloudFolder, read_sequence
+from utils.clouds.errors import CloudFileError
+from utils.clouds.formats import SUFFIXES, read_cloud, write_cloud
+from utils.clouds.sequence import CloudFolder, read_sequence
 
 __all__ = [
     "SUFFIXES",
-    "Bag",
-    "Calibration",
     "CloudFileError",
     "CloudFolder",
-    "RecordedFrame",
-    "Recording",
-    "inside",
-    "read_bag",
-    "read_calibration",
     "read_cloud",
-    "read_kitti_raw",
-    "read_object_labels",
     "read_sequence",
-    "read_tracking_labels",
-    "read_tracklets",
     "write_cloud",
 ]

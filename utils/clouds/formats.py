@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .errors import CloudFileError, file_error, read_bytes, write_bytes
-from .kitti import decode_kitti, encode_kitti
-from .npz import decode_npz, encode_npz
-from .pcd import decode_pcd, encode_pcd
-from .text import decode_text, encode_text
+from utils.clouds.errors import CloudFileError, file_error, read_bytes, write_bytes
+from utils.clouds.kitti import decode_kitti, encode_kitti
+from utils.clouds.npz import decode_npz, encode_npz
+from utils.clouds.pcd import decode_pcd, encode_pcd
+from utils.clouds.text import decode_text, encode_text
 
 
 class Format(NamedTuple):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .errors import excerpt, file_error
+from utils.clouds.errors import excerpt, file_error
 
 RECORD = 16  # bytes of one point
 PRINTABLE = frozenset(b"\t\n\r" + bytes(range(32, 127)))

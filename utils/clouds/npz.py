@@ -5,7 +5,7 @@ import zipfile
 
 import numpy as np
 
-from .errors import CloudFileError, excerpt, file_error, listing
+from utils.clouds.errors import CloudFileError, excerpt, file_error, listing
 
 LARGEST_RATIO = 100  # unpacked to packed bytes; real clouds stay below 10
 ALWAYS_ALLOWED = 64 << 20  # bytes that may be unpacked however well they were packed

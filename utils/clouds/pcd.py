@@ -7,10 +7,10 @@ import struct
 
 import numpy as np
 
-from . import lzf
-from .errors import CloudFileError, excerpt, file_error
-from .pcd_header import ENCODINGS, Header, read_header
-from .text import shortest_digits
+from utils.clouds import lzf
+from utils.clouds.errors import CloudFileError, excerpt, file_error
+from utils.clouds.pcd_header import ENCODINGS, Header, read_header
+from utils.clouds.text import shortest_digits
 
 ADVICE = "Was the file copied completely?"
 

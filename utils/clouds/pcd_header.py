@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import excerpt, file_error
+from utils.clouds.errors import excerpt, file_error
 
 ENCODINGS = ("ascii", "binary", "binary_compressed")
 KINDS = {f"{letter}{size}" for letter in "IU" for size in (1, 2, 4, 8)} | {"F4", "F8"}

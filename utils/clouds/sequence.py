@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import file_error
-from .formats import SUFFIXES, read_cloud
+from utils.clouds.errors import file_error
+from utils.clouds.formats import SUFFIXES, read_cloud
 
 
 @dataclass(frozen=True)

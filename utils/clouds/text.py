@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from .errors import excerpt, file_error
+from utils.clouds.errors import excerpt, file_error
 
 EXPECTED = "three or four numbers: x y z in metres, then intensity if there is one"
 COMMENT = re.compile(r"#|//|%")

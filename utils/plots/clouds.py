@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .data import as_cloud, as_mask, as_values, drawn_rows, marker_size, project
-from .style import (
+from utils.plots.data import as_cloud, as_mask, as_values, drawn_rows, marker_size, project
+from utils.plots.style import (
     BLUE,
     COLOURS,
     INK,

@@ -4,10 +4,10 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import ListedColormap
 
-from .clouds import Group, draw_groups, mark_sensor
-from .data import as_cloud, as_labels, as_mask, drawn_rows, marker_size, project
-from .grouping import draw_labels
-from .style import (
+from utils.plots.clouds import Group, draw_groups, mark_sensor
+from utils.plots.data import as_cloud, as_labels, as_mask, drawn_rows, marker_size, project
+from utils.plots.grouping import draw_labels
+from utils.plots.style import (
     INK,
     PALE,
     SKY,

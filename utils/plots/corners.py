@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from .clouds import dots, mark_sensor
-from .data import as_cloud, drawn_rows, marker_size, project
-from .grouping import write
-from .style import (
+from utils.plots.clouds import dots, mark_sensor
+from utils.plots.data import as_cloud, drawn_rows, marker_size, project
+from utils.plots.grouping import write
+from utils.plots.style import (
     BLUE,
     INK,
     MUTED,

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .data import as_values
-from .style import (
+from utils.plots.data import as_values
+from utils.plots.style import (
     BLUE,
     INK,
     MARKERS,

@@ -4,9 +4,9 @@ import matplotlib.patheffects
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from .clouds import dots, mark_sensor
-from .data import as_cloud, as_labels, drawn_rows, marker_size, project
-from .style import (
+from utils.plots.clouds import dots, mark_sensor
+from utils.plots.data import as_cloud, as_labels, drawn_rows, marker_size, project
+from utils.plots.style import (
     BLUE,
     INK,
     MARKERS,

@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.patches import Polygon
 
-from .clouds import Group, draw_groups
-from .data import as_cloud, as_mask, as_points
-from .style import BLUE, GREEN, INK, PALE, VERMILION, finish, note, number, styled
+from utils.plots.clouds import Group, draw_groups
+from utils.plots.data import as_cloud, as_mask, as_points
+from utils.plots.style import BLUE, GREEN, INK, PALE, VERMILION, finish, note, number, styled
 
 FACE_ON = 0.5
 """Below this share of its normal in the drawing, a plane is seen too flatly to be a line."""

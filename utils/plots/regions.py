@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Rectangle
 
-from .clouds import dots
-from .data import as_points, marker_size
-from .grouping import write_rows
-from .style import (
+from utils.plots.clouds import dots
+from utils.plots.data import as_points, marker_size
+from utils.plots.grouping import write_rows
+from utils.plots.style import (
     BLUE,
     GREEN,
     GRID,

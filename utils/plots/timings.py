@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
-from .style import INK, MARKERS, MUTED, PALETTE, canvas, finish, styled
+from utils.plots.style import INK, MARKERS, MUTED, PALETTE, canvas, finish, styled
 
 
 @styled

@@ -7,8 +7,8 @@ is drawn as it is, and a loop in it is walked only once.
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from .grouping import write
-from .style import (
+from utils.plots.grouping import write
+from utils.plots.style import (
     BLUE,
     GREEN,
     INK,

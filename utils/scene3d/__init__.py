@@ -9,8 +9,8 @@ Nothing needs a screen. Where PyVista is missing or cannot draw, matplotlib does
 view is drawn by the browser and needs neither.
 """
 
-from .cameras import CAMERAS, Camera
-from .parts import LAYERS
-from .scene import EGO_MAXIMUM, EGO_MINIMUM, Scene
+from utils.scene3d.cameras import CAMERAS, Camera
+from utils.scene3d.parts import LAYERS
+from utils.scene3d.scene import EGO_MAXIMUM, EGO_MINIMUM, Scene
 
 __all__ = ["CAMERAS", "EGO_MAXIMUM", "EGO_MINIMUM", "LAYERS", "Camera", "Scene"]

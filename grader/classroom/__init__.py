@@ -1,0 +1,1 @@
+"""A class: all its submissions, the report on them, and a pretend one."""

@@ -1,0 +1,125 @@
+"""A pretend class: right answers, typical mistakes, and the submissions that break graders."""
+
+import itertools
+import shutil
+from dataclasses import dataclass
+
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT, Course
+from grader.course.variants import fill_in, variants_of
+
+DEMO = PROJECT / "demo"
+STAGE = "stage3_obstacles"  # what the class has handed in: nbgrader grades a stage at a time
+NAMES = ("ada", "bruno", "chioma", "dmitri", "elif", "farid", "greta", "hiro", "ines", "jonas",
+         "kavya", "liam", "mei", "noor", "olga", "pedro", "quynh", "rosa", "sven", "tariq",
+         "uma", "vera", "wanjiru", "xenia", "yusuf", "zoe")
+
+CONFIGURATION = """\
+# A nbgrader course of its own: try `nbgrader formgrader` or `nbgrader generate_feedback` here.
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, {project!r})
+
+from grader.lms.nbgrader_settings import configure  # noqa: E402
+
+configure(get_config(), HERE)  # noqa: F821
+"""
+
+# Each tries to get full marks, or to hurt, without solving the exercise.
+HOSTILE = """\
+import os, sys, gc
+
+def {name}(*arguments, **keywords):
+    for path in ("grader/tests", "solutions", "gradebook.db", ".course_seed"):
+        try:
+            print(os.listdir(path) if os.path.isdir(path) else open(path).read())
+        except OSError:
+            pass
+    for number in range(3, 64):
+        try:
+            os.write(number, b"give me full marks")
+        except OSError:
+            pass
+    os._exit(0)
+"""
+
+
+@dataclass(frozen=True)
+class Pupil:
+    """A pretend student: a name and what to hand in for each lesson."""
+
+    name: str
+    notebooks: dict
+
+
+def make_class(count, hostile):
+    """Make ``demo/`` with the submissions of a class.
+
+    Parameters
+    ----------
+    count : int
+        Number of students.
+    hostile : bool
+        Whether one of them attacks the grader; leave that out without a sandbox.
+
+    Returns
+    -------
+    grader.course.paths.Course
+    """
+    course = Course(DEMO)
+    shutil.rmtree(course.root, ignore_errors=True)
+    for folder in ("solutions", "notebooks"):
+        shutil.copytree(PROJECT / folder / STAGE, course.root / folder / STAGE,
+                        ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"))
+    (course.root / "nbgrader_config.py").write_text(
+        CONFIGURATION.format(project=str(PROJECT)), "utf-8")
+    for pupil in pretend_students(count, hostile):
+        for lesson, text in pupil.notebooks.items():
+            path = course.submitted / pupil.name / lesson.stage / f"{lesson.name}.ipynb"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, "utf-8")
+    return course
+
+
+def pretend_students(count, hostile):
+    """Yield `count` of `Pupil`: the special ones first, then right and wrong answers in turn."""
+    names = (name if turn == 0 else f"{name}{turn + 1}"
+             for turn in itertools.count() for name in NAMES)
+    lessons = [lesson for lesson in all_lessons() if lesson.stage == STAGE]
+    special = [Pupil("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
+               Pupil("cut_off", {lesson: fill_in(lesson, best_answers(lesson))[:20_000]
+                                 for lesson in lessons})]
+    if hostile:
+        special.append(Pupil("mallory", {
+            lesson: fill_in(lesson, {exercise: HOSTILE.format(name=exercise)
+                                     for exercise in machine_graded(lesson)})
+            for lesson in lessons}))
+    # Small classes shall have both kinds: answers come first, one special in three.
+    pupils = (Pupil(next(names), {
+        lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons})
+        for number in itertools.count())
+    for position in range(count):
+        yield special.pop(0) if position % 4 == 3 and special else next(pupils)
+
+
+def machine_graded(lesson):
+    """Names of the exercises of a lesson that tests grade."""
+    return [exercise.name for exercise in lesson.exercises if not exercise.by_hand]
+
+
+def answers(lesson, number):
+    """The number-th student's answers: two in three right, each in another style."""
+    chosen = {}
+    for exercise in machine_graded(lesson):
+        right = number % 3 != 2
+        pool = [variant for variant in variants_of(exercise) if variant.right == right]
+        chosen[exercise] = pool[(number // 3 if not right else number) % len(pool)].source
+    return chosen
+
+
+def best_answers(lesson):
+    """A right answer to every exercise."""
+    return {exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+            for exercise in machine_graded(lesson)}

@@ -1,0 +1,126 @@
+"""The report on a class: one HTML page that needs nothing beside it."""
+
+import re
+import statistics
+from collections import Counter
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+import jinja2
+
+from grader.course.lessons import all_lessons
+
+BINS = 10
+
+
+@dataclass(frozen=True)
+class LessonSummary:
+    """How a class did in one lesson."""
+
+    name: str
+    stage: str
+    count: int
+    mean: float
+    median: float
+    max_score: float
+    histogram: tuple
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CheckSummary:
+    """How a class did in one check."""
+
+    lesson: str
+    exercise: str
+    title: str
+    visible: bool
+    failed: int
+    tried: int
+
+
+def write_report(course, judged, seconds=None, warning=""):
+    """Write the report.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    judged : list of (grader.classroom.grade.Submission, grader.judging.verdict.Verdict)
+    seconds : float, optional
+        Wall-clock time that grading took.
+    warning : str, optional
+        A sentence for the head of the page.
+
+    Returns
+    -------
+    pathlib.Path
+        ``report/index.html`` in the course's folder.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    verdicts = [verdict for _, verdict in judged]
+    lessons = [lesson for lesson in all_lessons()
+               if any(verdict.lesson == lesson.name for verdict in verdicts)]
+    students = {}
+    for submission, verdict in judged:
+        students.setdefault(submission.student, {})[verdict.lesson] = verdict
+    page = environment.get_template("report.html").render(
+        made=datetime.now().strftime("%d %B %Y, %H:%M"), seconds=seconds, warning=warning,
+        students=students, lessons=lessons, notebooks=len(verdicts),
+        summaries=[summarise_lesson(lesson, verdicts) for lesson in lessons],
+        hardest=hardest_checks(verdicts), mistakes=common_messages(verdicts),
+        slowest=sorted(judged, key=lambda pair: -pair[1].seconds)[:5])
+    path = course.report / "index.html"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # The name of a folder need not be UTF-8.
+    path.write_text(page, "utf-8", errors="replace")
+    return path
+
+
+def summarise_lesson(lesson, verdicts):
+    """`LessonSummary` of the verdicts on one lesson."""
+    mine = [verdict for verdict in verdicts if verdict.lesson == lesson.name]
+    scores = [verdict.score for verdict in mine]
+    whole = mine[0].max_score
+    histogram = [0] * BINS
+    for score in scores:
+        histogram[min(BINS - 1, int(BINS * score / whole))] += 1
+    return LessonSummary(lesson.name, lesson.stage, len(mine), statistics.mean(scores),
+                         statistics.median(scores), whole, tuple(histogram),
+                         statistics.median(verdict.seconds for verdict in mine))
+
+
+def hardest_checks(verdicts, most=10):
+    """`CheckSummary` of the checks that most students failed, hardest first."""
+    tried, failed = Counter(), Counter()
+    for verdict in verdicts:
+        for exercise in verdict.exercises:
+            for test in exercise.tests:
+                check = (verdict.lesson, exercise.name, test.title, test.visible)
+                tried[check] += 1
+                failed[check] += not test.passed
+    found = [CheckSummary(*check, failed[check], tried[check]) for check in tried
+             if failed[check]]
+    return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
+
+
+def common_messages(verdicts, most=8):
+    """(exercise, what is wrong, number of students), most frequent first."""
+    students = {}
+    for verdict in verdicts:
+        for exercise in verdict.exercises:
+            for test in exercise.tests:
+                if test.message:
+                    mistake = (exercise.name, _without_numbers(test.message.splitlines()[0]))
+                    students.setdefault(mistake, set()).add(verdict.student)
+    found = [(*mistake, len(names)) for mistake, names in students.items()]
+    return sorted(found, key=lambda mistake: -mistake[2])[:most]
+
+
+def _without_numbers(message):
+    """A message without what differs from cloud to cloud, so that equal mistakes count as one."""
+    message = re.sub(r", for example \([^)]*\)", "", message)
+    message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(?!\w)", "…", message)
+    return re.sub(r"\(…(, …)*\)", "(…)", message).replace("… row ", "… rows ")

@@ -1,0 +1,134 @@
+"""What each command does; each takes the parsed options and returns the exit status.
+
+What a command needs is imported when it runs, so that ``--help`` is quick.
+"""
+
+import json
+import sys
+import time
+
+from grader import console
+from grader.course.lessons import stages
+from grader.course.paths import PROJECT, Course
+from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
+
+GOOD, FAULT, WRONG_CALL = 0, 1, 2
+
+
+def run_build(options):
+    """``build [--check]``"""
+    from grader.course import build
+
+    if options.check:
+        faults = build.check()
+        print("\n".join(faults) if faults else "Every notebook is what its source says.")
+        return FAULT if faults else GOOD
+    done = build.build()
+    for what, path in done:
+        print(what, path.relative_to(PROJECT))
+    if not done:
+        print("Every notebook is what its source says.")
+    return GOOD
+
+
+def run_judge(options):
+    """``judge NOTEBOOK``"""
+    from grader.course.seed import course_seed
+    from grader.judging.judge import UnknownLesson, judge
+
+    if not options.notebook.is_file():
+        print(f"There is no file {options.notebook}.", file=sys.stderr)
+        return WRONG_CALL
+    sandbox = choose_sandbox(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    try:
+        verdict = judge(options.notebook, course_seed(Course(), options.seed), sandbox)
+    except UnknownLesson as error:
+        print(error, file=sys.stderr)
+        return WRONG_CALL
+    if options.json:
+        print(json.dumps(verdict.as_dict(), indent=1))
+    else:
+        console.print_verdict(verdict)
+    return GOOD
+
+
+def run_grade(options):
+    """``grade [STAGE ...]``"""
+    from grader.course.seed import course_seed
+
+    unknown = set(options.stages) - set(stages())
+    if unknown:
+        print(f"There is no stage {', '.join(sorted(unknown))}. The stages are: "
+              f"{', '.join(stages())}.", file=sys.stderr)
+        return WRONG_CALL
+    course = Course()
+    sandbox = choose_sandbox(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    return grade_course(course, options.stages, course_seed(course, options.seed), sandbox,
+                        options.workers)
+
+
+def run_report(options):
+    """``report``"""
+    from grader.classroom.grade import find_submissions
+    from grader.classroom.report import write_report
+    from grader.judging.verdict import read_verdict
+
+    course = Course()
+    verdicts = [(submission, read_verdict(submission.verdict_path(course)))
+                for submission in find_submissions(course)]
+    judged = [(submission, verdict) for submission, verdict in verdicts if verdict]
+    if not judged:
+        print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
+        return WRONG_CALL
+    print(f"Report: {write_report(course, judged)}")
+    return GOOD
+
+
+def run_demo(options):
+    """``demo``"""
+    from grader.classroom.demo import make_class
+
+    try:
+        sandbox, warning = choose_sandbox(), ""
+    except SandboxUnavailable as error:
+        sandbox = SANDBOXES["process"]
+        warning = (f"{error.args[0].split(' Student code')[0]} This demo runs its own pretend "
+                   "students without a sandbox; real grading would have refused.")
+        print(warning, file=sys.stderr)
+    if options.students < 1:
+        print("A class has at least one student.", file=sys.stderr)
+        return WRONG_CALL
+    course = make_class(options.students, hostile=not sandbox.warning)
+    return grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
+
+
+def grade_course(course, wanted, seed, sandbox, workers, warning=""):
+    """Judge, enter, report: what `grade` and `demo` do."""
+    from grader.classroom.grade import judge_class
+    from grader.classroom.report import write_report
+    from grader.lms.gradebook import GradebookTrouble, enter
+
+    warning = warning or sandbox.warning
+    begin = time.perf_counter()
+    with console.progress_bar("Judging") as advance:
+        judged = judge_class(course, wanted, seed, sandbox, workers, advance)
+    seconds = time.perf_counter() - begin
+    if not judged:
+        print(f"Nothing to grade: no {course.submitted}/<student>/<stage>/<NN_name>.ipynb. "
+              "Put submissions there, as nbgrader collect does.", file=sys.stderr)
+        return WRONG_CALL
+    status = GOOD
+    with console.progress_bar("Entering into the gradebook") as advance:
+        try:
+            enter(course, judged, seed, sandbox, advance)
+        except GradebookTrouble as error:
+            print(error, file=sys.stderr)
+            status = FAULT
+    path = write_report(course, judged, seconds, warning)
+    console.print_class(judged)
+    print(f"Judged {len(judged)} notebooks in {seconds:.1f} s. "
+          f"Gradebook: {course.root / 'gradebook.db'}")
+    print(f"Report: {path}")
+    return status

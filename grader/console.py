@@ -1,0 +1,71 @@
+"""What a person sees on the terminal: progress, verdicts, the scores of a class."""
+
+import contextlib
+import sys
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+
+@contextlib.contextmanager
+def progress_bar(title):
+    """A progress bar on stderr; yields a function (done, total, what)."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
+               TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        task = progress.add_task(title, total=None)
+        yield lambda done, total, what: progress.update(task, completed=done, total=total)
+
+
+def warn_if_unprotected(sandbox):
+    """Say loudly what a missing sandbox means."""
+    if sandbox.warning:
+        Console(stderr=True).print(sandbox.warning, style="bold red", highlight=False)
+
+
+def print_verdict(verdict):
+    """Print one verdict for a person."""
+    console = Console(highlight=False)
+    for sentence in verdict.problems:
+        console.print(f"! {sentence}", markup=False)
+    for exercise in verdict.exercises:
+        console.print(f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points",
+                      style="bold", markup=False)
+        for test in exercise.tests:
+            mark = "passed" if test.passed else "FAILED"
+            console.print(f"  {mark}  {test.title}", markup=False)
+            for line in test.message.splitlines():
+                console.print(f"          {line}", markup=False, style="dim")
+    console.print(f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
+                  f"({verdict.seconds:.1f} s)", style="bold", markup=False)
+
+
+def print_class(judged):
+    """Print a table of scores, one line a student."""
+    lessons = sorted({verdict.lesson for _, verdict in judged})
+    students = {}
+    for submission, verdict in judged:
+        students.setdefault(submission.student, {})[verdict.lesson] = verdict
+    table = Table(title="Scores by lesson", title_justify="left", box=SIMPLE_HEAD,
+                  show_footer=True, padding=(0, 1, 0, 0), expand=True)
+    table.add_column("Student", "out of", no_wrap=True, width=14)
+    for lesson in lessons:
+        most = max(verdict.max_score for _, verdict in judged if verdict.lesson == lesson)
+        table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=4)
+    table.add_column("First thing that went wrong", no_wrap=True, ratio=1)
+    for student, verdicts in students.items():
+        table.add_row(escape(student), *(
+            f"{verdicts[lesson].score:.3g}" if lesson in verdicts else "-" for lesson in lessons),
+            _first_fault(verdicts.values()))
+    Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
+
+
+def _first_fault(verdicts):
+    faults = [test.message.splitlines()[0] for verdict in verdicts
+              for exercise in verdict.exercises for test in exercise.tests if not test.passed]
+    problems = [sentence for verdict in verdicts if not any(
+        exercise.tests for exercise in verdict.exercises) for sentence in verdict.problems]
+    return escape(next(iter(problems + faults), ""))

@@ -1,0 +1,248 @@
+"""From the one source of a lesson to its two notebooks.
+
+``solutions/<stage>/<NN_name>.py`` becomes the instructor's notebook beside it through
+jupytext, and that the student's notebook in ``notebooks/`` through nbgrader's own
+GenerateAssignment. The same source gives the same bytes each time.
+"""
+
+import base64
+import hashlib
+import json
+import re
+import tempfile
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT
+
+# Cells that are the same in every lesson; a lesson marks their place with a tag. Between two
+# variants stands a line `---`: the first is for a course with a public address.
+COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
+KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
+# A stripped line this short, or of this kind, tells nobody the solution.
+LEAK_LENGTH = 12
+# Address and revision become part of links and of a command, so they hold nothing unusual.
+ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
+REVISION = re.compile(r"\w[\w./-]*")
+HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
+
+
+def build():
+    """Write every notebook and remove those that have no source.
+
+    Returns
+    -------
+    list of (str, pathlib.Path)
+        What was done, "wrote" or "removed", to which file.
+    """
+    done = []
+    for path, text in build_all().items():
+        if not path.exists() or path.read_bytes() != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(text)
+            done.append(("wrote", path))
+    for path in _strays():
+        path.unlink()
+        done.append(("removed", path))
+    return done
+
+
+def check():
+    """Compare what is on disk with its source.
+
+    Returns
+    -------
+    list of str
+        A sentence for each fault; empty when all is well.
+    """
+    built = build_all()
+    faults = [f"{path.relative_to(PROJECT)} is stale. Run: python -m grader build"
+              for path, text in built.items()
+              if not path.exists() or path.read_bytes() != text]
+    faults += [f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
+               for path in _strays()]
+    for lesson in all_lessons():
+        if b"](pictures/" in built[lesson.solved]:
+            faults.append(f"{lesson.name} shows a picture that is not there. Run: make pictures")
+        faults += [f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: "
+                   f"{line!r}" for line in leaks(built[lesson.solved], built[lesson.released])]
+    return faults
+
+
+def build_all(origin=None):
+    """Bytes of every generated notebook by path; `origin` is pyproject.toml's unless given."""
+    origin = origin or read_origin()
+    solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin))
+              for lesson in all_lessons()}
+    return {**solved, **_released(solved)}
+
+
+def solved_notebook(lesson, origin):
+    """The instructor's notebook of a lesson, as nbformat's NotebookNode."""
+    import jupytext
+
+    notebook = jupytext.read(lesson.source)
+    notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"},
+                         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage}}
+    notebook.nbformat, notebook.nbformat_minor = 4, 5
+    seen = {}
+    for cell in notebook.cells:
+        for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
+            cell.source = common_cell(tag, lesson, origin)
+        if cell.cell_type == "markdown":
+            _attach_pictures(cell, lesson.source.parent)
+        cell.id = _stable_id(cell, seen)
+    return notebook
+
+
+def to_bytes(notebook):
+    """A notebook as the bytes of its file."""
+    import nbformat
+
+    nbformat.validate(notebook)
+    return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
+
+
+def leaks(solved, released):
+    """Lines of a solution that also stand in the student's notebook.
+
+    Parameters
+    ----------
+    solved, released : bytes
+        The two notebooks.
+
+    Returns
+    -------
+    list of str
+    """
+    secret = set()
+    for cell in json.loads(solved)["cells"]:
+        for region in re.findall(r"### BEGIN SOLUTION\n(.*?)### END SOLUTION",
+                                 _text(cell["source"]), re.S):
+            secret |= {line.strip() for line in region.splitlines()}
+    secret = {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
+    shown = {line.strip() for cell in json.loads(released)["cells"]
+             for line in _text(cell["source"]).splitlines()}
+    return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the public finds the course, and which version of it the notebooks belong to.
+
+    Attributes
+    ----------
+    repository : str
+        Address such as ``https://github.com/OWNER/NAME``; empty while there is none.
+    revision : str
+        Branch, tag or commit.
+
+    Raises
+    ------
+    ValueError
+        One of them is not what it should be.
+    """
+
+    repository: str
+    revision: str
+
+    def __post_init__(self):
+        if self.repository and not ADDRESS.fullmatch(self.repository):
+            raise ValueError(f"`repository` in pyproject.toml is {self.repository!r}. It should "
+                             'look like "https://github.com/OWNER/NAME", or be empty.')
+        if not REVISION.fullmatch(self.revision):
+            raise ValueError(f"`revision` in pyproject.toml is {self.revision!r}. It should be "
+                             "the name of a branch or tag, or a commit.")
+
+    @property
+    def owner_and_name(self):
+        """``OWNER/NAME``."""
+        return ADDRESS.fullmatch(self.repository)[1]
+
+
+def read_origin():
+    """The `Origin` that pyproject.toml names.
+
+    The git remote of whoever builds has no say: every clone builds the same bytes.
+    """
+    settings = tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))
+    chosen = settings["tool"]["lidar-obstacle-lab"]
+    return Origin(chosen["repository"].removesuffix("/").removesuffix(".git"), chosen["revision"])
+
+
+def _released(solved):
+    """Student notebooks made by nbgrader in a folder of their own."""
+    from nbgrader.converters import GenerateAssignment
+    from nbgrader.preprocessors import SaveCells
+
+    from grader.lms.gradebook import converter
+
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder).resolve()
+        for path, text in solved.items():
+            copy = root / path.relative_to(PROJECT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(text)
+        for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
+            generate = converter(GenerateAssignment, root, stage)
+            generate.no_database = True
+            generate.preprocessors = [step for step in generate.preprocessors
+                                      if step is not SaveCells]
+            generate.start()
+        return {lesson.released:
+                (root / lesson.released.relative_to(PROJECT)).read_bytes().rstrip(b"\n") + b"\n"
+                for lesson in all_lessons()}
+
+
+def _strays():
+    known = {path for lesson in all_lessons() for path in (lesson.solved, lesson.released)}
+    found = [*(PROJECT / "solutions").glob("*/*.ipynb"), *(PROJECT / "notebooks").glob("*/*.ipynb")]
+    return sorted(set(found) - known)
+
+
+def common_cell(tag, lesson, origin):
+    """Text of a cell that every lesson has.
+
+    Parameters
+    ----------
+    tag : str
+        One of `COMMON_CELLS`.
+    lesson : Lesson
+    origin : Origin
+
+    Returns
+    -------
+    str
+    """
+    text = (PROJECT / "solutions" / COMMON_CELLS[tag]).read_text("utf-8")
+    variants = re.split(r"\n(?:# )?---\n", text)
+    if not origin.repository:
+        return variants[-1].strip()
+    notebook = lesson.released.relative_to(PROJECT).as_posix()
+    return (variants[0].replace("ADDRESS", origin.repository)
+            .replace("OWNER_NAME", origin.owner_and_name)
+            .replace("REVISION", origin.revision).replace("NOTEBOOK", notebook).strip())
+
+
+def _attach_pictures(cell, folder):
+    """Put pictures into the notebook itself, so that it can travel alone."""
+    for name in dict.fromkeys(re.findall(r"\]\(pictures/([\w.-]+\.png)\)", cell.source)):
+        if not (folder / "pictures" / name).exists():
+            continue  # a new lesson: its picture is drawn with its own solution
+        data = base64.b64encode((folder / "pictures" / name).read_bytes()).decode()
+        cell.setdefault("attachments", {})[name] = {"image/png": data}
+        cell.source = cell.source.replace(f"(pictures/{name})", f"(attachment:{name})")
+
+
+def _stable_id(cell, seen):
+    """An id that depends on the cell alone: nbgrader's name for it, or its text."""
+    grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
+    name = grade_id or hashlib.sha256(cell.source.encode()).hexdigest()[:12]
+    seen[name] = seen.get(name, 0) + 1
+    return name if seen[name] == 1 else f"{name}-{seen[name]}"
+
+
+def _text(source):
+    return source if isinstance(source, str) else "".join(source)

@@ -1,0 +1,78 @@
+"""Answers that students give: right ones in many styles, wrong ones from real mistakes.
+
+They lie in ``tests/variants/<exercise>.py``, one after another, each under a line such as
+``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A wrong one goes on with
+``# loses:`` (the checks that it fails, among others) and ``# says:`` (words that the message of
+one of them holds). The tests grade them all; the demo gives them to its pretend students.
+"""
+
+import json
+import re
+from dataclasses import dataclass
+
+from grader.course.paths import PROJECT
+
+ANOTHER_CELL = "# ---- another cell ----\n"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One answer to one exercise."""
+
+    exercise: str
+    name: str
+    right: bool
+    source: str
+    loses: tuple
+    says: str
+
+
+def variants_of(exercise):
+    """All variants of an exercise.
+
+    Parameters
+    ----------
+    exercise : str
+
+    Returns
+    -------
+    tuple of Variant
+    """
+    text = (PROJECT / "tests" / "variants" / f"{exercise}.py").read_text("utf-8")
+    sections = re.split(r"^# %% (right|wrong): (.+)\n", text, flags=re.M)[1:]
+    return tuple(_variant(exercise, kind == "right", name, body) for kind, name, body in
+                 zip(sections[::3], sections[1::3], sections[2::3], strict=True))
+
+
+def _variant(exercise, right, name, body):
+    notes = dict(re.findall(r"^# (loses|says): (.+)\n", body, flags=re.M))
+    source = re.sub(r"^# (loses|says): .+\n", "", body, flags=re.M).strip() + "\n"
+    loses = tuple(part.strip() for part in notes.get("loses", "").split(",") if part.strip())
+    return Variant(exercise, name.strip(), right, source, loses, notes.get("says", ""))
+
+
+def fill_in(lesson, answers):
+    """The student's notebook with answers typed in.
+
+    Parameters
+    ----------
+    lesson : grader.course.lessons.Lesson
+    answers : dict of str to str
+        Source by exercise; `ANOTHER_CELL` parts it into cells.
+
+    Returns
+    -------
+    str
+        Text of the notebook.
+    """
+    notebook = json.loads(lesson.released.read_text("utf-8"))
+    cells = []
+    for cell in notebook["cells"]:
+        source = answers.get(cell["metadata"].get("nbgrader", {}).get("grade_id"))
+        if source is not None:
+            *before, cell["source"] = source.split(ANOTHER_CELL)
+            cells += [{"cell_type": "code", "id": f"{cell['id']}-extra-{number}", "metadata": {},
+                       "execution_count": None, "outputs": [], "source": text}
+                      for number, text in enumerate(before)]
+        cells.append(cell)
+    return json.dumps({**notebook, "cells": cells}, indent=1) + "\n"

@@ -1,0 +1,1 @@
+"""Where a point is decided: outside the process of the student."""

@@ -1,0 +1,94 @@
+"""Clouds and right answers for the hidden tests.
+
+Fresh scenes are drawn from the course's secret seed; right answers come from plain brute force
+and from libraries that students may not use here, never from the reference solution. Both are
+kept, because a class meets the same ones two hundred times.
+"""
+
+import functools
+
+import numpy as np
+
+from grader.course.paths import PROJECT
+from utils.clouds import read_cloud
+
+
+@functools.cache
+def course_cloud():
+    """``data/cloud.txt``, read-only."""
+    return _frozen(read_cloud(PROJECT / "data" / "cloud.txt"))
+
+
+@functools.lru_cache(maxsize=256)
+def patch_of_course_cloud(seed, n):
+    """n random rows of the course's cloud within 25 m, in random order, read-only."""
+    cloud = course_cloud()
+    rng = np.random.default_rng(seed)
+    rows = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 25)
+    return _frozen(cloud[rng.choice(rows, n, replace=False)])
+
+
+@functools.lru_cache(maxsize=64)
+def fresh_street(seed):
+    """A street nobody has seen: a full turn of a scanner, read-only, shape (n, 4)."""
+    from utils.scenes import random_street
+
+    return _frozen(random_street(seed).cloud)
+
+
+@functools.lru_cache(maxsize=256)
+def obstacles_of_street(seed, n):
+    """n points that stand above the road of a fresh street, within 20 m, read-only."""
+    cloud = fresh_street(seed)
+    near = np.hypot(cloud[:, 0], cloud[:, 1]) < 20
+    rows = np.flatnonzero(near & (cloud[:, 2] > -1.0))
+    rng = np.random.default_rng(seed + 1)
+    return _frozen(cloud[rng.choice(rows, min(n, len(rows)), replace=False)])
+
+
+@functools.lru_cache(maxsize=1024)
+def _cluster_labels(data, shape, threshold):
+    from sklearn.cluster import DBSCAN
+
+    points = np.frombuffer(data).reshape(shape)
+    # With one sample per core every point is a core: DBSCAN is then single linkage. Its radius
+    # is closed and ours is open; `without_ties` keeps clouds free of distances in between.
+    return _frozen(DBSCAN(eps=threshold, min_samples=1).fit_predict(points) + 1)
+
+
+def cluster_labels(cloud, threshold):
+    """Right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
+    if not len(cloud):
+        return np.empty(0, dtype=int)
+    points = np.ascontiguousarray(cloud[:, :3], dtype=float)
+    return _cluster_labels(points.tobytes(), points.shape, float(threshold))
+
+
+def without_ties(cloud, threshold, margin=1e-3):
+    """Rows of a cloud of which no two are at the threshold, give or take `margin` metres.
+
+    Whether a pair at the very threshold counts depends on ``<`` against ``<=`` and on the last
+    digit of a float; neither says whether an algorithm is right.
+    """
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(cloud[:, :3])
+    outer = tree.query_pairs(threshold + margin, output_type="ndarray")
+    distance = np.linalg.norm(cloud[outer[:, 0], :3] - cloud[outer[:, 1], :3], axis=1)
+    doubtful = outer[distance > threshold - margin]
+    return _frozen(np.delete(cloud, np.unique(doubtful[:, 1]), axis=0))
+
+
+def voxel_centroids(cloud, voxel_size):
+    """Right answer for `voxel_grid`, cell by cell in plain Python; shape (m, columns)."""
+    cells = {}
+    for row in np.asarray(cloud, dtype=float).tolist():
+        cells.setdefault(tuple(int(x // voxel_size) for x in row[:3]), []).append(row)
+    return np.array([[sum(column) / len(rows) for column in zip(*rows, strict=True)]
+                     for rows in cells.values()]).reshape(-1, cloud.shape[1])
+
+
+def _frozen(array):
+    array = np.ascontiguousarray(array)
+    array.flags.writeable = False
+    return array

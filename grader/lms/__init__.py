@@ -1,0 +1,1 @@
+"""Towards the systems that keep a course: nbgrader's gradebook."""

@@ -1,0 +1,142 @@
+"""Enter verdicts into nbgrader's gradebook, by nbgrader's own converters.
+
+One process writes: nbgrader's database is SQLite by default.
+"""
+
+import contextlib
+import json
+import logging
+
+from nbgrader.api import Gradebook, MissingEntry
+from nbgrader.converters import Autograde, GenerateAssignment
+from nbgrader.coursedir import CourseDirectory
+from traitlets.config import Config
+
+from grader.lms.nbgrader_settings import configure
+
+
+class GradebookTrouble(Exception):
+    """nbgrader could not enter something; `str()` is the sentence to show."""
+
+
+def converter(kind, root, stage, **settings):
+    """One of nbgrader's converters on a course folder.
+
+    Parameters
+    ----------
+    kind : type
+        Such as `nbgrader.converters.Autograde`.
+    root : pathlib.Path
+        The course folder.
+    stage : str
+        nbgrader's assignment.
+    **settings : dict
+        Traits to configure, by class name.
+
+    Returns
+    -------
+    nbgrader.converters.BaseConverter
+    """
+    config = configure(Config(), root)
+    config[kind.__name__].force = True
+    for name, traits in settings.items():
+        config[name].update(traits)
+    made = kind(coursedir=CourseDirectory(config=config), config=config)
+    made.coursedir.assignment_id = stage
+    made.log = logging.getLogger("grader.nbgrader")
+    made.log.setLevel(logging.CRITICAL)
+    return made
+
+
+def open_gradebook(course):
+    """nbgrader's gradebook of a course, made where there is none; a context manager."""
+    directory = CourseDirectory(config=configure(Config(), course.root))
+    return Gradebook(directory.db_url, directory.course_id)
+
+
+def register(course, stages):
+    """Make sure that the gradebook knows the stages, with the points of their cells.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    stages : iterable of str
+    """
+    for stage in stages:
+        with open_gradebook(course) as gradebook, contextlib.suppress(MissingEntry):
+            gradebook.find_assignment(stage)
+            continue
+        converter(GenerateAssignment, course.root, stage).start()
+
+
+def enter(course, judged, seed, sandbox, progress):
+    """Enter the scores of a class.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    judged : list of (Submission, Verdict)
+    seed : int
+    sandbox : grader.sandbox.Sandbox
+    progress : callable
+        Called with (done, total, submission) after each student's stage.
+
+    Raises
+    ------
+    GradebookTrouble
+        After everybody else has been entered.
+    """
+    keys = {}
+    for submission, verdict in judged:
+        group = keys.setdefault((submission.student, submission.lesson.stage), {})
+        group[submission.lesson.name] = verdict.key
+    register(course, dict.fromkeys(stage for _, stage in keys))
+    failed = []
+    for done, ((student, stage), wanted) in enumerate(keys.items(), start=1):
+        if not is_entered(course, student, stage, wanted):
+            autograde = converter(Autograde, course.root, stage,
+                                  Judge={"seed": seed, "sandbox": sandbox.name})
+            autograde.coursedir.student_id = student
+            try:
+                autograde.start()
+            except Exception as error:  # nbgrader raises many things; one student must not
+                failed.append(f"{student}, {stage}: {error}")  # stop the others
+        progress(done, len(keys), student)
+    if failed:
+        raise GradebookTrouble("nbgrader could not enter some submissions; run `nbgrader "
+                               "autograde` on them to see why:\n" + "\n".join(failed))
+
+
+def is_entered(course, student, stage, wanted):
+    """True if the autograded notebooks carry exactly these verdicts.
+
+    Parameters
+    ----------
+    wanted : dict of str to str
+        Key of the verdict by name of the lesson.
+    """
+    for lesson_name, key in wanted.items():
+        path = course.root / "autograded" / student / stage / f"{lesson_name}.ipynb"
+        try:
+            entered = json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]
+        except (OSError, ValueError, KeyError):
+            return False
+        if entered != key:
+            return False
+    return True
+
+
+def scores(course):
+    """What the gradebook holds.
+
+    Returns
+    -------
+    dict of (str, str, str) to float
+        Score by student, stage and notebook.
+    """
+    with open_gradebook(course) as gradebook:
+        return {(submission.student.id, submission.assignment.name, notebook.name):
+                notebook.score
+                for assignment in gradebook.assignments
+                for submission in assignment.submissions
+                for notebook in submission.notebooks}

@@ -1,0 +1,37 @@
+"""Where a student's code runs, and how the judge talks to it.
+
+`boundary` says what that code can see. `SANDBOXES` lists the ways to run it; another one is a
+module with a class that has the methods of `protocol.Sandbox`, and a line in the table.
+"""
+
+from grader.sandbox.bubblewrap import Bubblewrap
+from grader.sandbox.process import PlainProcess
+from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable
+from grader.sandbox.workers import Worker
+
+__all__ = ["AUTO", "SANDBOXES", "Limits", "Sandbox", "SandboxUnavailable", "Worker",
+           "choose_sandbox"]
+
+AUTO = "auto"
+SANDBOXES: dict[str, Sandbox] = {
+    sandbox.name: sandbox for sandbox in (Bubblewrap(), PlainProcess())}
+
+
+def choose_sandbox(wish: str = AUTO) -> Sandbox:
+    """Find the sandbox that was asked for.
+
+    Parameters
+    ----------
+    wish : str
+        A name in `SANDBOXES`, or "auto": the first that has walls. One without is never fallen
+        back to.
+
+    Raises
+    ------
+    SandboxUnavailable
+        With the command that would mend it.
+    """
+    if wish == AUTO:
+        wish = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)
+    SANDBOXES[wish].available()
+    return SANDBOXES[wish]

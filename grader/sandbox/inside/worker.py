@@ -1,0 +1,192 @@
+"""The process in which a student's code runs, and nothing else.
+
+It reads its limits, then the notebook's code cells, then answers calls until the pipe closes.
+It knows no expected answer, no score and no secret: whatever a student makes it say
+is only an answer, and the judge decides whether the answer is right.
+
+Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE``.
+"""
+
+import builtins
+import contextlib
+import importlib.abc
+import os
+import resource
+import sys
+import types
+from pathlib import Path
+
+_HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(_HERE), str(_HERE.parents[2])]  # this folder, and the one that holds `utils`
+
+import syscalls  # noqa: E402
+import wire  # noqa: E402
+
+from utils.notebooks import slicing  # noqa: E402
+
+LONGEST_TEXT = 400
+
+
+class ForbiddenImports(importlib.abc.MetaPathFinder):
+    """Answers the import of a library that would do the exercise with a clear sentence."""
+
+    def __init__(self, modules):
+        self.modules = tuple(modules)
+
+    def find_spec(self, fullname, path=None, target=None):
+        if is_forbidden(fullname, self.modules):
+            raise ImportError(f"{fullname} is not allowed in this lesson: it does the exercise "
+                              "for you")
+        return None
+
+
+def is_forbidden(name, modules):
+    """True where `name` is one of `modules` or lies inside one."""
+    return any(name == module or name.startswith(module + ".") for module in modules)
+
+
+def main(read_end, write_end):
+    """Serve one notebook."""
+    rules = wire.receive(read_end)
+    volunteer_for_the_memory_killer()
+    become_nobody(rules["user"])
+    set_limits(rules["limits"])
+    syscalls.deny()
+    sys.meta_path.insert(0, ForbiddenImports(rules["forbidden"]))
+    wire.send(write_end, "ready")
+
+    start = wire.receive(read_end)
+    statements, problems = slicing.parse_notebook(start["cells"])
+    for cell, module in dict.fromkeys(slicing.imported_modules(statements)):
+        if is_forbidden(module, rules["forbidden"]):
+            problems.append(f"Code cell {cell} imports {module}, which is not allowed in this "
+                            "lesson: it does the exercise for you.")
+    needed = slicing.slice_for(start["names"], statements)
+    wire.send(write_end, {"problems": problems})
+
+    namespace = make_namespace()
+    failures = run(needed, namespace)
+    wire.send(write_end, {"problems": failures,
+                          "missing": [name for name in start["names"]
+                                      if name not in namespace]})
+    objects = {}
+    while True:
+        try:
+            request = wire.receive(read_end)
+        except wire.WireClosed:
+            return
+        reply(write_end, request["id"], answer(request, namespace, objects))
+
+
+def volunteer_for_the_memory_killer():
+    """Ask Linux to end this process, and not the grader, when the machine runs out of memory."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("1000")
+
+
+def become_nobody(user):
+    """Leave root for good: limits on processes do not bind root."""
+    if user is not None:
+        os.setgroups([])
+        os.setgid(user)
+        os.setuid(user)
+
+
+def set_limits(limits):
+    """Set resource limits that cannot be raised again."""
+    for name, value in limits.items():
+        which = getattr(resource, name)
+        allowed = resource.getrlimit(which)[1]
+        if allowed != resource.RLIM_INFINITY:
+            value = min(value, allowed)
+        resource.setrlimit(which, (value, value))
+
+
+def make_namespace():
+    """A fresh `__main__`, with an IPython that agrees to everything and does nothing."""
+    main_module = types.ModuleType("__main__")
+    sys.modules["__main__"] = main_module
+    builtins.get_ipython = lambda: _Agreeable()
+    builtins.display = lambda *values, **options: None
+    return main_module.__dict__
+
+
+class _Agreeable:
+    def __getattr__(self, name):
+        return lambda *values, **options: None
+
+
+def run(statements, namespace):
+    """Execute statements one by one; return a sentence for each that failed."""
+    failures = []
+    for statement in statements:
+        try:
+            code = slicing.compile_statement(statement, f"code cell {statement.cell}")
+            exec(code, namespace)
+        except BaseException as error:  # SystemExit too: nothing a cell does ends the judging
+            text = describe(error)
+            failures.append(f"Code cell {statement.cell}, line {statement.node.lineno}, failed: "
+                            f"{text['type']}: {text['message']}")
+    return failures
+
+
+def answer(request, namespace, objects):
+    """Do what a request asks for; the result, or what went wrong.
+
+    A request names a function of the notebook, or a method or an attribute of an object that
+    an earlier answer left here under a number.
+    """
+    arguments, keywords = request["arguments"], request["keywords"]
+    before = [wire.encode(argument) for argument in arguments]
+    try:
+        if request["object"] is None:
+            wanted = namespace[request["name"]]
+        else:
+            wanted = getattr(objects[request["object"]], request["name"])
+        result = wanted(*arguments, **keywords) if request["call"] else wanted
+    except BaseException as error:
+        return {"error": describe(error)}
+    if not wire.is_plain(result):
+        objects[len(objects)] = result
+        return {"object": len(objects) - 1, "callable": callable(result),
+                "type": type(result).__name__[:100]}
+    # The judge passes changes of an argument on to its own copy, as a real call would.
+    changed = {position: argument for position, argument in enumerate(arguments)
+               if wire.encode(argument) != before[position]}
+    return {"result": result, "changed": changed}
+
+
+def reply(write_end, number, content):
+    """Send an answer, or say why it cannot be sent."""
+    try:
+        wire.send(write_end, {"id": number, **content})
+    except wire.WireClosed:
+        raise
+    except wire.TooLarge:
+        wire.send(write_end, {"id": number, "error": {
+            "type": "MemoryError", "message": "it returned more data than any answer needs"}})
+    except Exception as error:  # an object that cannot be turned into an array, or read
+        wire.send(write_end, {"id": number, "error": describe(error)})
+
+
+def describe(error):
+    """Plain data about an exception: type, message and the last line of the notebook in it."""
+    place, trace = None, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename.startswith("code cell "):
+            place = f"{trace.tb_frame.f_code.co_filename}, line {trace.tb_lineno}"
+        trace = trace.tb_next
+    try:
+        message = str(error)
+    except BaseException:
+        message = ""
+    return {"type": type(error).__name__[:100], "message": message[:LONGEST_TEXT],
+            "place": place}
+
+
+if __name__ == "__main__":
+    pipes = [os.dup(int(number)) for number in sys.argv[1:3]]
+    silence = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(silence, standard)  # printing, reading and warnings do no harm
+    main(*pipes)

@@ -1,0 +1,29 @@
+"""No walls: an ordinary process with resource limits, for code that one trusts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from grader.sandbox.protocol import Limits
+from grader.sandbox.workers import Worker, launch
+
+
+@dataclass(frozen=True)
+class PlainProcess:
+    """For a student's own machine and for the demo, never for strangers' code."""
+
+    name: str = "process"
+    warning: str = (
+        "WARNING: no sandbox (--sandbox process). Submitted code runs as you: it can read and "
+        "delete your files, use the network and look at other submissions. Only for code you trust."
+    )
+
+    def available(self) -> None:
+        """Every machine has processes."""
+
+    def start(self, limits: Limits, forbidden: Iterable[str] = ()) -> Worker:
+        """Start a worker; see `grader.sandbox.protocol.Sandbox`."""
+        rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
+        return launch((), os.environ.get("HOME", "/tmp"), rules, limits)

@@ -1,0 +1,124 @@
+"""The process in which a student's code runs, seen from outside: its pipes, its memory, its end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.sandbox.boundary import WORKER
+from grader.sandbox.inside import wire
+from grader.sandbox.protocol import Limits, SandboxUnavailable
+
+SECONDS_BETWEEN_LOOKS = 0.2
+SECONDS_TO_REPORT = 60
+# One thread each: classes are graded many notebooks at a time.
+ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "MPLBACKEND": "Agg",
+               "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+
+
+@dataclass
+class Worker:
+    """A running worker and the two ends of its pipes."""
+
+    process: subprocess.Popen
+    read_end: int
+    write_end: int
+    _stopped: threading.Event = field(default_factory=threading.Event)
+
+    def stop(self):
+        """Kill the worker and all it started; return its exit code."""
+        self._stopped.set()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        code = self.process.wait()
+        self.process.stderr.close()
+        for end in (self.read_end, self.write_end):
+            os.close(end)
+        return code
+
+    def watch_memory(self, limit):
+        """Kill the worker when all its processes together take more than `limit` bytes."""
+        def watch():
+            while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
+                if memory_of_tree(self.process.pid) > limit:
+                    self.process.kill()
+                    return
+        threading.Thread(target=watch, daemon=True).start()
+
+
+def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Worker:
+    """Start a worker behind some walls, and wait until it reports.
+
+    Parameters
+    ----------
+    walls : sequence of str
+        The command that runs another one inside; empty for none.
+    home : str
+        The folder that the worker may write to.
+    rules : dict
+        What the worker imposes on itself before it reads a line of the student:
+        ``user``, ``limits``, ``forbidden``.
+    limits : Limits
+
+    Raises
+    ------
+    SandboxUnavailable
+        If it does not report.
+    """
+    their_read, our_write = os.pipe()
+    our_read, their_write = os.pipe()
+    for end in (our_read, our_write):
+        os.set_blocking(end, False)
+    command = [*walls, sys.executable, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
+    try:
+        process = subprocess.Popen(
+            command, pass_fds=(their_read, their_write), env={"HOME": home, **ENVIRONMENT},
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            start_new_session=True)
+    finally:
+        os.close(their_read)
+        os.close(their_write)
+    worker = Worker(process, our_read, our_write)
+    try:
+        deadline = time.monotonic() + SECONDS_TO_REPORT
+        wire.send(our_write, rules, deadline)
+        wire.receive(our_read, deadline)
+    except (wire.WireClosed, wire.WireTimeout):
+        process.kill()
+        complaint = process.stderr.read().decode(errors="replace").strip()[-500:]
+        worker.stop()
+        raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
+    worker.watch_memory(limits.total_memory)
+    return worker
+
+
+def memory_of_tree(pid):
+    """Bytes that a process and its descendants have mapped.
+
+    Mapped and not used, because used memory can hide: pages shared by two processes may be
+    in the page tables of neither.
+
+    Parameters
+    ----------
+    pid : int
+
+    Returns
+    -------
+    int
+        0 where there is no such process or no /proc.
+    """
+    try:
+        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[0])
+        children = [child for path in Path(f"/proc/{pid}/task").glob("*/children")
+                    for child in path.read_text().split()]
+    except OSError:  # it has just ended
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE") + sum(map(memory_of_tree, children))

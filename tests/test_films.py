@@ -1,0 +1,140 @@
+"""Films are really written, read again, and counted."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from utils import progress as bar
+from utils import scenes
+from utils.films.filming import Sight, record, scene_of, watch
+from utils.scene3d import Scene, opengl
+
+SIZE = (160, 90)
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return [frame for frame in scenes.highway(frames=3)]
+
+
+def box_of_everything(cloud):
+    low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
+    return np.array([[np.where([k & 1, k & 2, k & 4], high, low) for k in range(8)]])
+
+
+@pytest.mark.parametrize("renderer", ["pyvista", "matplotlib"])
+def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
+    pytest.importorskip("imageio_ffmpeg")
+    if renderer == "pyvista" and opengl.obstacle():
+        pytest.skip(opengl.obstacle())
+    import imageio.v3 as imageio
+
+    path = tmp_path / "film.mp4"
+    film = record(frames, path, box_of_everything, size=(161, 91), renderer=renderer)
+    pictures = imageio.imread(path)
+    assert pictures.shape == (3, 90, 160, 3)  # even, as players want it
+    assert not np.array_equal(pictures[0], pictures[2])
+    assert film.frames == 3 and film.boxes == (1, 1, 1) and len(film.seconds) == 3
+    assert "1 box per frame; detection took" in film.recap
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_gif_moves_for_ever_at_the_speed_asked_for(tmp_path, frames):
+    path = tmp_path / "film.gif"
+    record(frames, path, camera="TopDown", size=SIZE, frames_per_second=5, renderer="matplotlib")
+    image = Image.open(path)
+    assert (image.n_frames, image.size, image.info["loop"]) == (3, SIZE, 0)
+    assert image.info["duration"] == 200
+    image.seek(1)
+    assert max(image.convert("RGB").getcolors(10_000))[1] == (255, 255, 255)  # the paper
+
+
+def test_a_png_is_the_first_frame(tmp_path, frames):
+    film = record(frames, tmp_path / "frame.png", size=SIZE, renderer="matplotlib")
+    assert film.frames == 1 and Image.open(film.path).size == SIZE
+
+
+def test_bare_clouds_and_a_scene_of_ones_own_are_recorded(tmp_path, frames):
+    composed = []
+
+    def compose(sight):
+        composed.append(sight.number)
+        return Scene().add_rays(sight.cloud)
+
+    clouds = (frame.cloud for frame in frames)
+    record(clouds, tmp_path / "rays.gif", compose=compose, size=SIZE, renderer="matplotlib")
+    assert composed == [1, 2, 3]
+
+
+def test_what_cannot_be_recorded_is_refused(tmp_path, frames):
+    with pytest.raises(ValueError, match=".mp4, .gif, .png"):
+        record(frames, tmp_path / "film.avi")
+    with pytest.raises(ValueError, match="no frames"):
+        record([], tmp_path / "film.gif")
+
+
+def test_a_detector_that_fails_at_once_is_heard_and_leaves_no_file(tmp_path, frames):
+    with pytest.raises(ZeroDivisionError):
+        record(frames, tmp_path / "film.gif", lambda cloud: 1 / 0, renderer="matplotlib")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("answer", [np.zeros((8, 3)), None, [[1, 2], [3]]])
+def test_a_detector_that_returns_no_boxes_is_told(frames, answer):
+    with pytest.raises((ValueError, TypeError), match="boxes|sequence|NoneType"):
+        list(watch(frames, lambda cloud: answer))
+
+
+def test_a_detector_that_fails_later_costs_one_frame(tmp_path, frames):
+    calls = []
+
+    def detect(cloud):
+        calls.append(len(cloud))
+        if len(calls) == 2:
+            raise IndexError("too far")
+        return box_of_everything(cloud)
+
+    film = record(frames, tmp_path / "f.gif", detect, size=SIZE, renderer="matplotlib")
+    assert film.problems == ("frame 2, IndexError: too far",)
+    assert film.boxes == (1, 1)
+    assert "failed in 1 of them; first: frame 2" in film.recap
+
+
+def test_the_caption_tells_time_and_number(frames):
+    sights = list(watch(frames, box_of_everything))
+    assert sights[1].caption.startswith("frame 2 of 3 · 0.1 s · detected in ")
+    assert sights[1].caption.endswith(" ms · 1 box")
+    assert next(watch(frames)).caption == "frame 1 of 3 · 0.0 s"
+
+
+def test_true_boxes_are_dashed_and_named_only_while_nothing_is_detected(frames):
+    alone, beside = (scene_of(next(watch(frames, how))) for how in (None, box_of_everything))
+    assert "3 true boxes" in alone.describe() and "detected" not in alone.describe()
+    assert "1 detected boxes" in beside.describe()
+    kinds = [part.text for part in alone.parts if hasattr(part, "text")]
+    assert kinds == ["car"] * 3
+    assert [part.text for part in beside.parts if hasattr(part, "text")] == ["0"]
+
+
+def test_houses_are_no_road_users():
+    sight = next(watch(scenes.city_block(frames=1)))
+    assert isinstance(sight, Sight) and sight.true_boxes
+    assert {box.kind for box in sight.true_boxes} <= {"car", "truck", "cyclist", "pedestrian"}
+
+
+def test_progress_goes_to_standard_output(tmp_path, frames, monkeypatch, capsys):
+    monkeypatch.setattr(bar.sys.stdout, "isatty", lambda: True, raising=False)
+    record(frames, tmp_path / "film.gif", size=SIZE, renderer="matplotlib")
+    written = capsys.readouterr()
+    assert "Recording film.gif" in written.out and "3/3" in written.out
+    assert written.err == ""
+
+
+@pytest.mark.parametrize(("suffix", "tag"), [(".gif", "<img alt="), (".mp4", "<video controls")])
+def test_a_film_shows_itself_with_words(tmp_path, frames, suffix, tag):
+    if suffix == ".mp4":
+        pytest.importorskip("imageio_ffmpeg")
+    film = record(frames, tmp_path / f"f{suffix}", size=SIZE, renderer="matplotlib")
+    page = film._repr_html_()
+    assert page.startswith(tag) and "base64," in page
+    assert "seen from behind, right and above" in page and "3 frames." in page

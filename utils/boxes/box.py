@@ -1,0 +1,72 @@
+"""A true box: what stands where, how large, which way it heads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Box:
+    """The true box of an obstacle that returned at least one echo, in sensor coordinates.
+
+    Parameters
+    ----------
+    centre : tuple of float
+        x, y, z of its middle in metres.
+    size : tuple of float
+        Length, width, height in metres.
+    yaw : float
+        Heading of its length in radians, from the x axis towards y, in [-pi, pi).
+    kind : str
+        One of `utils.simulator.CLASSES`.
+    identity : int
+        The same number in every frame of a stream, and in `Scan.objects`.
+    velocity : tuple of float
+        Metres per second over the ground along the sensor's x and y axes.
+    returns : int
+        Number of echoes in this frame.
+    """
+
+    centre: tuple[float, float, float]
+    size: tuple[float, float, float]
+    yaw: float
+    kind: str
+    identity: int
+    velocity: tuple[float, float] = (0.0, 0.0)
+    returns: int = 0
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Shape (8, 3): the floor anticlockwise from front left, then the roof alike."""
+        signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) / 2
+        half = self.size[2] / 2
+        floor = np.column_stack([signs * self.size[:2], np.full(4, -half)])
+        cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
+        x, y, z = np.vstack([floor, floor + (0, 0, 2 * half)]).T
+        turned = np.column_stack([cosine * x - sine * y, sine * x + cosine * y, z])
+        return turned + self.centre
+
+
+def inside(cloud: np.ndarray, box: Box) -> np.ndarray:
+    """Find the points inside an upright box, its faces included.
+
+    Parameters
+    ----------
+    cloud : ndarray, shape (n, 3) or (n, 4)
+    box : Box
+
+    Returns
+    -------
+    ndarray, shape (n,), bool
+    """
+    offset = cloud[:, :3] - np.asarray(box.centre)
+    cosine, sine = np.cos(box.yaw), np.sin(box.yaw)
+    along = offset[:, 0] * cosine + offset[:, 1] * sine
+    across = offset[:, 1] * cosine - offset[:, 0] * sine
+    half = np.asarray(box.size) / 2
+    return (
+        (np.abs(along) <= half[0]) & (np.abs(across) <= half[1]) & (np.abs(offset[:, 2]) <= half[2])
+    )

@@ -1,0 +1,215 @@
+"""A stream of frames, seen through a detector: watched one by one, or recorded."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from utils.films.writers import WRITERS, Film
+from utils.progress import progress
+from utils.scene3d import Scene
+from utils.scene3d.cameras import Camera, as_camera
+from utils.scene3d.output import picture_of, renderer_for
+
+SIZE = (960, 540)
+ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
+"""Kinds whose true boxes are shown; houses and trees would hide the rest."""
+
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """One frame and what a detector made of it.
+
+    Attributes
+    ----------
+    number, total : int
+        Position in the stream, from 1, and length of the stream.
+    time : float
+        Seconds since the first frame.
+    cloud : ndarray, shape (n, 3) or (n, 4)
+    true_boxes : tuple of utils.boxes.Box
+        Of road users; empty where nobody knows them.
+    found : ndarray, shape (N, 8, 3), or None
+        None without a detector, or where it failed.
+    seconds : float
+        How long the detector took.
+    problem : str
+        Why it failed, if it did.
+    """
+
+    number: int
+    total: int
+    time: float
+    cloud: np.ndarray
+    true_boxes: tuple
+    found: np.ndarray | None = None
+    seconds: float = 0.0
+    problem: str = ""
+
+    @property
+    def caption(self) -> str:
+        """The line below the picture: where in the stream, how long it took, how much was found."""
+        words = [f"frame {self.number} of {self.total}", f"{self.time:.1f} s"]
+        if self.problem:
+            words.append(f"the detector failed: {self.problem}"[:90])
+        elif self.found is not None:
+            words.append(f"detected in {1000 * self.seconds:.0f} ms")
+            words.append(f"{len(self.found)} box" + ("" if len(self.found) == 1 else "es"))
+        return " · ".join(words)
+
+
+def watch(frames: Sequence, detect: Callable | None = None) -> Iterator[Sight]:
+    """Run a detector over frames, one at a time.
+
+    Parameters
+    ----------
+    frames : sequence
+        Frames with `cloud` and, where known, `boxes` and `time`; or bare clouds.
+    detect : callable, optional
+        From a cloud to boxes (N, 8, 3).
+
+    Yields
+    ------
+    Sight
+
+    Raises
+    ------
+    Exception
+        Whatever the detector raises in the first frame. Later failures go into `Sight.problem`:
+        one odd scan should not cost the whole film.
+    """
+    times = getattr(frames, "times", np.arange(len(frames)) / 10)  # a bag knows, 10 Hz is usual
+    for number, frame in enumerate(frames, start=1):
+        cloud = np.asarray(getattr(frame, "cloud", frame))
+        moment = float(getattr(frame, "time", times[number - 1]))
+        boxes = tuple(box for box in getattr(frame, "boxes", ()) if box.kind in ROAD_USERS)
+        found, seconds, problem = None, 0.0, ""
+        if detect is not None:
+            start = time.perf_counter()
+            try:
+                found = detect(cloud)
+                seconds = time.perf_counter() - start
+                found = _checked(found)
+            except Exception as error:
+                if number == 1:
+                    raise
+                found, problem = None, f"{type(error).__name__}: {error}"
+        yield Sight(number, len(frames), moment, cloud, boxes, found, seconds, problem)
+
+
+def scene_of(sight: Sight, title: str = "") -> Scene:
+    """The cloud with the boxes found, and the true ones dashed; named where nothing was sought."""
+    scene = Scene(title).add_cloud(sight.cloud)
+    if sight.true_boxes:
+        corners = np.array([box.corners for box in sight.true_boxes])
+        names = None if sight.found is not None else [box.kind for box in sight.true_boxes]
+        scene.add_oriented_boxes(corners, reference=True, names=names, name="true boxes")
+    if sight.found is not None:
+        scene.add_oriented_boxes(sight.found, names=True, name="detected boxes")
+    scene.caption = sight.caption
+    return scene
+
+
+def record(
+    frames: Iterable,
+    path: str | os.PathLike,
+    detect: Callable | None = None,
+    *,
+    camera: str | Camera = "XY",
+    compose: Callable[[Sight], Scene] = scene_of,
+    size: tuple[int, int] = SIZE,
+    frames_per_second: float = 10.0,
+    renderer: str | None = None,
+) -> Film:
+    """Make a film of a stream, with a bar that shows how far it has come.
+
+    Parameters
+    ----------
+    frames : iterable
+        Frames with `cloud` and, where known, `boxes` and `time`; or bare clouds.
+    path : str or path
+        Ends in .mp4 or .gif; or in .png for a picture of the first frame.
+    detect : callable, optional
+        From a cloud to boxes (N, 8, 3), such as ``detect_obstacles``. It is timed.
+    camera : {"XY", "TopDown", "Side", "FPS"} or Camera
+    compose : callable, optional
+        From a `Sight` to the `Scene` to film, for more than points and boxes.
+    size : (int, int)
+        Width and height in pixels; made even, as films want it.
+    frames_per_second : float
+    renderer : {"pyvista", "matplotlib"}, optional
+        By default PyVista where it can draw, else matplotlib.
+
+    Returns
+    -------
+    Film
+
+    Raises
+    ------
+    ValueError
+        The path has another ending, or there are no frames.
+    """
+    path, camera = Path(path), as_camera(camera)
+    if path.suffix not in WRITERS:
+        raise ValueError(f"{path.name}: films end in {', '.join(WRITERS)}.")
+    frames = frames if hasattr(frames, "__len__") else list(frames)
+    if path.suffix == ".png":
+        frames = frames[:1]
+    if not len(frames):
+        raise ValueError("There are no frames to record.")
+    size = tuple(int(length) // 2 * 2 for length in size)
+    sights = []
+
+    def images() -> Iterator[np.ndarray]:
+        with _camera_team(size, camera, renderer) as take:
+            bar = progress(range(len(frames)), f"Recording {path.name}")
+            for sight, _ in zip(watch(frames, detect), bar, strict=False):
+                yield take(compose(sight))
+                sights.append(sight)
+            next(bar, None)  # lets the bar show its last step
+
+    unfinished = path.with_name(f".{path.name}.part{path.suffix}")
+    try:
+        WRITERS[path.suffix](unfinished, images(), frames_per_second)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    found = [sight for sight in sights if sight.found is not None]
+    return Film(
+        path,
+        len(sights),
+        tuple(sight.seconds for sight in found),
+        tuple(len(sight.found) for sight in found),
+        tuple(f"frame {sight.number}, {sight.problem}" for sight in sights if sight.problem),
+        f"A film of a street seen {camera.seen_from}, drawn from the points of a scanner.",
+    )
+
+
+@contextmanager
+def _camera_team(size, camera, renderer) -> Iterator[Callable[[Scene], np.ndarray]]:
+    """A function that takes pictures; with PyVista they share what is costly to set up."""
+    if renderer_for(renderer) == "matplotlib":
+        yield lambda scene: picture_of(scene, camera, size, "matplotlib")
+        return
+    from utils.scene3d.with_pyvista import Studio
+
+    with Studio(size) as studio:
+        yield lambda scene: studio.picture(scene, camera)
+
+
+def _checked(found) -> np.ndarray:
+    """Boxes as a float array (N, 8, 3); a sentence for anything else."""
+    boxes = np.asarray(found, dtype=float)
+    if boxes.size == 0:
+        return np.empty((0, 8, 3))
+    if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
+        raise ValueError(f"A detector returns boxes (N, 8, 3); yours returned {boxes.shape}.")
+    return boxes
+

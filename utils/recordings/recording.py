@@ -1,0 +1,57 @@
+"""Recordings as lazy sequences of frames, with true boxes where somebody labelled them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from utils.boxes import inside
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedFrame:
+    """One scan of a recording; `cloud`, `boxes` and `time` as in a simulated frame.
+
+    Attributes
+    ----------
+    cloud : ndarray, shape (n, 3) or (n, 4)
+    boxes : tuple of utils.boxes.Box
+        Labelled objects in sensor coordinates; empty where nothing was labelled.
+    time : float
+        Seconds since the first frame.
+    """
+
+    cloud: np.ndarray
+    boxes: tuple
+    time: float
+
+
+@dataclass(frozen=True, eq=False)
+class Recording(Sequence):
+    """The frames of a recording; a cloud is read when its frame is asked for.
+
+    Attributes
+    ----------
+    clouds : sequence of ndarray
+        One cloud per frame, itself lazy.
+    times : ndarray, shape (number of frames,)
+        Seconds since the first frame.
+    boxes : tuple of tuple of utils.boxes.Box, optional
+        The labelled boxes of each frame.
+    """
+
+    clouds: Sequence[np.ndarray]
+    times: np.ndarray
+    boxes: tuple[tuple, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.clouds)
+
+    def __getitem__(self, index):
+        """Read frame `index`; a slice is again a lazy recording."""
+        if isinstance(index, slice):
+            return Recording(self.clouds[index], self.times[index], self.boxes[index])
+        cloud = self.clouds[index]
+        boxes = self.boxes[index] if self.boxes else ()
+        counted = tuple(replace(box, returns=int(inside(cloud, box).sum())) for box in boxes)
+        return RecordedFrame(cloud, counted, float(self.times[index]))

@@ -1,0 +1,251 @@
+"""Clouds from ROS recordings, without ROS: .bag files, .db3 and .mcap files and their folders.
+
+The `rosbags` library takes the recordings apart; what a PointCloud2 message means is read here.
+https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/PointCloud2.html
+"""
+
+import io
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file
+from utils.clouds.pcd_header import INTENSITY_NAMES
+
+MESSAGE = "sensor_msgs/msg/PointCloud2"
+KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
+SUFFIXES = (".bag", ".db3", ".mcap")
+
+
+@dataclass(frozen=True, eq=False)
+class Bag(Sequence):
+    """The clouds of one topic of a recording, read one at a time when they are asked for.
+
+    Attributes
+    ----------
+    path : Path
+        A file, or the folder of a ROS 2 recording.
+    topic : str
+    timestamps : ndarray, shape (number of messages,), int64
+        When each message was recorded, in nanoseconds since 1970.
+    repeats : ndarray, shape (number of messages,), int64
+        How many messages before it have the same timestamp.
+    """
+
+    path: Path
+    topic: str
+    timestamps: np.ndarray
+    repeats: np.ndarray
+
+    @property
+    def times(self) -> np.ndarray:
+        """Seconds since the first message, shape (number of messages,)."""
+        return (self.timestamps - self.timestamps[:1]) / 1e9
+
+    def __len__(self) -> int:
+        return len(self.timestamps)
+
+    def __getitem__(self, index):
+        """Read cloud `index`; a slice is again a lazy sequence."""
+        if isinstance(index, slice):
+            return Bag(self.path, self.topic, self.timestamps[index], self.repeats[index])
+        index = range(len(self))[index]
+        with _opened(self.path) as reader:
+            return self._read(reader, index)
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        with _opened(self.path) as reader:
+            for index in range(len(self)):
+                yield self._read(reader, index)
+
+    def _read(self, reader, index: int) -> np.ndarray:
+        time = int(self.timestamps[index])
+        connections = [each for each in reader.connections if each.topic == self.topic]
+        messages = reader.messages(connections, start=time, stop=time + 1)
+        for repeat, (_, _, data) in enumerate(messages):
+            if repeat == self.repeats[index]:
+                message = _unpacker(1 if self.path.suffix == ".bag" else 2)(data, MESSAGE)
+                return decode_message(message, f"{self.path.name}, topic {self.topic}", index)
+        raise file_error(
+            self.path,
+            f"message {index}",
+            "the message is gone",
+            "The file was changed while it was open: open it again.",
+        )
+
+
+def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
+    """Open the point clouds of a ROS recording as a lazy sequence.
+
+    The recording is run through once to learn the timestamps; clouds are read when asked for.
+
+    Parameters
+    ----------
+    path : str or path
+        A ROS 1 .bag, a ROS 2 .db3 or .mcap, or the folder of a ROS 2 recording.
+    topic : str, optional
+        Which PointCloud2 topic; needed where the recording has several.
+
+    Returns
+    -------
+    Bag
+        A sequence of clouds (n, 3) or (n, 4) with `timestamps`.
+
+    Raises
+    ------
+    CloudFileError
+        No recording, no such topic, or a damaged file.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise missing_file(path.name, [path.parent], SUFFIXES)
+    with _opened(path) as reader:
+        topics = sorted({each.topic for each in reader.connections if each.msgtype == MESSAGE})
+        if not topics:
+            others = listing(sorted({each.topic for each in reader.connections})) or "nothing"
+            raise file_error(path, "", f"there is no topic of type PointCloud2, only {others}")
+        if topic is None and len(topics) > 1 or topic not in (None, *topics):
+            raise file_error(
+                path,
+                "",
+                f"the topics with clouds are {listing(topics)}",
+                f'Choose one of them, for instance topic="{topics[0]}".',
+            )
+        topic = topic or topics[0]
+        connections = [each for each in reader.connections if each.topic == topic]
+        seen: dict[int, int] = {}
+        timestamps, repeats = [], []
+        for _, time, _ in reader.messages(connections):
+            timestamps.append(time)
+            repeats.append(seen.get(time, 0))
+            seen[time] = repeats[-1] + 1
+        return Bag(path, topic, np.array(timestamps, np.int64), np.array(repeats, np.int64))
+
+
+def decode_message(message, name: str, number: int = 0) -> np.ndarray:
+    """Turn a PointCloud2 message into a cloud.
+
+    Parameters
+    ----------
+    message : object
+        With the attributes of ``sensor_msgs/PointCloud2``: fields anywhere in a point, points
+        with padding, rows with padding, either byte order.
+    name, number : str, int
+        Where the message comes from, for errors.
+
+    Returns
+    -------
+    ndarray, shape (n, 3) or (n, 4)
+        float32, or float64 if a field is a double or a long integer.
+
+    Raises
+    ------
+    CloudFileError
+        x, y or z is missing, or the layout does not fit the data.
+    """
+    place = f"message {number}"
+    fields = {entry.name.lower(): entry for entry in reversed(message.fields)}
+    wanted = ["x", "y", "z", *[each for each in INTENSITY_NAMES if each in fields][:1]]
+    if not fields.keys() >= set("xyz") or any(
+        fields[each].datatype not in KINDS for each in wanted
+    ):
+        raise file_error(
+            name,
+            place,
+            f"the fields are {listing(fields) or 'none'}, expected x, y and z as numbers",
+        )
+    order = ">" if message.is_bigendian else "<"
+    kinds = [np.dtype(order + KINDS[fields[each].datatype]) for each in wanted]
+    precision = np.result_type(np.float32, *kinds)
+    height, width, step = message.height, message.width, message.point_step
+    if height * width == 0:
+        return np.empty((0, len(wanted)), precision)
+    row_step = step * width if height == 1 else message.row_step  # drivers forget it for one row
+    ends = [fields[each].offset + kind.itemsize for each, kind in zip(wanted, kinds, strict=True)]
+    if (
+        max(ends) > step
+        or step * width > row_step
+        or (row_step * (height - 1) + step * width > len(message.data))
+    ):
+        raise file_error(
+            name,
+            place,
+            f"{height} x {width} points of {step} bytes are announced, "
+            f"the message holds {len(message.data)} bytes",
+            "Was the recording cut off?",
+        )
+    cloud = np.empty((height, width, len(wanted)), precision)
+    data = np.ascontiguousarray(message.data)
+    for index, (each, kind) in enumerate(zip(wanted, kinds, strict=True)):
+        cloud[:, :, index] = np.ndarray(
+            (height, width), kind, data, fields[each].offset, (row_step, step)
+        )
+    return cloud.reshape(-1, len(wanted))
+
+
+@contextmanager
+def _opened(path: Path):
+    """Open a recording with the reader of its kind; whatever goes wrong names the file."""
+    if path.suffix not in SUFFIXES and not path.is_dir():
+        raise file_error(
+            path,
+            "",
+            f"expected a file ending in {', '.join(SUFFIXES)} or the folder of a ROS 2 recording",
+        )
+    try:
+        if path.suffix == ".bag":
+            from rosbags.rosbag1 import Reader
+        else:
+            from rosbags.rosbag2 import Reader
+    except ImportError:
+        raise file_error(
+            path,
+            "",
+            "ROS recordings are read with the library rosbags, which is missing",
+            "Install it: pip install rosbags.",
+        ) from None
+    try:
+        with Reader(_BoundedPath(path)) as reader:
+            yield reader
+    except CloudFileError:
+        raise
+    except Exception as error:  # rosbags lets struct, sqlite, lz4, yaml ... errors through
+        raise file_error(
+            path,
+            "",
+            f"this is no intact ROS recording ({excerpt(error, 80)})",
+            "Was it copied completely, and closed properly when recording?",
+        ) from None
+
+
+@cache
+def _unpacker(generation: int):
+    """The function that unpacks a message; PointCloud2 is the same in all releases of a ROS."""
+    from rosbags.typesys import Stores, get_typestore
+
+    if generation == 1:
+        return get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
+    return get_typestore(Stores.LATEST).deserialize_cdr
+
+
+class _BoundedPath(type(Path())):
+    """A path whose files never read, and so never allocate, more than they hold.
+
+    Lengths in a damaged recording are arbitrary; rosbags asks for as many bytes as they say.
+    """
+
+    def open(self, mode="r", *arguments, **options):
+        if mode != "rb":
+            return super().open(mode, *arguments, **options)
+        return _BoundedFile(io.FileIO(self, "rb"))
+
+
+class _BoundedFile(io.BufferedReader):
+    def read(self, size=-1):
+        remaining = max(os.fstat(self.fileno()).st_size - self.tell(), 0)
+        return super().read(remaining if size is None or size < 0 else min(size, remaining))

@@ -1,0 +1,122 @@
+"""Real recordings that the course can use but does not ship: where they are, on what terms."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from utils.clouds.sequence import read_sequence
+from utils.progress import progress
+from utils.recordings.download import download, unpack
+from utils.recordings.kitti_raw import read_kitti_raw
+from utils.recordings.recording import Recording
+
+KITTI = "https://s3.eu-central-1.amazonaws.com/avg-kitti/raw_data"
+UDACITY = (
+    "https://raw.githubusercontent.com/udacity/SFND_Lidar_Obstacle_Detection/"
+    "ef15da2bc172359e7d6edfdd156a2a243d10977e/src/sensors/data/pcd"
+)
+LICENCE = (
+    "Recorded by the KITTI project (Geiger, Lenz, Stiller and Urtasun, IJRR 2013; "
+    "www.cvlibs.net/datasets/kitti) and published under CC BY-NC-SA 3.0: for non-commercial use, "
+    "naming the authors, and passed on only under the same terms."
+)
+
+
+@dataclass(frozen=True)
+class Source:
+    """A recording on the internet.
+
+    Attributes
+    ----------
+    address : str
+        What the file names are appended to.
+    files : dict of str to str or None
+        Names with their SHA-256 where it is known.
+    read : callable
+        Opens the folder in which the files lie, unpacked.
+    about : str
+        What it shows.
+    licence : str
+        Its terms, shown before the first download.
+    """
+
+    address: str
+    files: dict[str, str | None]
+    read: Callable[[Path], Recording]
+    about: str
+    licence: str = LICENCE
+
+
+def _frames(folder: str, count: int, sums: dict[int, str], about: str) -> Source:
+    """Describe a folder of numbered PCD files taken at 10 Hz."""
+    names = {f"{number:010d}.pcd": sums.get(number) for number in range(count)}
+    return Source(f"{UDACITY}/{folder}", names, _read_frames, about)
+
+
+def _read_frames(folder: Path) -> Recording:
+    clouds = read_sequence(folder, ".pcd")
+    return Recording(clouds, np.arange(len(clouds)) / 10)
+
+
+def _drive(day: str, number: str, about: str) -> Source:
+    """Describe a drive of KITTI's raw data with its calibration and tracklets."""
+    drive = f"{day}_drive_{number}"
+    names = (f"{day}_calib.zip", f"{drive}/{drive}_tracklets.zip", f"{drive}/{drive}_sync.zip")
+    return Source(
+        KITTI,
+        dict.fromkeys(names),
+        lambda folder: read_kitti_raw(folder / day / f"{drive}_sync"),
+        about,
+    )
+
+
+CITY_SUMS = {
+    0: "cdb1878b94e0408c5cb13d3ba53fd24cb5617728a43f2bb0ef7531369189273f",
+    5: "d9684ebebcb1f515b2123c61c2639475c942fec078c7d3f8145c3620870c843e",
+    10: "8aa1bd48592830fb8c6c6e1629ee8b6dacef7f15f2a3009dd5e99708a166f6c0",
+}
+SOURCES = {
+    "udacity_city": _frames("data_1", 22, CITY_SUMS, "22 frames of a street with parked cars"),
+    "udacity_cyclist": _frames("data_2", 154, {}, "154 frames behind a cyclist"),
+    "kitti_0002": _drive("2011_09_26", "0002", "77 labelled frames in the city"),
+    "kitti_0005": _drive("2011_09_26", "0005", "154 labelled frames behind a cyclist"),
+}
+
+
+def fetch(name: str, cache: Path) -> Recording:
+    """Open a recording, fetching what of it is not in the cache yet.
+
+    Parameters
+    ----------
+    name : str
+        A key of `SOURCES`.
+    cache : Path
+        Each recording has a folder in it.
+
+    Raises
+    ------
+    ValueError
+        There is no recording of this name.
+    DownloadError
+        It cannot be fetched.
+    """
+    if name not in SOURCES:
+        known = "; ".join(f"{key!r} ({source.about})" for key, source in SOURCES.items())
+        raise ValueError(f"There is no recording {name!r}. There are: {known}.")
+    source = SOURCES[name]
+    folder = cache / name
+    complete = folder / ".complete"  # written last: without it the download goes on
+    if not complete.exists():
+        print(f"{name}: {source.about}. {source.licence}")
+        folder.mkdir(parents=True, exist_ok=True)
+        for file, checksum in progress(source.files.items(), f"Fetching {name}"):
+            path = folder / Path(file).name
+            download(f"{source.address}/{file}", path, checksum)
+            if path.suffix == ".zip":
+                unpack(path, folder, lambda member: not member.endswith(".png"))
+        complete.touch()
+        for archive in folder.glob("*.zip"):  # mostly camera images, and large
+            archive.unlink()
+    return source.read(folder)

@@ -1,0 +1,122 @@
+"""The ground: a straight road with slope, crown and kerbs, or an open plane.
+
+Seen along the road, the surface is a roof of two slightly falling lanes, a kerb on each side
+and a pavement that rises again outwards:
+
+    \\__                          __/
+       |____------^^^------____|
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from utils.simulator.pose import Pose
+from utils.simulator.shapes import Material
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A road without end, and the pavements beside it.
+
+    Parameters
+    ----------
+    pose : Pose
+        A point on the crown of the road, and the road's heading.
+    slope : float
+        Rise per metre along the road.
+    width : float
+        From kerb to kerb in metres; infinite for an open plane.
+    crown : float
+        Fall per metre from the middle of the road to the kerb.
+    kerb : float
+        Height of the kerb in metres.
+    verge : float
+        Rise per metre of the pavement, outwards.
+    material : Material
+    """
+
+    pose: Pose = Pose()
+    slope: float = 0.0
+    width: float = math.inf
+    crown: float = 0.0
+    kerb: float = 0.0
+    verge: float = 0.0
+    material: Material = Material(reflectivity=0.36)
+
+    def height(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
+        """Height of the ground at (x, y), in metres; arrays are broadcast."""
+        along, across = self._road_coordinates(np.asarray(x, float), np.asarray(y, float))
+        aside, half = np.abs(across), self.width / 2
+        road = -self.crown * aside
+        if math.isfinite(half):
+            pavement = self.kerb - self.crown * half + self.verge * (aside - half)
+            road = np.where(aside <= half, road, pavement)
+        return self.pose.z + self.slope * along + road
+
+    def seen_from(self, vehicle: Pose) -> Ground:
+        """The ground in the frame of a vehicle standing on it: height 0 at its origin."""
+        outer = replace(vehicle, z=float(self.height(vehicle.x, vehicle.y))).inverse()
+        return replace(self, pose=outer.then(self.pose))
+
+    def crossings(
+        self, rays: np.ndarray, origin: tuple[float, float, float]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """First meeting of rays with the ground.
+
+        Parameters
+        ----------
+        rays : ndarray, shape (3, ...)
+            Unit directions.
+        origin : tuple of float
+            Where all rays start.
+
+        Returns
+        -------
+        distance, cosine : ndarray, shape rays.shape[1:]
+            Distance in metres (infinite: none) and cosine of the angle of incidence.
+        """
+        cosine_yaw, sine_yaw = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
+        along = cosine_yaw * rays[0] + sine_yaw * rays[1]
+        across = cosine_yaw * rays[1] - sine_yaw * rays[0]
+        start_along, start_across = self._road_coordinates(*origin[:2])
+        start_height = origin[2] - self.pose.z - self.slope * start_along
+        climb = rays[2] - self.slope * along  # relative to the road, per metre of ray
+
+        distance = np.full(rays.shape[1:], np.inf)
+        cosine = np.zeros(rays.shape[1:])
+        half = self.width / 2
+
+        def meet(height: float, tilt: float, side: int, inner: float, outer: float) -> None:
+            """The strip z = height + tilt * v for v = side * across between inner and outer."""
+            drop = climb - tilt * side * across
+            reach = -(start_height - height - tilt * side * start_across) / drop
+            aside = side * (start_across + reach * across)
+            met = (reach > 0) & (reach < distance) & (aside >= inner) & (aside <= outer)
+            np.copyto(distance, reach, where=met)
+            steepness = math.sqrt(1 + self.slope**2 + tilt**2)
+            np.copyto(cosine, np.abs(drop) / steepness, where=met)
+
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for side in (1, -1):
+                meet(0.0, -self.crown, side, 0.0, half)
+                if not math.isfinite(half):
+                    continue
+                edge = self.kerb - self.crown * half
+                meet(edge - self.verge * half, self.verge, side, half, math.inf)
+                reach = (side * half - start_across) / across
+                level = start_height + reach * climb
+                met = (reach > 0) & (reach < distance)
+                met &= (level >= -self.crown * half) & (level <= edge)
+                np.copyto(distance, reach, where=met)
+                np.copyto(cosine, np.abs(across), where=met)
+        return distance, cosine
+
+    def _road_coordinates(self, x, y):
+        """Metres along the road and to the left of its crown."""
+        cosine, sine = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
+        x, y = x - self.pose.x, y - self.pose.y
+        return cosine * x + sine * y, cosine * y - sine * x

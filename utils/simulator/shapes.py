@@ -1,0 +1,255 @@
+"""Solids that a ray can meet: convex polyhedra, upright cylinders and spheres.
+
+Every ray starts at the origin of the coordinates in which the solid is given, so a solid is
+first moved into the sensor's frame and then asked where the rays enter and leave it. The rays
+come as an array (3, ...) of unit directions; answers have the shape of the trailing axes.
+
+References
+----------
+T. L. Kay and J. T. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986 (the slab method).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from utils.simulator.bounds import (
+    disc_azimuths,
+    elevation_limits,
+    polygon_azimuths,
+    polygon_distance,
+)
+from utils.simulator.pose import Pose
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a surface does to a pulse of light.
+
+    Parameters
+    ----------
+    reflectivity : float
+        Diffuse reflectivity, 0 to 1; 1 also stands for retro-reflecting foil.
+    loss : float
+        Share of pulses that never come back, whatever the distance (glass, chrome).
+    depth : float
+        Mean free path in metres inside a porous solid such as foliage; 0 is opaque.
+    """
+
+    reflectivity: float = 0.3
+    loss: float = 0.0
+    depth: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Convex:
+    """The convex polyhedron {x : normals @ x <= offsets}.
+
+    Parameters
+    ----------
+    normals : ndarray, shape (p, 3)
+        Unit normals pointing outwards.
+    offsets : ndarray, shape (p,)
+        Signed distance of each face from the origin, in metres.
+    corners : ndarray, shape (k, 3)
+        The vertices; they tell which rays are worth trying.
+    material : Material
+    """
+
+    normals: np.ndarray
+    offsets: np.ndarray
+    corners: np.ndarray
+    material: Material = Material()
+
+    def moved(self, pose: Pose) -> Convex:
+        """The same solid, its own frame placed at `pose`."""
+        normals = pose.rotate(self.normals)
+        offsets = self.offsets + normals @ (pose.x, pose.y, pose.z)
+        return replace(self, normals=normals, offsets=offsets, corners=pose.apply(self.corners))
+
+    def crossings(self, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distances at which rays enter and leave, and the cosine of incidence at entry.
+
+        Returns
+        -------
+        enter, leave, cosine : ndarray, shape rays.shape[1:]
+            A ray misses the solid where ``enter > leave``, and starts inside or beyond it
+            where ``enter <= 0``.
+        """
+        enter = np.full(rays.shape[1:], -np.inf)
+        leave = np.full(rays.shape[1:], np.inf)
+        cosine = np.zeros(rays.shape[1:])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for normal, offset in zip(self.normals, self.offsets, strict=True):
+                # Adding zero turns -0.0 into +0.0: a ray along a face is outside it for ever.
+                facing = normal[0] * rays[0] + normal[1] * rays[1] + normal[2] * rays[2] + 0.0
+                distance = offset / facing
+                entering = facing < 0
+                later = entering & (distance > enter)
+                np.copyto(enter, distance, where=later)
+                np.copyto(cosine, -facing, where=later)
+                np.copyto(leave, np.minimum(leave, distance), where=~entering)
+        return enter, leave, cosine
+
+    def azimuths(self) -> tuple[float, float]:
+        """Azimuths (first, last) in radians between which every ray that hits must lie."""
+        return polygon_azimuths(self.corners[:, :2])
+
+    def elevations(self) -> tuple[float, float]:
+        """Elevations (lowest, highest) in radians between which every hit must lie."""
+        nearest = polygon_distance(self.corners[:, :2])
+        farthest = float(np.hypot(self.corners[:, 0], self.corners[:, 1]).max())
+        heights = self.corners[:, 2]
+        return elevation_limits(float(heights.min()), float(heights.max()), nearest, farthest)
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder:
+    """An upright cylinder: centre of its base (3,), radius and height in metres."""
+
+    base: np.ndarray
+    radius: float
+    height: float
+    material: Material = Material()
+
+    def moved(self, pose: Pose) -> Cylinder:
+        """The same solid, its own frame placed at `pose`."""
+        return replace(self, base=pose.apply(self.base))
+
+    def crossings(self, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distances at which rays enter and leave, and the cosine; see `Convex.crossings`."""
+        x, y, z = self.base.tolist()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            flat = rays[0] ** 2 + rays[1] ** 2
+            along = rays[0] * x + rays[1] * y
+            discriminant = along**2 - flat * (x * x + y * y - self.radius**2)
+            root = np.sqrt(np.maximum(discriminant, 0.0))
+            side_in = (along - root) / flat
+            side_out = np.where(discriminant < 0, -np.inf, (along + root) / flat)
+            vertical = rays[2] + 0.0
+            floor, roof = z / vertical, (z + self.height) / vertical
+        cap_in, cap_out = np.minimum(floor, roof), np.maximum(floor, roof)
+        cosine = np.where(side_in >= cap_in, root / self.radius, np.abs(rays[2]))
+        return np.maximum(side_in, cap_in), np.minimum(side_out, cap_out), cosine
+
+    def azimuths(self) -> tuple[float, float]:
+        """Azimuths (first, last) in radians between which every ray that hits must lie."""
+        return disc_azimuths(self.base, self.radius)
+
+    def elevations(self) -> tuple[float, float]:
+        """Elevations (lowest, highest) in radians between which every hit must lie."""
+        x, y, z = self.base.tolist()
+        reach = math.hypot(x, y)
+        return elevation_limits(
+            z, z + self.height, max(reach - self.radius, 0.0), reach + self.radius
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere:
+    """A ball: centre (3,) and radius in metres."""
+
+    centre: np.ndarray
+    radius: float
+    material: Material = Material()
+
+    def moved(self, pose: Pose) -> Sphere:
+        """The same solid, its own frame placed at `pose`."""
+        return replace(self, centre=pose.apply(self.centre))
+
+    def crossings(self, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distances at which rays enter and leave, and the cosine; see `Convex.crossings`."""
+        x, y, z = self.centre.tolist()
+        along = rays[0] * x + rays[1] * y + rays[2] * z
+        discriminant = along**2 - (x * x + y * y + z * z - self.radius**2)
+        root = np.sqrt(np.maximum(discriminant, 0.0))
+        leave = np.where(discriminant < 0, -np.inf, along + root)
+        return along - root, leave, root / self.radius
+
+    def azimuths(self) -> tuple[float, float]:
+        """Azimuths (first, last) in radians between which every ray that hits must lie."""
+        return disc_azimuths(self.centre, self.radius)
+
+    def elevations(self) -> tuple[float, float]:
+        """Elevations (lowest, highest) in radians between which every hit must lie."""
+        x, y, z = self.centre.tolist()
+        reach = math.hypot(x, y)
+        return elevation_limits(
+            z - self.radius, z + self.radius, max(reach - self.radius, 0.0), reach + self.radius
+        )
+
+
+Solid = Convex | Cylinder | Sphere
+
+
+def box(
+    length: float,
+    width: float,
+    height: float,
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    material: Material = Material(),  # noqa: B008 (frozen, so safe to share)
+    taper: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Convex:
+    """A box, or a frustum when its roof is smaller than its floor.
+
+    Parameters
+    ----------
+    length, width, height : float
+        Extents of the floor along x and y, and the height, in metres.
+    centre : tuple of float
+        The middle of the box (halfway up).
+    material : Material
+    taper : tuple of float
+        How far the roof's front, rear and two side edges lie inside the floor's, in metres:
+        a windscreen leans by ``taper[0]``, a rear window by ``taper[1]``.
+
+    Returns
+    -------
+    Convex
+    """
+    front, rear, side = taper
+    x, y, z = length / 2, width / 2, height / 2
+    floor = [(x, y, -z), (-x, y, -z), (-x, -y, -z), (x, -y, -z)]
+    roof = [
+        (x - front, y - side, z),
+        (-x + rear, y - side, z),
+        (-x + rear, -y + side, z),
+        (x - front, -y + side, z),
+    ]
+    corners = np.array(floor + roof)
+    normals = np.array(
+        [
+            (height, 0.0, front),
+            (-height, 0.0, rear),
+            (0.0, height, side),
+            (0.0, -height, side),
+            (0.0, 0.0, 1.0),
+            (0.0, 0.0, -1.0),
+        ]
+    )
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    through = corners[[0, 1, 0, 3, 4, 0]]
+    offsets = np.sum(normals * through, axis=1)
+    return Convex(normals, offsets, corners, material).moved(Pose(*centre))
+
+
+def cylinder(
+    radius: float,
+    height: float,
+    base: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    material: Material = Material(),  # noqa: B008
+) -> Cylinder:
+    """An upright cylinder standing on `base`."""
+    return Cylinder(np.array(base, dtype=float), radius, height, material)
+
+
+def sphere(
+    radius: float,
+    centre: tuple[float, float, float],
+    material: Material = Material(),  # noqa: B008
+) -> Sphere:
+    """A ball around `centre`."""
+    return Sphere(np.array(centre, dtype=float), radius, material)
