@@ -49,6 +49,7 @@ build: .venv/ready
 check: .venv/ready
 	$(BIN)/python -m grader build --check
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
 
 pictures: .venv/ready
 	$(BIN)/python -m grader.pictures

@@ -30,20 +30,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return commands.WRONG_CALL
     except KeyboardInterrupt:
-        print("\nStopped. What has been judged is kept: the same command goes on from here.",
-              file=sys.stderr)
+        print(
+            "\nStopped. What has been judged is kept: the same command goes on from here.",
+            file=sys.stderr,
+        )
         return 130
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line's grammar."""
-    top = argparse.ArgumentParser(prog="python -m grader", description="Build the course, judge "
-                                  "notebooks, grade a class.")
+    top = argparse.ArgumentParser(
+        prog="python -m grader", description="Build the course, judge notebooks, grade a class."
+    )
     kinds = top.add_subparsers(metavar="COMMAND", required=True)
 
     build = kinds.add_parser("build", help="write every notebook from its source")
-    build.add_argument("--check", action="store_true",
-                       help="only compare: fail if a notebook is stale or gives a solution away")
+    build.add_argument(
+        "--check",
+        action="store_true",
+        help="only compare: fail if a notebook is stale or gives a solution away",
+    )
     build.set_defaults(run=commands.run_build)
 
     judge = kinds.add_parser("judge", help="judge one notebook")
@@ -62,8 +68,13 @@ def parser() -> argparse.ArgumentParser:
     report.set_defaults(run=commands.run_report)
 
     demo = kinds.add_parser("demo", help="grade a pretend class, end to end, in demo/")
-    demo.add_argument("--students", type=int, default=13, metavar="N",
-                      help="how many students to pretend (default: %(default)s)")
+    demo.add_argument(
+        "--students",
+        type=int,
+        default=13,
+        metavar="N",
+        help="how many students to pretend (default: %(default)s)",
+    )
     add_workers(demo)
     demo.set_defaults(run=commands.run_demo)
     return top
@@ -71,14 +82,27 @@ def parser() -> argparse.ArgumentParser:
 
 def add_judging_options(command: argparse.ArgumentParser) -> None:
     """Options of every command that runs student code."""
-    command.add_argument("--seed", type=int, metavar="N", help="seed of the hidden scenes; by "
-                         "default the course's own secret, in .course_seed")
-    command.add_argument("--sandbox", choices=(AUTO, *SANDBOXES), default=AUTO,
-                         help="where student code runs; `process` protects nothing and is for "
-                         "code you trust (default: bubblewrap, or refuse)")
+    command.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="seed of the hidden scenes; by default the course's own secret, in .course_seed",
+    )
+    command.add_argument(
+        "--sandbox",
+        choices=(AUTO, *SANDBOXES),
+        default=AUTO,
+        help="where student code runs; `process` protects nothing and is for "
+        "code you trust (default: bubblewrap, or refuse)",
+    )
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:
     """How many notebooks to judge at a time."""
-    command.add_argument("--workers", type=int, default=os.cpu_count() or 1, metavar="N",
-                         help="notebooks judged at a time (default: one per core)")
+    command.add_argument(
+        "--workers",
+        type=int,
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="notebooks judged at a time (default: one per core)",
+    )

@@ -59,14 +59,18 @@ def run_grade(options):
 
     unknown = set(options.stages) - set(stages())
     if unknown:
-        print(f"There is no stage {', '.join(sorted(unknown))}. The stages are: "
-              f"{', '.join(stages())}.", file=sys.stderr)
+        print(
+            f"There is no stage {', '.join(sorted(unknown))}. The stages are: "
+            f"{', '.join(stages())}.",
+            file=sys.stderr,
+        )
         return WRONG_CALL
     course = Course()
     sandbox = choose_sandbox(options.sandbox)
     console.warn_if_unprotected(sandbox)
-    return grade_course(course, options.stages, course_seed(course, options.seed), sandbox,
-                        options.workers)
+    return grade_course(
+        course, options.stages, course_seed(course, options.seed), sandbox, options.workers
+    )
 
 
 def run_report(options):
@@ -76,8 +80,10 @@ def run_report(options):
     from grader.judging.verdict import read_verdict
 
     course = Course()
-    verdicts = [(submission, read_verdict(submission.verdict_path(course)))
-                for submission in find_submissions(course)]
+    verdicts = [
+        (submission, read_verdict(submission.verdict_path(course)))
+        for submission in find_submissions(course)
+    ]
     judged = [(submission, verdict) for submission, verdict in verdicts if verdict]
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
@@ -94,8 +100,10 @@ def run_demo(options):
         sandbox, warning = choose_sandbox(), ""
     except SandboxUnavailable as error:
         sandbox = SANDBOXES["process"]
-        warning = (f"{error.args[0].split(' Student code')[0]} This demo runs its own pretend "
-                   "students without a sandbox; real grading would have refused.")
+        warning = (
+            f"{error.args[0].split(' Student code')[0]} This demo runs its own pretend "
+            "students without a sandbox; real grading would have refused."
+        )
         print(warning, file=sys.stderr)
     if options.students < 1:
         print("A class has at least one student.", file=sys.stderr)
@@ -116,8 +124,11 @@ def grade_course(course, wanted, seed, sandbox, workers, warning=""):
         judged = judge_class(course, wanted, seed, sandbox, workers, advance)
     seconds = time.perf_counter() - begin
     if not judged:
-        print(f"Nothing to grade: no {course.submitted}/<student>/<stage>/<NN_name>.ipynb. "
-              "Put submissions there, as nbgrader collect does.", file=sys.stderr)
+        print(
+            f"Nothing to grade: no {course.submitted}/<student>/<stage>/<NN_name>.ipynb. "
+            "Put submissions there, as nbgrader collect does.",
+            file=sys.stderr,
+        )
         return WRONG_CALL
     status = GOOD
     with console.progress_bar("Entering into the gradebook") as advance:
@@ -128,7 +139,9 @@ def grade_course(course, wanted, seed, sandbox, workers, warning=""):
             status = FAULT
     path = write_report(course, judged, seconds, warning)
     console.print_class(judged)
-    print(f"Judged {len(judged)} notebooks in {seconds:.1f} s. "
-          f"Gradebook: {course.root / 'gradebook.db'}")
+    print(
+        f"Judged {len(judged)} notebooks in {seconds:.1f} s. "
+        f"Gradebook: {course.root / 'gradebook.db'}"
+    )
     print(f"Report: {path}")
     return status

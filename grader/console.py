@@ -13,8 +13,12 @@ from rich.table import Table
 @contextlib.contextmanager
 def progress_bar(title):
     """A progress bar on stderr; yields a function (done, total, what)."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-               TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task(title, total=None)
         yield lambda done, total, what: progress.update(task, completed=done, total=total)
@@ -32,15 +36,22 @@ def print_verdict(verdict):
     for sentence in verdict.problems:
         console.print(f"! {sentence}", markup=False)
     for exercise in verdict.exercises:
-        console.print(f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points",
-                      style="bold", markup=False)
+        console.print(
+            f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points",
+            style="bold",
+            markup=False,
+        )
         for test in exercise.tests:
             mark = "passed" if test.passed else "FAILED"
             console.print(f"  {mark}  {test.title}", markup=False)
             for line in test.message.splitlines():
                 console.print(f"          {line}", markup=False, style="dim")
-    console.print(f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
-                  f"({verdict.seconds:.1f} s)", style="bold", markup=False)
+    console.print(
+        f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
+        f"({verdict.seconds:.1f} s)",
+        style="bold",
+        markup=False,
+    )
 
 
 def print_class(judged):
@@ -49,23 +60,40 @@ def print_class(judged):
     students = {}
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
-    table = Table(title="Scores by lesson", title_justify="left", box=SIMPLE_HEAD,
-                  show_footer=True, padding=(0, 1, 0, 0), expand=True)
+    table = Table(
+        title="Scores by lesson",
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        show_footer=True,
+        padding=(0, 1, 0, 0),
+        expand=True,
+    )
     table.add_column("Student", "out of", no_wrap=True, width=14)
     for lesson in lessons:
         most = max(verdict.max_score for _, verdict in judged if verdict.lesson == lesson)
         table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=4)
     table.add_column("First thing that went wrong", no_wrap=True, ratio=1)
     for student, verdicts in students.items():
-        table.add_row(escape(student), *(
-            f"{verdicts[lesson].score:.3g}" if lesson in verdicts else "-" for lesson in lessons),
-            _first_fault(verdicts.values()))
+        table.add_row(
+            escape(student),
+            *(f"{verdicts[lesson].score:.3g}" if lesson in verdicts else "-" for lesson in lessons),
+            _first_fault(verdicts.values()),
+        )
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 
 def _first_fault(verdicts):
-    faults = [test.message.splitlines()[0] for verdict in verdicts
-              for exercise in verdict.exercises for test in exercise.tests if not test.passed]
-    problems = [sentence for verdict in verdicts if not any(
-        exercise.tests for exercise in verdict.exercises) for sentence in verdict.problems]
+    faults = [
+        test.message.splitlines()[0]
+        for verdict in verdicts
+        for exercise in verdict.exercises
+        for test in exercise.tests
+        if not test.passed
+    ]
+    problems = [
+        sentence
+        for verdict in verdicts
+        if not any(exercise.tests for exercise in verdict.exercises)
+        for sentence in verdict.problems
+    ]
     return escape(next(iter(problems + faults), ""))

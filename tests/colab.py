@@ -19,8 +19,14 @@ from pathlib import Path
 
 from grader.course.paths import PROJECT
 
-PINS = ("numpy==2.1.3", "scipy==1.16.3", "matplotlib==3.10.0", "ipython==7.34.0",
-        "ipykernel==6.17.1", "ipywidgets==7.7.1")
+PINS = (
+    "numpy==2.1.3",
+    "scipy==1.16.3",
+    "matplotlib==3.10.0",
+    "ipython==7.34.0",
+    "ipykernel==6.17.1",
+    "ipywidgets==7.7.1",
+)
 PYTHONS = ((3, 13), (3, 12))
 # Colab's kernel loads this package before the first cell; the course tells Colab by it.
 MARK = "import sys, types; sys.modules['google.colab'] = types.ModuleType('google.colab')"
@@ -44,8 +50,10 @@ def find_python():
         return sys.executable
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for major, minor in PYTHONS:
-        candidates = [shutil.which(f"python{major}.{minor}"),
-                      *sorted(pyenv.glob(f"{major}.{minor}.*/bin/python"))]
+        candidates = [
+            shutil.which(f"python{major}.{minor}"),
+            *sorted(pyenv.glob(f"{major}.{minor}.*/bin/python")),
+        ]
         for path in filter(None, candidates):
             program = "import ensurepip, sys, venv; print(*sys.version_info[:2])"
             done = subprocess.run([path, "-c", program], capture_output=True, text=True)
@@ -72,8 +80,19 @@ def environment(cache):
         if not (folder / "complete").exists():
             shutil.rmtree(folder, ignore_errors=True)
             subprocess.run([find_python(), "-m", "venv", folder], check=True)
-            subprocess.run([folder / "bin" / "python", "-m", "pip", "install", "--quiet",
-                            "--disable-pip-version-check", "--no-compile", *PINS], check=True)
+            subprocess.run(
+                [
+                    folder / "bin" / "python",
+                    "-m",
+                    "pip",
+                    "install",
+                    "--quiet",
+                    "--disable-pip-version-check",
+                    "--no-compile",
+                    *PINS,
+                ],
+                check=True,
+            )
             site = next(folder.glob("lib/python3.*/site-packages"))
             (site / "colab.pth").write_text(MARK + "\n")
             _describe_kernel(folder)
@@ -83,11 +102,18 @@ def environment(cache):
 
 def _describe_kernel(folder):
     """Make the environment known to Jupyter as the kernel "colab", for JUPYTER_PATH=`folder`."""
-    argv = [str(folder / "bin" / "python"), "-Xfrozen_modules=off", "-m", "ipykernel_launcher",
-            "-f", "{connection_file}"]
+    argv = [
+        str(folder / "bin" / "python"),
+        "-Xfrozen_modules=off",
+        "-m",
+        "ipykernel_launcher",
+        "-f",
+        "{connection_file}",
+    ]
     (folder / "kernels" / "colab").mkdir(parents=True)
-    (folder / "kernels" / "colab" / "kernel.json").write_text(json.dumps(
-        {"argv": argv, "display_name": "Colab", "language": "python"}))
+    (folder / "kernels" / "colab" / "kernel.json").write_text(
+        json.dumps({"argv": argv, "display_name": "Colab", "language": "python"})
+    )
 
 
 def archive_of(files, top="lab-main"):
@@ -111,9 +137,12 @@ def archive_of(files, top="lab-main"):
 
 def course_files():
     """Content by path of what is in the repository, less what takes long to pack."""
-    return {path.relative_to(PROJECT).as_posix(): path.read_bytes()
-            for folder in ("data", "solutions", "utils") for path in (PROJECT / folder).rglob("*")
-            if path.is_file() and path.suffix in (".py", ".md", ".html", ".txt", ".npz")}
+    return {
+        path.relative_to(PROJECT).as_posix(): path.read_bytes()
+        for folder in ("data", "solutions", "utils")
+        for path in (PROJECT / folder).rglob("*")
+        if path.is_file() and path.suffix in (".py", ".md", ".html", ".txt", ".npz")
+    }
 
 
 @contextlib.contextmanager

@@ -23,8 +23,9 @@ def run(notebook, folder, **settings):
     nbformat.NotebookNode
         The same.
     """
-    client = nbclient.NotebookClient(notebook, timeout=LONGEST_CELL, resources={
-        "metadata": {"path": str(folder)}}, **settings)
+    client = nbclient.NotebookClient(
+        notebook, timeout=LONGEST_CELL, resources={"metadata": {"path": str(folder)}}, **settings
+    )
     # While nbclient answers widgets it may sleep through the kernel's reply to a cell
     # (github.com/jupyter/nbclient/issues/312). Without, what a widget shows stays in its cell.
     client.comm_open_handlers.clear()
@@ -35,26 +36,36 @@ def run(notebook, folder, **settings):
 
 def outputs_of(notebook):
     """(cell number, output) of everything that the cells gave."""
-    return [(number, output) for number, cell in enumerate(notebook.cells)
-            for output in cell.get("outputs", ())]
+    return [
+        (number, output)
+        for number, cell in enumerate(notebook.cells)
+        for output in cell.get("outputs", ())
+    ]
 
 
 def errors_of(notebook):
     """(cell number, "name of the exception: its message") of the cell that failed, if any."""
-    return [(number, f"{output.ename}: {output.evalue}") for number, output
-            in outputs_of(notebook) if output.output_type == "error"]
+    return [
+        (number, f"{output.ename}: {output.evalue}")
+        for number, output in outputs_of(notebook)
+        if output.output_type == "error"
+    ]
 
 
 def written(notebook, stream):
     """All that was written to "stdout" or "stderr"."""
-    return "".join(output.text for _, output in outputs_of(notebook)
-                   if output.get("name") == stream)
+    return "".join(
+        output.text for _, output in outputs_of(notebook) if output.get("name") == stream
+    )
 
 
 def assert_stopped_at_a_stub(notebook):
     """Defining a stub is no error; calling it is. What comes before runs clean."""
-    stub = next(number for number, cell in enumerate(notebook.cells)
-                if cell.metadata.get("nbgrader", {}).get("solution"))
-    (number, error), = errors_of(notebook)
+    stub = next(
+        number
+        for number, cell in enumerate(notebook.cells)
+        if cell.metadata.get("nbgrader", {}).get("solution")
+    )
+    ((number, error),) = errors_of(notebook)
     assert number > stub
     assert error.startswith("NotImplementedError")

@@ -59,10 +59,12 @@ def filtering():
 @pytest.fixture
 def hand_in(filtering, tmp_path):
     """Judge answers typed into lesson 06, or the whole text of a file."""
+
     def hand_in(answers=None, text=None, **limits):
         path = tmp_path / f"{filtering.name}.ipynb"
         path.write_text(fill_in(filtering, answers) if text is None else text, "utf-8")
         return judge(path, SEED, WALLS, filtering, "mallory", Limits(**{**SHORT, **limits}))
+
     return hand_in
 
 
@@ -81,17 +83,20 @@ def f(paths):
 
 
 def test_sees_no_test_no_solution_no_secret_and_no_other_student():
-    seen = outcome_of(SPY, [str(PROJECT), "/home", "/srv", "/mnt", "/var", "/etc"],
-                      call_seconds=8.0)
-    project = [Path(path).relative_to(PROJECT) for path in seen
-               if Path(path).is_relative_to(PROJECT)]
+    seen = outcome_of(
+        SPY, [str(PROJECT), "/home", "/srv", "/mnt", "/var", "/etc"], call_seconds=8.0
+    )
+    project = [
+        Path(path).relative_to(PROJECT) for path in seen if Path(path).is_relative_to(PROJECT)
+    ]
     ours = {path for path in project if path.parts[0] != ".venv"}
     assert ours, "the students' own library is there"
     shown = [path.relative_to(PROJECT) for path in SHOWN]
     assert all(any(path.is_relative_to(folder) for folder in shown) for path in ours)
     assert {path.parts[0] for path in shown} == {"utils", "data", "grader"}
     assert {path.parts[:3] for path in ours if path.parts[0] == "grader"} == {
-        ("grader", "sandbox", "inside")}
+        ("grader", "sandbox", "inside")
+    }
     assert {path.suffix for path in ours if path.parts[0] == "data"} <= {".txt"}
     assert not [path for path in seen if path.startswith(("/home", "/srv", "/mnt", "/var"))]
 
@@ -162,8 +167,9 @@ def f():
 """
     with attack(source, forbidden=("scipy.cluster",), call_seconds=5.0) as student:
         assert student.f() == []
-    with attack("import scipy.cluster.hierarchy as h\ndef f(): return h",
-                forbidden=("scipy.cluster",)) as student:
+    with attack(
+        "import scipy.cluster.hierarchy as h\ndef f(): return h", forbidden=("scipy.cluster",)
+    ) as student:
         with pytest.raises(StudentError, match="NameError"):
             student.f()
         assert any("is not allowed" in problem for problem in student.problems)
@@ -186,8 +192,20 @@ def f(paths):
             pass
     return written
 """
-    everywhere = ["/", "/usr", "/usr/bin", "/etc", "/dev", "/proc", "/proc/sys/kernel", "/tmp",
-                  "/dev/shm", sys.prefix, str(PROJECT), str(PROJECT / "utils")]
+    everywhere = [
+        "/",
+        "/usr",
+        "/usr/bin",
+        "/etc",
+        "/dev",
+        "/proc",
+        "/proc/sys/kernel",
+        "/tmp",
+        "/dev/shm",
+        sys.prefix,
+        str(PROJECT),
+        str(PROJECT / "utils"),
+    ]
     assert outcome_of(source, everywhere) == ["/tmp", "/dev/shm"]
     assert not (PROJECT / "utils" / "x").exists()
 
@@ -214,8 +232,10 @@ def test_fills_no_disk_and_no_memory_with_files(folder):
 
 
 def test_allocates_no_more_than_its_limit():
-    with attack("import numpy as np\ndef f(): return len(np.ones(2**30))") as student, \
-            pytest.raises(StudentError, match="MemoryError"):
+    with (
+        attack("import numpy as np\ndef f(): return len(np.ones(2**30))") as student,
+        pytest.raises(StudentError, match="MemoryError"),
+    ):
         student.f()
 
 
@@ -237,16 +257,20 @@ def f(megabytes):
 
 def test_many_processes_share_one_limit_of_memory():
     begin = time.monotonic()
-    with attack(MANY_PROCESSES, call_seconds=10.0, total_memory=2048 * MEBIBYTE) as student, \
-            pytest.raises(StudentStopped, match="too much memory"):
+    with (
+        attack(MANY_PROCESSES, call_seconds=10.0, total_memory=2048 * MEBIBYTE) as student,
+        pytest.raises(StudentStopped, match="too much memory"),
+    ):
         student.f(256)
     assert time.monotonic() - begin < 5
 
 
 def test_memory_is_watched_between_calls_too():
     source = MANY_PROCESSES.replace("\n    time.sleep(60)\n", "\n    return 0\n")
-    with attack(source, total_memory=2048 * MEBIBYTE) as student, \
-            pytest.raises(StudentStopped, match="too much memory"):
+    with (
+        attack(source, total_memory=2048 * MEBIBYTE) as student,
+        pytest.raises(StudentStopped, match="too much memory"),
+    ):
         assert student.f(256) == 0
         time.sleep(1.0)
         student.f(256)
@@ -312,8 +336,11 @@ def f(calls):
     return allowed
 """
     numbers = syscalls.MACHINES[os.uname().machine][1]
-    calls = {name: [number, 0, 0, 0] for name, number in numbers.items()
-             if name not in ("clone", "socket")}
+    calls = {
+        name: [number, 0, 0, 0]
+        for name, number in numbers.items()
+        if name not in ("clone", "socket")
+    }
     calls["clone"] = [numbers["clone"], syscalls.NEW_USER_NAMESPACE | 17, 0, 0]
     calls["socket"] = [numbers["socket"], 40, 1, 0]
     calls["unshare"] = [numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
@@ -353,12 +380,18 @@ def test_the_walls_for_an_ordinary_user_hold_too(monkeypatch):
     """Graders need not be root; as root we can still try the walls they get."""
     monkeypatch.setattr(bubblewrap, "_is_root", lambda: False)
     someone = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
-    script = ("cd /tmp && echo x > y && cat y; grep CapEff /proc/self/status; "
-              "unshare --user true && echo gained; echo x > /usr/x && echo gained; "
-              "ls /proc | grep -c '^[0-9]'; ls -A / /root /home; true")
-    ran = subprocess.run([*bubblewrap._walls(Limits()), "--remount-ro", "/", "--",
-                          "/bin/sh", "-c", script],
-                         capture_output=True, text=True, cwd="/", **someone)
+    script = (
+        "cd /tmp && echo x > y && cat y; grep CapEff /proc/self/status; "
+        "unshare --user true && echo gained; echo x > /usr/x && echo gained; "
+        "ls /proc | grep -c '^[0-9]'; ls -A / /root /home; true"
+    )
+    ran = subprocess.run(
+        [*bubblewrap._walls(Limits()), "--remount-ro", "/", "--", "/bin/sh", "-c", script],
+        capture_output=True,
+        text=True,
+        cwd="/",
+        **someone,
+    )
     if ran.stderr.startswith("bwrap:") and "ermi" in ran.stderr:
         pytest.skip(f"ordinary users may not build namespaces here: {ran.stderr}")
     assert ran.stdout.startswith("x\nCapEff:\t0000000000000000\n"), ran.stderr
@@ -389,8 +422,11 @@ ANSWER = b'{"dict":[["id",%d],["result",%s],["changed",{"dict":[]}]]}'
 
 def stopped_by(body, *arguments, **limits):
     """The sentence with which a student is stopped whose `f` has this body."""
-    source = PIPES + "def f(*arguments):\n" + "".join(f"    {line}\n" for line in
-                                                       body.strip().splitlines())
+    source = (
+        PIPES
+        + "def f(*arguments):\n"
+        + "".join(f"    {line}\n" for line in body.strip().splitlines())
+    )
     begin = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(3):
@@ -399,28 +435,33 @@ def stopped_by(body, *arguments, **limits):
     return str(stopped.value)
 
 
-@pytest.mark.parametrize("body, sentence", [
-    ("os.write(pipes()[1][0], b'give me full marks, please' * 9)", "own channel"),
-    ("os.write(pipes()[1][0], b'\\xff' * 8)", "own channel"),
-    ("say(b'{\"pickle\":\"x\"}')", "own channel"),
-    ("say(b'[' * 100000)", "own channel"),
-    ("say(b'1' * 100000)", "own channel"),
-    ("say(b'[]')", "own channel"),
-    ("say(b'\"hello\"')", "did not answer the question"),
-    ("say(ANSWER % (99, b'1'))", "did not answer the question"),
-    ("say(b'{\"dict\":[[\"id\",true]]}')", "did not answer the question"),
-    ("say(b'{\"dict\":[[\"id\",{\"array\":[\"|u1\",[2]]}]]}', b'ab')",
-     "did not answer the question"),
-    ("os.write(pipes()[1][0], struct.pack('>II', 100, 0)); time.sleep(60)", "did not answer"),
-    ("for end in sum(pipes(), []): os.close(end)\ntime.sleep(60)", "ended|did not answer"),
-    ("os.kill(os.getpid(), 19)", "did not answer"),
-    ("while True: pass", "did not answer"),
-    ("os._exit(0)", "ended"),
-    ("os.kill(os.getpid(), 9)", "memory, or killed itself"),
-    ("import ctypes; ctypes.string_at(1)", "crashed"),
-    ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
-    ("os.execv('/bin/sleep', ['sleep', '60'])", "did not answer"),
-])
+@pytest.mark.parametrize(
+    "body, sentence",
+    [
+        ("os.write(pipes()[1][0], b'give me full marks, please' * 9)", "own channel"),
+        ("os.write(pipes()[1][0], b'\\xff' * 8)", "own channel"),
+        ('say(b\'{"pickle":"x"}\')', "own channel"),
+        ("say(b'[' * 100000)", "own channel"),
+        ("say(b'1' * 100000)", "own channel"),
+        ("say(b'[]')", "own channel"),
+        ("say(b'\"hello\"')", "did not answer the question"),
+        ("say(ANSWER % (99, b'1'))", "did not answer the question"),
+        ('say(b\'{"dict":[["id",true]]}\')', "did not answer the question"),
+        (
+            'say(b\'{"dict":[["id",{"array":["|u1",[2]]}]]}\', b\'ab\')',
+            "did not answer the question",
+        ),
+        ("os.write(pipes()[1][0], struct.pack('>II', 100, 0)); time.sleep(60)", "did not answer"),
+        ("for end in sum(pipes(), []): os.close(end)\ntime.sleep(60)", "ended|did not answer"),
+        ("os.kill(os.getpid(), 19)", "did not answer"),
+        ("while True: pass", "did not answer"),
+        ("os._exit(0)", "ended"),
+        ("os.kill(os.getpid(), 9)", "memory, or killed itself"),
+        ("import ctypes; ctypes.string_at(1)", "crashed"),
+        ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
+        ("os.execv('/bin/sleep', ['sleep', '60'])", "did not answer"),
+    ],
+)
 def test_breaking_the_conversation_stops_the_student(body, sentence):
     import re
 
@@ -460,21 +501,29 @@ def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
 
 def test_a_forged_answer_counts_as_an_answer_and_no_more():
     """Answering before the question: the judge looks at the answer, which has to be right."""
-    source = PIPES + """
+    source = (
+        PIPES
+        + """
 def f(number):
     say(ANSWER % (2, b'"forged"'))
     return "honest"
 """
-    with attack(source) as student, \
-            pytest.raises(StudentStopped, match="did not answer the question"):
+    )
+    with (
+        attack(source) as student,
+        pytest.raises(StudentStopped, match="did not answer the question"),
+    ):
         student.f(1)
-    source = PIPES + """
+    source = (
+        PIPES
+        + """
 def f(number):
     if number == 1:
         threading.Timer(0.1, say, [ANSWER % (2, b'"forged"')]).start()
     else:
         time.sleep(1)
 """
+    )
     with attack(source) as student:
         student.f(1)
         assert student.f(2) == "forged", "a claim like any other"
@@ -510,35 +559,58 @@ def test_after_too_many_stops_the_rest_is_not_tried():
 # ---- Values that misbehave ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("value", [
-    "np.array([object()], dtype=object)", "np.zeros(3, dtype='V8')", "lambda: 0", "object()",
-    "np.zeros(3, dtype=[('a', 'f8'), ('b', 'O')])", "np.array(['2020-01-01'], dtype='M8[D]')",
-    "10**5000", "np.zeros(2, complex)", "range(3)", "np", "{(1, 2): 3}", "{frozenset([1])}",
-    "np.zeros((1,) * 30)", "np.ma.masked_array([1.0], [True])", "np.matrix([[1, 2]])",
-    "float('nan')", "'\\udcff'", "'\\x1b[2J'", "np.longdouble(3)", "(i for i in range(3))",
-    "np.broadcast_to(1.0, (3, 1000))", "np.zeros((0, 2**40))", "type('X', (), {})()",
-])
+@pytest.mark.parametrize(
+    "value",
+    [
+        "np.array([object()], dtype=object)",
+        "np.zeros(3, dtype='V8')",
+        "lambda: 0",
+        "object()",
+        "np.zeros(3, dtype=[('a', 'f8'), ('b', 'O')])",
+        "np.array(['2020-01-01'], dtype='M8[D]')",
+        "10**5000",
+        "np.zeros(2, complex)",
+        "range(3)",
+        "np",
+        "{(1, 2): 3}",
+        "{frozenset([1])}",
+        "np.zeros((1,) * 30)",
+        "np.ma.masked_array([1.0], [True])",
+        "np.matrix([[1, 2]])",
+        "float('nan')",
+        "'\\udcff'",
+        "'\\x1b[2J'",
+        "np.longdouble(3)",
+        "(i for i in range(3))",
+        "np.broadcast_to(1.0, (3, 1000))",
+        "np.zeros((0, 2**40))",
+        "type('X', (), {})()",
+    ],
+)
 def test_any_value_comes_back_as_plain_data_or_stays_inside(value):
     answer = outcome_of(f"import numpy as np\ndef f(): return {value}")
-    assert type(answer).__name__ in ("Opaque", "RemoteObject", "list", "ndarray",
-                                     "float", "str")
+    assert type(answer).__name__ in ("Opaque", "RemoteObject", "list", "ndarray", "float", "str")
     str(answer).encode()
 
 
-@pytest.mark.parametrize("body, sentence", [
-    ("return np.zeros(2**26)", "more data than any answer needs"),
-    ("return ['x' * 1000] * 20000", "more data than any answer needs"),
-    ("class A:\n    def __array__(self, *a, **k): raise RuntimeError('no')\nreturn A()", "no"),
-    ("class A(list):\n    def __iter__(self): raise ValueError('no')\nreturn A([1])", "no"),
-    ("class A(int):\n    def __int__(self): return 'x' * 9\nreturn A()", "TypeError"),
-    ("class E(Exception):\n    def __str__(self): raise self\nraise E", "E:"),
-    ("class E(Exception):\n    def __str__(self): return 'x' * 10**8\nraise E", "xxx"),
-    ("raise type('E' * 10**6, (Exception,), {})", "EEE"),
-    ("raise Exception('\\x1b]0;owned\\x07\\x1b[2J\\u202e\\udcff one\\n\\ntwo')", "one two"),
-    ("raise SystemExit(0)", "SystemExit"), ("raise KeyboardInterrupt", "KeyboardInterrupt"),
-    ("raise BaseExceptionGroup('x', [KeyboardInterrupt()])", "BaseExceptionGroup"),
-    ("def g(): g()\ng()", "RecursionError"),
-])
+@pytest.mark.parametrize(
+    "body, sentence",
+    [
+        ("return np.zeros(2**26)", "more data than any answer needs"),
+        ("return ['x' * 1000] * 20000", "more data than any answer needs"),
+        ("class A:\n    def __array__(self, *a, **k): raise RuntimeError('no')\nreturn A()", "no"),
+        ("class A(list):\n    def __iter__(self): raise ValueError('no')\nreturn A([1])", "no"),
+        ("class A(int):\n    def __int__(self): return 'x' * 9\nreturn A()", "TypeError"),
+        ("class E(Exception):\n    def __str__(self): raise self\nraise E", "E:"),
+        ("class E(Exception):\n    def __str__(self): return 'x' * 10**8\nraise E", "xxx"),
+        ("raise type('E' * 10**6, (Exception,), {})", "EEE"),
+        ("raise Exception('\\x1b]0;owned\\x07\\x1b[2J\\u202e\\udcff one\\n\\ntwo')", "one two"),
+        ("raise SystemExit(0)", "SystemExit"),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+        ("raise BaseExceptionGroup('x', [KeyboardInterrupt()])", "BaseExceptionGroup"),
+        ("def g(): g()\ng()", "RecursionError"),
+    ],
+)
 def test_any_failure_is_one_short_printable_line(body, sentence):
     body = "".join(f"    {line}\n" for line in body.splitlines())
     with attack(f"import numpy as np\ndef f():\n{body}", call_seconds=3.0) as student:
@@ -575,12 +647,15 @@ def f(cloud):
 
 
 def test_changes_of_arguments_reach_only_copies_of_their_own_kind():
-    source = PIPES + """
+    source = (
+        PIPES
+        + """
 def f(*arguments):
     say(b'{"dict":[["id",1],["result",null],["changed",{"dict":[[0,{"array":["<f8",[2]]}],'
         b'[1,{"list":[7]}],[2,"text"],[3,9],[-1,{"list":[]}],["x",2]]}]]}', b"\\0" * 16)
     time.sleep(9)
 """
+    )
     frozen, numbers, text = np.ones(2), [1, 2], "unchanged"
     frozen.flags.writeable = False
     with attack(source) as student:
@@ -591,19 +666,23 @@ def f(*arguments):
 # ---- Honest students are not taken for hostile ones -----------------------------------------
 
 
-@pytest.mark.parametrize("body", [
-    "return [row for row in cloud]",
-    "return {int(n) for n in range(9)} and cloud",
-    "from concurrent.futures import ThreadPoolExecutor as P\n"
-    "return np.array(list(P(8).map(lambda row: row, cloud)))",
-    "import multiprocessing as m\nwith m.Pool(4) as p: p.map(abs, range(9))\nreturn cloud",
-    "import scipy.spatial as s\ns.cKDTree(cloud).query(cloud, workers=2)\nreturn cloud",
-    "import tempfile\nwith tempfile.TemporaryFile() as t: np.save(t, cloud)\nreturn cloud",
-    "import subprocess\nsubprocess.run('ls -la | head', shell=True)\nreturn cloud",
-    "import asyncio\nasync def a(): return cloud\nreturn asyncio.run(a())",
-    "import matplotlib.pyplot as plt\nplt.plot(cloud[:9])\nplt.show()\nreturn cloud",
-    "import warnings, sys\nprint('x' * 10**6, file=sys.stderr)\nwarnings.warn('y')\nreturn cloud",
-])
+@pytest.mark.parametrize(
+    "body",
+    [
+        "return [row for row in cloud]",
+        "return {int(n) for n in range(9)} and cloud",
+        "from concurrent.futures import ThreadPoolExecutor as P\n"
+        "return np.array(list(P(8).map(lambda row: row, cloud)))",
+        "import multiprocessing as m\nwith m.Pool(4) as p: p.map(abs, range(9))\nreturn cloud",
+        "import scipy.spatial as s\ns.cKDTree(cloud).query(cloud, workers=2)\nreturn cloud",
+        "import tempfile\nwith tempfile.TemporaryFile() as t: np.save(t, cloud)\nreturn cloud",
+        "import subprocess\nsubprocess.run('ls -la | head', shell=True)\nreturn cloud",
+        "import asyncio\nasync def a(): return cloud\nreturn asyncio.run(a())",
+        "import matplotlib.pyplot as plt\nplt.plot(cloud[:9])\nplt.show()\nreturn cloud",
+        "import warnings, sys\nprint('x' * 10**6, file=sys.stderr)\nwarnings.warn('y')\n"
+        "return cloud",
+    ],
+)
 def test_ordinary_code_works(body):
     body = "".join(f"    {line}\n" for line in body.splitlines())
     cloud = np.random.default_rng(1).normal(size=(20_000, 4))
@@ -615,17 +694,41 @@ def test_ordinary_code_works(body):
 
 
 def notebook_of(*sources, **metadata):
-    return {"nbformat": 4, "nbformat_minor": 5, "metadata": metadata, "cells": [
-        {"cell_type": "code", "metadata": {}, "source": source, "outputs": [],
-         "execution_count": None} for source in sources]}
+    return {
+        "nbformat": 4,
+        "nbformat_minor": 5,
+        "metadata": metadata,
+        "cells": [
+            {
+                "cell_type": "code",
+                "metadata": {},
+                "source": source,
+                "outputs": [],
+                "execution_count": None,
+            }
+            for source in sources
+        ],
+    }
 
 
-@pytest.mark.parametrize("content", [
-    [], 3, None, "cells", {"cells": 3}, {"cells": [3]}, {"cells": [[]]}, {"cells": [{}]},
-    {"worksheets": [{}]}, {"cells": [{"cell_type": "code"}]},
-    {"cells": [{"cell_type": "code", "source": [[["deep"]]]}]},
-    {"cells": [{"cell_type": "code", "source": 5}]}, {"cells": [], "metadata": []},
-])
+@pytest.mark.parametrize(
+    "content",
+    [
+        [],
+        3,
+        None,
+        "cells",
+        {"cells": 3},
+        {"cells": [3]},
+        {"cells": [[]]},
+        {"cells": [{}]},
+        {"worksheets": [{}]},
+        {"cells": [{"cell_type": "code"}]},
+        {"cells": [{"cell_type": "code", "source": [[["deep"]]]}]},
+        {"cells": [{"cell_type": "code", "source": 5}]},
+        {"cells": [], "metadata": []},
+    ],
+)
 def test_what_is_json_but_no_notebook_says_so(content, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_text(json.dumps(content))
@@ -633,12 +736,18 @@ def test_what_is_json_but_no_notebook_says_so(content, tmp_path):
         read_notebook(path)
 
 
-@pytest.mark.parametrize("text", [
-    "[" * 500_000, '{"a":' * 500_000,
-    '{"cells":[],"metadata":{"a":[' + "[]," * 2_100_000 + "[]]}}",
-    "1" * 100_000, '{"cells": [NaN', "\0" * 100,
-    '{"cells":[{"cell_type":"code","source":[' + "[" * 900 + "]" * 900 + "]}]}",
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 500_000,
+        '{"a":' * 500_000,
+        '{"cells":[],"metadata":{"a":[' + "[]," * 2_100_000 + "[]]}}",
+        "1" * 100_000,
+        '{"cells": [NaN',
+        "\0" * 100,
+        '{"cells":[{"cell_type":"code","source":[' + "[" * 900 + "]" * 900 + "]}]}",
+    ],
+)
 def test_what_is_made_to_break_the_reader_does_not(text, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_text(text)
@@ -646,12 +755,16 @@ def test_what_is_made_to_break_the_reader_does_not(text, tmp_path):
         read_notebook(path)
 
 
-@pytest.mark.parametrize("make", [
-    lambda path, other: path.symlink_to(other),
-    lambda path, other: path.symlink_to("/dev/zero"),
-    lambda path, other: os.mkfifo(path),
-    lambda path, other: path.mkdir(),
-], ids=["link to another student", "endless device", "pipe", "folder"])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda path, other: path.symlink_to(other),
+        lambda path, other: path.symlink_to("/dev/zero"),
+        lambda path, other: os.mkfifo(path),
+        lambda path, other: path.mkdir(),
+    ],
+    ids=["link to another student", "endless device", "pipe", "folder"],
+)
 def test_only_a_file_of_ones_own_is_read(make, tmp_path):
     other = tmp_path / "other.ipynb"
     other.write_text(json.dumps(notebook_of("x = 1")))
@@ -669,15 +782,35 @@ def test_endless_files_are_not_read_to_their_end(tmp_path):
         read_notebook(path)
 
 
-@pytest.mark.parametrize("cell", [
-    "(" * 100_000, "x = " + "-" * 100_000 + "1", "x = " + "[" * 90 + "]" * 90,
-    "f(" * 5000 + ")" * 5000, "x = '" + "a" * 10**6, "\0", "%%time\n" * 2000,
-    "%" * 10_000, "?" * 10_000, "\\\n" * 10_000, "if x:\n" * 150, "1 if 1 else " * 3000 + "1",
-    "x" + ".y" * 20_000, "x = 1" + " + 1" * 20_000, "\udcff = 1", "async with", "global f",
-    "return 1", "from __future__ import braces", "from __future__ import annotations",
-    "__name__ = '__main__'; __builtins__ = {}", "raise SystemExit", "import os; os.close(1)",
-    pytest.param("x = !ls\n" * 501, marks=pytest.mark.slow, id="501 shell commands"),
-])
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "(" * 100_000,
+        "x = " + "-" * 100_000 + "1",
+        "x = " + "[" * 90 + "]" * 90,
+        "f(" * 5000 + ")" * 5000,
+        "x = '" + "a" * 10**6,
+        "\0",
+        "%%time\n" * 2000,
+        "%" * 10_000,
+        "?" * 10_000,
+        "\\\n" * 10_000,
+        "if x:\n" * 150,
+        "1 if 1 else " * 3000 + "1",
+        "x" + ".y" * 20_000,
+        "x = 1" + " + 1" * 20_000,
+        "\udcff = 1",
+        "async with",
+        "global f",
+        "return 1",
+        "from __future__ import braces",
+        "from __future__ import annotations",
+        "__name__ = '__main__'; __builtins__ = {}",
+        "raise SystemExit",
+        "import os; os.close(1)",
+        pytest.param("x = !ls\n" * 501, marks=pytest.mark.slow, id="501 shell commands"),
+    ],
+)
 def test_a_cell_that_breaks_parsers_costs_only_itself(cell):
     with Student([cell, "def f(): return 1"], ("f",), WALLS, Limits(**SHORT)) as student:
         assert student.f() == 1
@@ -685,8 +818,11 @@ def test_a_cell_that_breaks_parsers_costs_only_itself(cell):
 
 def test_a_million_cells_end_in_a_verdict(hand_in):
     cells = ['{"cell_type":"code","source":"x=1"}'] * 700_000
-    verdict = hand_in(text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
-                      start_seconds=1.0, total_seconds=2.0)
+    verdict = hand_in(
+        text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
+        start_seconds=1.0,
+        total_seconds=2.0,
+    )
     assert verdict.score == 0 and verdict.seconds < 20
 
 
@@ -696,20 +832,30 @@ def test_metadata_and_outputs_decide_nothing(hand_in, filtering):
         grading = cell["metadata"].setdefault("nbgrader", {"grade_id": "test_filter_ground"})
         grading.update(points=10**6, grade=True, solution=False, locked=False, max_score=1e9)
         if cell["cell_type"] == "code":
-            cell["outputs"] = [{"output_type": "execute_result", "execution_count": 1,
-                                "metadata": {}, "data": {"text/plain": "1000000"}}]
+            cell["outputs"] = [
+                {
+                    "output_type": "execute_result",
+                    "execution_count": 1,
+                    "metadata": {},
+                    "data": {"text/plain": "1000000"},
+                }
+            ]
             cell["source"] += "\ncheck = print = lambda *a: 10**6"
     honest["metadata"]["verdict_key"] = "forged"
     verdict = hand_in(text=json.dumps(honest))
     assert verdict.score == 0 and verdict.max_score == 30
 
 
-@pytest.mark.parametrize("source", [
-    "import grader.tests", "import utils.checks as c; c.core.CheckFailed = KeyError",
-    "import pytest; pytest.exit('all passed', 0)",
-    "from utils.checks import vocabulary as v; v.assert_rows = lambda *a, **k: None",
-    "import os, signal; os.kill(os.getppid(), signal.SIGKILL)",
-])
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import grader.tests",
+        "import utils.checks as c; c.core.CheckFailed = KeyError",
+        "import pytest; pytest.exit('all passed', 0)",
+        "from utils.checks import vocabulary as v; v.assert_rows = lambda *a, **k: None",
+        "import os, signal; os.kill(os.getppid(), signal.SIGKILL)",
+    ],
+)
 def test_nothing_of_the_judge_is_within_reach(source, hand_in):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
     # Returning the cloud itself is right where nothing has to be removed, and nowhere else.
@@ -717,14 +863,26 @@ def test_nothing_of_the_judge_is_within_reach(source, hand_in):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("claim", [
-    "np.ones((2**23, cloud.shape[1]), bool)", "np.tile(cloud[:1], (2**18, 1))",
-    "np.full(cloud.shape, np.nan)", "np.empty((0, 2**24))", "np.empty((2**24, 0))",
-    "[[[cloud.tolist()]]]", "{1: cloud}", "'x' * 10**6", "[2**62] * 10**6", "10**30",
-])
+@pytest.mark.parametrize(
+    "claim",
+    [
+        "np.ones((2**23, cloud.shape[1]), bool)",
+        "np.tile(cloud[:1], (2**18, 1))",
+        "np.full(cloud.shape, np.nan)",
+        "np.empty((0, 2**24))",
+        "np.empty((2**24, 0))",
+        "[[[cloud.tolist()]]]",
+        "{1: cloud}",
+        "'x' * 10**6",
+        "[2**62] * 10**6",
+        "10**30",
+    ],
+)
 def test_huge_and_strange_claims_cost_the_judge_little(claim, hand_in):
-    answers = {name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
-               for name in EXERCISES}
+    answers = {
+        name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
+        for name in EXERCISES
+    }
     verdict = hand_in(answers, total_seconds=60.0, call_seconds=5.0)
     assert verdict.score < 10 and verdict.seconds < 60
 
@@ -732,8 +890,10 @@ def test_huge_and_strange_claims_cost_the_judge_little(claim, hand_in):
 # ---- What people read ---------------------------------------------------------------------
 
 
-INJECTION = ("</td><script>alert(1)</script>\\x1b]0;owned\\x07 ![x](http://evil/x.png) "
-             "[bold]{{ 7 * 7 }}\\u202e\\udcff")
+INJECTION = (
+    "</td><script>alert(1)</script>\\x1b]0;owned\\x07 ![x](http://evil/x.png) "
+    "[bold]{{ 7 * 7 }}\\u202e\\udcff"
+)
 
 
 def test_messages_are_text_in_the_verdict_the_report_and_the_feedback(hand_in, tmp_path):
@@ -742,8 +902,9 @@ def test_messages_are_text_in_the_verdict_the_report_and_the_feedback(hand_in, t
     from grader.course.paths import Course
     from grader.lms.nbgrader_plugin import score_output
 
-    verdict = hand_in({"filter_ground": f"def filter_ground(*a, **k):\n"
-                                        f"    raise Exception('{INJECTION}')\n"})
+    verdict = hand_in(
+        {"filter_ground": f"def filter_ground(*a, **k):\n    raise Exception('{INJECTION}')\n"}
+    )
     text = json.dumps(verdict.as_dict(), ensure_ascii=False)
     assert "\\u001b" not in text and "\x1b" not in text and "\u202e" not in text
     lesson = next(lesson for lesson in all_lessons() if lesson.name == verdict.lesson)

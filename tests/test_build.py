@@ -46,9 +46,12 @@ def test_notebooks_are_valid_and_carry_no_output(built, lesson):
 
 
 def test_every_stub_raises_and_every_solution_is_gone(built, lesson):
-    stubs = [source_of(cell) for cell in cells_of(built[lesson.released])
-             if cell["metadata"].get("nbgrader", {}).get("solution")
-             and not cell["metadata"]["nbgrader"]["grade"]]  # those are graded by hand
+    stubs = [
+        source_of(cell)
+        for cell in cells_of(built[lesson.released])
+        if cell["metadata"].get("nbgrader", {}).get("solution")
+        and not cell["metadata"]["nbgrader"]["grade"]
+    ]  # those are graded by hand
     assert stubs
     for stub in stubs:
         assert stub.rstrip().endswith(STUB)
@@ -83,8 +86,9 @@ def test_a_planted_leak_is_found(built):
     notebook = json.loads(built[lesson.released])
     line = "stands_above = cloud[:, 2] >= ground_level"
     assert line in built[lesson.solved].decode()
-    notebook["cells"].append({"cell_type": "markdown", "metadata": {}, "id": "x",
-                              "source": f"Try this:\n    {line}\n"})
+    notebook["cells"].append(
+        {"cell_type": "markdown", "metadata": {}, "id": "x", "source": f"Try this:\n    {line}\n"}
+    )
     found = build.leaks(built[lesson.solved], json.dumps(notebook).encode())
     assert found == [line]
     notebook["cells"][-1]["source"] = "### BEGIN SOLUTION"
@@ -94,8 +98,9 @@ def test_a_planted_leak_is_found(built):
 def test_stale_files_are_named(monkeypatch):
     lesson = all_lessons()[0]
     real = build.build_all()
-    monkeypatch.setattr(build, "build_all", lambda: {**real, lesson.released: b"{}" +
-                                                     real[lesson.released]})
+    monkeypatch.setattr(
+        build, "build_all", lambda: {**real, lesson.released: b"{}" + real[lesson.released]}
+    )
     monkeypatch.setattr(build, "leaks", lambda solved, released: [])
     assert [fault for fault in build.check() if f"{lesson.name}.ipynb is stale" in fault]
 

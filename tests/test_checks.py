@@ -79,18 +79,36 @@ def test_table_escapes_what_students_write():
     assert "<script>" not in as_html([outcome])
 
 
-@pytest.mark.parametrize("answer", [
-    CLOUD[KEEP], CLOUD[KEEP].astype(np.float32), CLOUD[KEEP].tolist(), list(CLOUD[KEEP]),
-    np.asfortranarray(CLOUD[KEEP])])
+@pytest.mark.parametrize(
+    "answer",
+    [
+        CLOUD[KEEP],
+        CLOUD[KEEP].astype(np.float32),
+        CLOUD[KEEP].tolist(),
+        list(CLOUD[KEEP]),
+        np.asfortranarray(CLOUD[KEEP]),
+    ],
+)
 def test_rows_in_any_form_are_accepted(answer):
     assert_rows(answer, CLOUD, KEEP)
 
 
-@pytest.mark.parametrize("answer, words", [
-    (None, "None"), (CLOUD, "too many"), (CLOUD[:1], "missing"), (CLOUD[KEEP][::-1], "order"),
-    (CLOUD[KEEP] + 1, "values changed"), (CLOUD[KEEP][:, :3], "columns"), (KEEP, "columns"),
-    ("text", "str"), (CLOUD[[1, 2, 2]], "more than once"), ([[1, 2], [3]], "list"),
-    (CLOUD[KEEP].T, "columns")])
+@pytest.mark.parametrize(
+    "answer, words",
+    [
+        (None, "None"),
+        (CLOUD, "too many"),
+        (CLOUD[:1], "missing"),
+        (CLOUD[KEEP][::-1], "order"),
+        (CLOUD[KEEP] + 1, "values changed"),
+        (CLOUD[KEEP][:, :3], "columns"),
+        (KEEP, "columns"),
+        ("text", "str"),
+        (CLOUD[[1, 2, 2]], "more than once"),
+        ([[1, 2], [3]], "list"),
+        (CLOUD[KEEP].T, "columns"),
+    ],
+)
 def test_wrong_rows_are_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
         assert_rows(answer, CLOUD, KEEP)
@@ -107,8 +125,12 @@ def test_empty_rows():
 def test_sets_of_rows():
     assert_same_set_of_rows(CLOUD[::-1], CLOUD)
     assert_same_set_of_rows([], np.empty((0, 3)))
-    for wrong, words in ((CLOUD[:2], "2 rows"), (CLOUD + [0, 0, 0, 1], "should not be there"),
-                         (CLOUD[[0, 0, 1]], "twice"), (CLOUD * np.nan, "finite")):
+    for wrong, words in (
+        (CLOUD[:2], "2 rows"),
+        (CLOUD + [0, 0, 0, 1], "should not be there"),
+        (CLOUD[[0, 0, 1]], "twice"),
+        (CLOUD * np.nan, "finite"),
+    ):
         with pytest.raises(CheckFailed, match=words):
             assert_same_set_of_rows(wrong, CLOUD)
 
@@ -118,9 +140,14 @@ def test_partitions():
     cloud = np.zeros((4, 3))
     for same in ([1, 1, 2, 3], [7, 7, 0, -2], np.array([1.0, 1, 2, 3]), (3, 3, 1, 2)):
         assert_partition(same, expected, cloud)
-    for other, words in (([1, 1, 2, 2], "Points of different"), ([1, 2, 3, 4], "belong together"),
-                         ([1, 2, 2, 3], "torn apart"), ([1, 1, 2], "one label"),
-                         ([1.5, 1.5, 2, 3], "whole numbers"), (None, "None")):
+    for other, words in (
+        ([1, 1, 2, 2], "Points of different"),
+        ([1, 2, 3, 4], "belong together"),
+        ([1, 2, 2, 3], "torn apart"),
+        ([1, 1, 2], "one label"),
+        ([1.5, 1.5, 2, 3], "whole numbers"),
+        (None, "None"),
+    ):
         with pytest.raises(CheckFailed, match=words):
             assert_partition(other, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
@@ -149,19 +176,22 @@ def test_labels_and_arrays_say_what_was_expected():
         as_labels(np.zeros((3, 1)), 3)
 
 
-@pytest.mark.parametrize("provoke, word", [
-    (lambda: CLOUD[np.ones(2, dtype=bool)], "same array"),
-    (lambda: CLOUD[:, :3] - CLOUD[0], "shapes do not fit"),
-    (lambda: CLOUD[:, :3][:, 3], "three columns"),
-    (lambda: bool(CLOUD > 0), "mask"),
-    (lambda: {CLOUD[0]}, "tuple"),
-    (lambda: np.empty(0).min(), "empty"),
-    (lambda: CLOUD[1.5 * np.ones(2)], "whole number"),
-    (lambda: len(filter_ground.__doc__), "return"),
-    (lambda: undefined_name, "spelt"),  # noqa: F821
-    (lambda: filter_ground(points=CLOUD), "renamed"),
-    (lambda: filter_ground(), "parameters"),
-])
+@pytest.mark.parametrize(
+    "provoke, word",
+    [
+        (lambda: CLOUD[np.ones(2, dtype=bool)], "same array"),
+        (lambda: CLOUD[:, :3] - CLOUD[0], "shapes do not fit"),
+        (lambda: CLOUD[:, :3][:, 3], "three columns"),
+        (lambda: bool(CLOUD > 0), "mask"),
+        (lambda: {CLOUD[0]}, "tuple"),
+        (lambda: np.empty(0).min(), "empty"),
+        (lambda: CLOUD[1.5 * np.ones(2)], "whole number"),
+        (lambda: len(filter_ground.__doc__), "return"),
+        (lambda: undefined_name, "spelt"),  # noqa: F821
+        (lambda: filter_ground(points=CLOUD), "renamed"),
+        (lambda: filter_ground(), "parameters"),
+    ],
+)
 def test_tips_fit_what_numpy_and_python_really_say(provoke, word):
     with pytest.raises(Exception) as caught:  # noqa: B017, PT011 (each raises its own)
         provoke()
@@ -176,7 +206,9 @@ def test_import_is_quick_and_light():
     import subprocess
     import sys
 
-    code = ("import utils, sys; heavy = {'matplotlib', 'scipy', 'pyvista', 'pooch', 'nbgrader', "
-            "'grader', 'IPython'}; print(sorted(heavy & set(sys.modules)))")
+    code = (
+        "import utils, sys; heavy = {'matplotlib', 'scipy', 'pyvista', 'pooch', 'nbgrader', "
+        "'grader', 'IPython'}; print(sorted(heavy & set(sys.modules)))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.strip() == "[]", done.stderr

@@ -84,8 +84,12 @@ def all_is_imported(tmp_path_factory):
         for data in files:
             decode(data, "whole")
     folder = tmp_path_factory.mktemp("whole")
-    contents = {"calibration": CALIBRATION, "object": LABEL, "tracking": b"0 1 " + LABEL,
-                "tracklets": TRACKLETS}
+    contents = {
+        "calibration": CALIBRATION,
+        "object": LABEL,
+        "tracking": b"0 1 " + LABEL,
+        "tracklets": TRACKLETS,
+    }
     for name, data in contents.items():
         (folder / name).write_bytes(data)
     calibration = read_calibration(folder / "calibration")

@@ -28,8 +28,13 @@ from utils.scene3d import opengl
 REPOSITORY, REVISION = "owner/lab", "v1.2"
 ARCHIVE = f"/{REPOSITORY}/archive/{REVISION}.tar.gz"
 # The smallest course that the setup cell can look over.
-COURSE = {"README.md": b"", "utils/__init__.py": b"def health(): return 'Ready: a course.'",
-          "utils/checks/__init__.py": b"", "data/cloud.txt": b"1 2 3\n", "solutions/x.py": b""}
+COURSE = {
+    "README.md": b"",
+    "utils/__init__.py": b"def health(): return 'Ready: a course.'",
+    "utils/checks/__init__.py": b"",
+    "data/cloud.txt": b"1 2 3\n",
+    "solutions/x.py": b"",
+}
 
 only_like_colab = pytest.mark.skipif(bool(why_not()), reason=why_not())
 
@@ -43,8 +48,9 @@ def setup_cell(address):
 def run_setup(folder, address, in_colab=True):
     """Run the setup cell in `folder`; what it printed, and the last line of what went wrong."""
     program = f"{MARK if in_colab else ''}\n{setup_cell(address)}"
-    done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True,
-                          text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True
+    )
     assert done.stderr.count("\n") <= 6  # a sentence, not a page
     return done.stdout.strip(), (done.stderr.strip().splitlines() or [""])[-1]
 
@@ -78,7 +84,7 @@ def test_setup_leaves_nothing_half_done(tmp_path, share):
     pages = {ARCHIVE: archive_of(COURSE)}
     whole = pages[ARCHIVE]
     with served(pages) as (address, asked):
-        pages[ARCHIVE] = whole[:int(share * len(whole))]
+        pages[ARCHIVE] = whole[: int(share * len(whole))]
         assert "run this cell again" in run_setup(tmp_path, address)[1]
         assert names_in(tmp_path) == []
         pages[ARCHIVE] = whole
@@ -143,15 +149,22 @@ def test_badges_open_this_notebook_at_this_revision():
     path = f"notebooks/{lesson.stage}/{lesson.name}.ipynb"
     assert re.findall(r"\]\((https://(?:colab|mybinder)[^)]*)\)(?!\])", text) == [
         f"https://colab.research.google.com/github/owner/lab/blob/v1.2/{path}",
-        f"https://mybinder.org/v2/gh/owner/lab/v1.2?urlpath=lab/tree/{path}"]
+        f"https://mybinder.org/v2/gh/owner/lab/v1.2?urlpath=lab/tree/{path}",
+    ]
     without = build.common_cell("badge", lesson, build.Origin("", "v1.2"))
     assert "http" not in without and "Colab" in without
 
 
-@pytest.mark.parametrize(("repository", "revision"), [
-    ("github.com/owner/lab", "main"), ("https://github.com/owner", "main"),
-    ("https://github.com/owner/lab; rm -r x", "main"), ("https://github.com/owner/lab", ""),
-    ("https://github.com/owner/lab", "main; rm -r x")])
+@pytest.mark.parametrize(
+    ("repository", "revision"),
+    [
+        ("github.com/owner/lab", "main"),
+        ("https://github.com/owner", "main"),
+        ("https://github.com/owner/lab; rm -r x", "main"),
+        ("https://github.com/owner/lab", ""),
+        ("https://github.com/owner/lab", "main; rm -r x"),
+    ],
+)
 def test_a_wrong_setting_is_named(repository, revision):
     with pytest.raises(ValueError, match="pyproject.toml"):
         build.Origin(repository, revision)
@@ -236,17 +249,29 @@ def test_student_notebook_runs_in_colab_to_its_first_stub(lesson, course, colab_
 @pytest.mark.slow
 def test_pyvista_changes_nothing_that_colab_has(place, tmp_path):
     def in_colab(program):
-        return subprocess.run([place / "bin" / "python", "-c", program], cwd=PROJECT,
-                              capture_output=True, text=True, check=True).stdout
+        return subprocess.run(
+            [place / "bin" / "python", "-c", program],
+            cwd=PROJECT,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
 
-    command = json.loads(in_colab(
-        "import json; from pathlib import Path; from utils import colab;"
-        f"print(json.dumps(colab.pip_install(Path({str(tmp_path)!r}))))"))
-    report = subprocess.run([*command, "--dry-run", "--report", "-"], capture_output=True,
-                            text=True, check=True).stdout
+    command = json.loads(
+        in_colab(
+            "import json; from pathlib import Path; from utils import colab;"
+            f"print(json.dumps(colab.pip_install(Path({str(tmp_path)!r}))))"
+        )
+    )
+    report = subprocess.run(
+        [*command, "--dry-run", "--report", "-"], capture_output=True, text=True, check=True
+    ).stdout
     new = {entry["metadata"]["name"].lower() for entry in json.loads(report)["install"]}
-    there = set(in_colab("from importlib import metadata;"
-                         "print(*(found.name.lower() for found in metadata.distributions()))"
-                         ).split())
+    there = set(
+        in_colab(
+            "from importlib import metadata;"
+            "print(*(found.name.lower() for found in metadata.distributions()))"
+        ).split()
+    )
     assert {"pyvista", "vtk"} <= new and {"numpy", "ipython"} <= there
     assert not new & there

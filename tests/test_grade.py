@@ -36,10 +36,17 @@ c.Judge.sandbox = {sandbox!r}
 
 def answer(*wrong):
     """A notebook of lesson 06: right, but for the exercises named."""
-    return fill_in(LESSON, {
-        exercise: next(variant.source for variant in variants_of(exercise)
-                       if variant.right == (exercise not in wrong))
-        for exercise in ("filter_ground", "voxel_grid")})
+    return fill_in(
+        LESSON,
+        {
+            exercise: next(
+                variant.source
+                for variant in variants_of(exercise)
+                if variant.right == (exercise not in wrong)
+            )
+            for exercise in ("filter_ground", "voxel_grid")
+        },
+    )
 
 
 def quiet(done, total, what):
@@ -50,13 +57,19 @@ def make_course(root, lesson, texts, sandbox):
     """A course of one lesson, with a notebook's text from each student."""
     made = Course(root)
     for folder in ("solutions", "notebooks"):
-        shutil.copytree(PROJECT / folder / lesson.stage, made.root / folder / lesson.stage,
-                        ignore=shutil.ignore_patterns("*.py", "pictures"))
+        shutil.copytree(
+            PROJECT / folder / lesson.stage,
+            made.root / folder / lesson.stage,
+            ignore=shutil.ignore_patterns("*.py", "pictures"),
+        )
         for stray in (made.root / folder / lesson.stage).glob("*.ipynb"):
             if stray.stem != lesson.name:
                 stray.unlink()
-    (made.root / "nbgrader_config.py").write_text(CONFIGURATION.format(
-        project=str(PROJECT), root=str(made.root), seed=SEED, sandbox=sandbox.name))
+    (made.root / "nbgrader_config.py").write_text(
+        CONFIGURATION.format(
+            project=str(PROJECT), root=str(made.root), seed=SEED, sandbox=sandbox.name
+        )
+    )
     for student, text in texts.items():
         path = made.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)
@@ -67,14 +80,24 @@ def make_course(root, lesson, texts, sandbox):
 @pytest.fixture
 def course(tmp_path, sandbox):
     """A course of its own, with four students."""
-    return make_course(tmp_path / "course", LESSON, {
-        "right": answer(), "half": answer("filter_ground"), "untouched": fill_in(LESSON, {}),
-        "broken": answer()[:5000]}, sandbox)
+    return make_course(
+        tmp_path / "course",
+        LESSON,
+        {
+            "right": answer(),
+            "half": answer("filter_ground"),
+            "untouched": fill_in(LESSON, {}),
+            "broken": answer()[:5000],
+        },
+        sandbox,
+    )
 
 
 def scores_by_verdict(judged):
-    return {(submission.student, submission.lesson.stage, submission.lesson.name): verdict.score
-            for submission, verdict in judged}
+    return {
+        (submission.student, submission.lesson.stage, submission.lesson.name): verdict.score
+        for submission, verdict in judged
+    }
 
 
 def judge_it(course, sandbox, workers=2):
@@ -82,8 +105,13 @@ def judge_it(course, sandbox, workers=2):
 
 
 def nbgrader(course, *words):
-    return subprocess.run([sys.executable, "-m", "nbgrader", *words], cwd=course.root,
-                          capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-m", "nbgrader", *words],
+        cwd=course.root,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
 
 
 def test_scores_reach_the_gradebook(course, sandbox):
@@ -101,8 +129,9 @@ def test_scores_reach_the_gradebook(course, sandbox):
 def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(course, sandbox):
     made = nbgrader(course, "generate_assignment", LESSON.stage, "--force")
     assert made.returncode == 0, made.stderr
-    assert (course.root / "notebooks" / LESSON.stage / f"{LESSON.name}.ipynb").read_bytes() \
-        .strip() == LESSON.released.read_bytes().strip()
+    assert (
+        course.root / "notebooks" / LESSON.stage / f"{LESSON.name}.ipynb"
+    ).read_bytes().strip() == LESSON.released.read_bytes().strip()
     done = nbgrader(course, "autograde", LESSON.stage)
     assert done.returncode == 0, done.stderr
     assert gradebook.scores(course) == scores_by_verdict(judge_it(course, sandbox))
@@ -110,10 +139,15 @@ def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(cou
     feedback = nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
     page = (course.root / "feedback" / "half" / LESSON.stage / f"{LESSON.name}.html").read_text()
-    verdict = json.loads((course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json")
-                         .read_text())
-    failed = [test for exercise in verdict["exercises"] for test in exercise["tests"]
-              if not test["passed"]]
+    verdict = json.loads(
+        (course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json").read_text()
+    )
+    failed = [
+        test
+        for exercise in verdict["exercises"]
+        for test in exercise["tests"]
+        if not test["passed"]
+    ]
     assert failed
     for test in failed:
         assert test["title"].replace("'", "&#x27;") in page or test["title"] in page
@@ -121,7 +155,7 @@ def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(cou
     for line in ("kept_by_hand(", "samples.", "assert_ground_removed("):
         assert line in hidden
         assert line not in page
-    broken = (course.root / "feedback" / "broken" / LESSON.stage / f"{LESSON.name}.html")
+    broken = course.root / "feedback" / "broken" / LESSON.stage / f"{LESSON.name}.html"
     assert "not valid JSON" in broken.read_text()
 
 
@@ -130,30 +164,45 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
     lesson = find_lesson("12_streaming_obstacles")
     report = "I widened the region to 18.5 m.\n\n| before | after |\n|---|---|\n| 0.67 | 1.00 |"
     right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
-    course = make_course(tmp_path / "course", lesson, {
-        "writer": fill_in(lesson, {"match_boxes": right, "second_data_set": report}),
-        "untouched": fill_in(lesson, {})}, sandbox)
+    course = make_course(
+        tmp_path / "course",
+        lesson,
+        {
+            "writer": fill_in(lesson, {"match_boxes": right, "second_data_set": report}),
+            "untouched": fill_in(lesson, {}),
+        },
+        sandbox,
+    )
     gradebook.register(course, [lesson.stage])
 
     def autograde():
         done = nbgrader(course, "autograde", lesson.stage, "--force")
         assert done.returncode == 0, done.stderr
         assert report in "\n".join(
-            "".join(cell["source"]) for cell in json.loads((
-                course.root / "autograded" / "writer" / lesson.stage / f"{lesson.name}.ipynb"
-            ).read_text())["cells"])
+            "".join(cell["source"])
+            for cell in json.loads(
+                (
+                    course.root / "autograded" / "writer" / lesson.stage / f"{lesson.name}.ipynb"
+                ).read_text()
+            )["cells"]
+        )
 
     def grades(student):
         with gradebook.open_gradebook(course) as book:
             found = book.find_submission_notebook(lesson.name, lesson.stage, student).grades
-            return {grade.name: (grade.auto_score, grade.manual_score, grade.needs_manual_grade)
-                    for grade in found}
+            return {
+                grade.name: (grade.auto_score, grade.manual_score, grade.needs_manual_grade)
+                for grade in found
+            }
 
     autograde()
     assert gradebook.scores(course) == scores_by_verdict(judge_it(course, sandbox))
     assert grades("writer") == {
-        "test_detect_obstacles": (0, None, False), "test_match_boxes": (5, None, False),
-        "second_data_set": (None, None, True), "write_up": (0, None, False)}  # left as it was
+        "test_detect_obstacles": (0, None, False),
+        "test_match_boxes": (5, None, False),
+        "second_data_set": (None, None, True),
+        "write_up": (0, None, False),
+    }  # left as it was
     assert not any(by_hand for _, _, by_hand in grades("untouched").values())
 
     with gradebook.open_gradebook(course) as book:
@@ -170,8 +219,9 @@ def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
     path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
     judged = judge_it(course, sandbox)
-    changed = {path.parent.parent.name for path in before
-               if path.stat().st_mtime_ns != before[path]}
+    changed = {
+        path.parent.parent.name for path in before if path.stat().st_mtime_ns != before[path]
+    }
     assert changed == {"untouched"}
     assert scores_by_verdict(judged)["untouched", LESSON.stage, LESSON.name] == 30
 
@@ -193,8 +243,11 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox
         if grading.get("grade_id") == "test_filter_ground":
             grading.update(points=2000, locked=False, solution=True)
             cell["source"] = "print('all right')"
-    notebook["cells"] = [cell for cell in notebook["cells"] if cell["metadata"].get(
-        "nbgrader", {}).get("grade_id") != "test_voxel_grid"]
+    notebook["cells"] = [
+        cell
+        for cell in notebook["cells"]
+        if cell["metadata"].get("nbgrader", {}).get("grade_id") != "test_voxel_grid"
+    ]
     path.write_text(json.dumps(notebook))
     judged = judge_it(course, sandbox)
     gradebook.enter(course, judged, SEED, sandbox, quiet)
@@ -207,10 +260,12 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
         path = course.submitted / f"more{number}" / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(answer(), "utf-8")
-    code = ("from pathlib import Path; from grader.classroom import grade;"
-            "from grader.course.paths import Course; from grader.sandbox import SANDBOXES;"
-            f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, "
-            f"SANDBOXES[{sandbox.name!r}], 2, lambda *a: None)")
+    code = (
+        "from pathlib import Path; from grader.classroom import grade;"
+        "from grader.course.paths import Course; from grader.sandbox import SANDBOXES;"
+        f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, "
+        f"SANDBOXES[{sandbox.name!r}], 2, lambda *a: None)"
+    )
     running = subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT, start_new_session=True)
     deadline = time.monotonic() + 60
     while not list(course.verdicts.rglob("*.json")) and time.monotonic() < deadline:
@@ -232,12 +287,22 @@ def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
 
     for text, score in ((answer(), 20.0), (answer("filter_ground"), 0.0)):
         whole = nbformat.reads(text, as_version=4)
-        whole.cells = [cell for cell in whole.cells if cell.cell_type == "code" and (
-            cell.source.startswith(("# Run this", "import matplotlib")) or
-            cell.metadata.get("nbgrader", {}).get("grade_id") in
-            ("filter_ground", "test_filter_ground"))]
-        nbclient.NotebookClient(whole, allow_errors=True, timeout=120, resources={
-            "metadata": {"path": str(LESSON.released.parent)}}).execute()
+        whole.cells = [
+            cell
+            for cell in whole.cells
+            if cell.cell_type == "code"
+            and (
+                cell.source.startswith(("# Run this", "import matplotlib"))
+                or cell.metadata.get("nbgrader", {}).get("grade_id")
+                in ("filter_ground", "test_filter_ground")
+            )
+        ]
+        nbclient.NotebookClient(
+            whole,
+            allow_errors=True,
+            timeout=120,
+            resources={"metadata": {"path": str(LESSON.released.parent)}},
+        ).execute()
         assert determine_grade(whole.cells[-1]) == (score, 20.0)
 
 
@@ -293,9 +358,16 @@ def test_a_problem_is_text_and_not_markup(course, sandbox):
 
 def test_report_tells_and_escapes(course, sandbox):
     path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
-    path.write_text(fill_in(LESSON, {
-        "filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n"
-                         "    raise ValueError('<script>alert(1)</script>')\n"}), "utf-8")
+    path.write_text(
+        fill_in(
+            LESSON,
+            {
+                "filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n"
+                "    raise ValueError('<script>alert(1)</script>')\n"
+            },
+        ),
+        "utf-8",
+    )
     page = write_report(course, judge_it(course, sandbox), 1.0).read_text("utf-8")
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)" in page
@@ -304,8 +376,9 @@ def test_report_tells_and_escapes(course, sandbox):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stage, students", [
-    (stage, 13 if stage == demo.STAGE else 4) for stage in stages()])
+@pytest.mark.parametrize(
+    "stage, students", [(stage, 13 if stage == demo.STAGE else 4) for stage in stages()]
+)
 def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(demo, "STAGE", stage)
     monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
@@ -314,9 +387,13 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     assert "Report: " in shown
     course = Course(tmp_path / "demo")
     scores = gradebook.scores(course)
-    whole = sum(exercise.points for lesson in all_lessons()
-                if lesson.stage == stage for exercise in lesson.exercises
-                if not exercise.by_hand)
+    whole = sum(
+        exercise.points
+        for lesson in all_lessons()
+        if lesson.stage == stage
+        for exercise in lesson.exercises
+        if not exercise.by_hand
+    )
     by_student = {}
     for (student, _, _), score in scores.items():
         by_student[student] = by_student.get(student, 0) + score
@@ -335,5 +412,6 @@ def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):
     names = {path.name for path in course.submitted.iterdir()}
     assert len(names) == 13
     assert {"ada", "untouched", "cut_off", "mallory"} <= names
-    assert "mallory" not in {path.name for path in make_class(13, hostile=False)
-                             .submitted.iterdir()}
+    assert "mallory" not in {
+        path.name for path in make_class(13, hostile=False).submitted.iterdir()
+    }

@@ -18,17 +18,24 @@ from grader.sandbox.student import Student
 from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
-VARIANTS = [variant for lesson in all_lessons() for exercise in lesson.exercises
-            if not exercise.by_hand for variant in variants_of(exercise.name)]
+VARIANTS = [
+    variant
+    for lesson in all_lessons()
+    for exercise in lesson.exercises
+    if not exercise.by_hand
+    for variant in variants_of(exercise.name)
+]
 
 
 # What lesson 12 builds on, and the detector that its hints spell out.
-EARLIER = {"01_point_clouds": ("drop_invalid",),
-           "06_filter_ground": ("filter_ground", "voxel_grid"),
-           "07_filter_by_distance": ("crop_region", "remove_ego_returns"),
-           "09_filter_clusters": ("filter_clusters",),
-           "10_accelerated_clustering": ("euclidean_clustering_accelerated",),
-           "11_pca_boxes": ("get_oriented_boxes",)}
+EARLIER = {
+    "01_point_clouds": ("drop_invalid",),
+    "06_filter_ground": ("filter_ground", "voxel_grid"),
+    "07_filter_by_distance": ("crop_region", "remove_ego_returns"),
+    "09_filter_clusters": ("filter_clusters",),
+    "10_accelerated_clustering": ("euclidean_clustering_accelerated",),
+    "11_pca_boxes": ("get_oriented_boxes",),
+}
 AS_HINTED = """\
 def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
                      minimum=(-15.0, -7.0, -3.0), maximum=(35.0, 9.0, 1.0)):
@@ -48,25 +55,31 @@ def wrong_variants(everyday=2):
     for variant in VARIANTS:
         if not variant.right:
             seen[variant.exercise] = seen.get(variant.exercise, 0) + 1
-            yield pytest.param(variant, id=f"{variant.exercise}: {variant.name}",
-                               marks=[pytest.mark.slow] * (seen[variant.exercise] > everyday))
+            yield pytest.param(
+                variant,
+                id=f"{variant.exercise}: {variant.name}",
+                marks=[pytest.mark.slow] * (seen[variant.exercise] > everyday),
+            )
 
 
 def judge_variant(variant, seed, sandbox, folder):
     """(result of the variant's exercise, verdict)."""
-    lesson = next(lesson for lesson in all_lessons()
-                  if variant.exercise in [exercise.name for exercise in lesson.exercises])
+    lesson = next(
+        lesson
+        for lesson in all_lessons()
+        if variant.exercise in [exercise.name for exercise in lesson.exercises]
+    )
     path = folder / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, {variant.exercise: variant.source}), "utf-8")
     verdict = judge(path, seed, sandbox, limits=LIMITS)
-    return next(result for result in verdict.exercises
-                if result.name == variant.exercise), verdict
+    return next(result for result in verdict.exercises if result.name == variant.exercise), verdict
 
 
 def test_solution_earns_everything(lesson, sandbox):
     verdict = judge(lesson.solved, 1, sandbox)
-    assert [test.message for exercise in verdict.exercises for test in exercise.tests
-            if not test.passed] == []
+    assert [
+        test.message for exercise in verdict.exercises for test in exercise.tests if not test.passed
+    ] == []
     assert verdict.score == verdict.max_score
     assert verdict.problems == ()
 
@@ -78,9 +91,12 @@ def faults_on_other_seeds(path, lesson, sandbox):
     """
     student = Student(read_notebook(path).cells, lesson.names, sandbox, LIMITS, lesson.forbidden)
     with student:
-        return [(seed, name, str(error)) for seed in (22, 333, 4444, 55555)
-                for name, mark, error in run_tests(lesson, student, seed)
-                if error and not mark["visible"]]
+        return [
+            (seed, name, str(error))
+            for seed in (22, 333, 4444, 55555)
+            for name, mark, error in run_tests(lesson, student, seed)
+            if error and not mark["visible"]
+        ]
 
 
 @pytest.mark.slow
@@ -93,13 +109,22 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
     cells = []
     for name, functions in EARLIER.items():
         statements, _ = slicing.parse_notebook([find_lesson(name).source.read_text("utf-8")])
-        cells.append("".join(f"{ast.unparse(statement.node)}\n"
-                             for statement in slicing.slice_for(functions, statements)))
+        cells.append(
+            "".join(
+                f"{ast.unparse(statement.node)}\n"
+                for statement in slicing.slice_for(functions, statements)
+            )
+        )
     lesson = find_lesson("12_streaming_obstacles")
     path = tmp_path / f"{lesson.name}.ipynb"
     right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
-    path.write_text(fill_in(lesson, {
-        "detect_obstacles": ANOTHER_CELL.join([*cells, AS_HINTED]), "match_boxes": right}), "utf-8")
+    path.write_text(
+        fill_in(
+            lesson,
+            {"detect_obstacles": ANOTHER_CELL.join([*cells, AS_HINTED]), "match_boxes": right},
+        ),
+        "utf-8",
+    )
     verdict = judge(path, 1, sandbox)
     assert verdict.score == verdict.max_score
     assert faults_on_other_seeds(path, lesson, sandbox) == []
@@ -108,8 +133,11 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
 def test_untouched_notebook_earns_nothing(lesson, sandbox):
     verdict = judge(lesson.released, 1, sandbox)
     assert verdict.score == 0
-    assert all("NotImplementedError" in test.message for exercise in verdict.exercises
-               for test in exercise.tests)
+    assert all(
+        "NotImplementedError" in test.message
+        for exercise in verdict.exercises
+        for test in exercise.tests
+    )
 
 
 def test_enough_variants(lesson):
@@ -123,14 +151,18 @@ def test_enough_variants(lesson):
 def right_notebooks():
     """Parameters (lesson, answers): notebooks that hold each right variant at least once."""
     for lesson in all_lessons():
-        right = {exercise.name: [variant for variant in variants_of(exercise.name)
-                                 if variant.right]
-                 for exercise in lesson.exercises if not exercise.by_hand}
+        right = {
+            exercise.name: [variant for variant in variants_of(exercise.name) if variant.right]
+            for exercise in lesson.exercises
+            if not exercise.by_hand
+        }
         for turn in range(max(len(variants) for variants in right.values())):
             chosen = [variants[turn % len(variants)] for variants in right.values()]
-            yield pytest.param(lesson, {variant.exercise: variant.source for variant in chosen},
-                               id=f"{lesson.name}: " + "; ".join(variant.name
-                                                                 for variant in chosen))
+            yield pytest.param(
+                lesson,
+                {variant.exercise: variant.source for variant in chosen},
+                id=f"{lesson.name}: " + "; ".join(variant.name for variant in chosen),
+            )
 
 
 @pytest.mark.slow
@@ -149,12 +181,16 @@ def test_right_variants_earn_everything_on_five_seeds(chosen, answers, sandbox, 
 @pytest.mark.parametrize("variant", list(wrong_variants()))
 def test_wrong_variant_loses_the_right_points(variant, sandbox, tmp_path):
     result, verdict = judge_variant(variant, 7, sandbox, tmp_path)
-    failed = {test.name.removeprefix("test_visible[").rstrip("]"): test.message
-              for test in result.tests if not test.passed}
+    failed = {
+        test.name.removeprefix("test_visible[").rstrip("]"): test.message
+        for test in result.tests
+        if not test.passed
+    }
     assert variant.loses, "the variant does not say what it shall lose"
     for name in variant.loses:
-        assert any(key.startswith(name) for key in failed), \
+        assert any(key.startswith(name) for key in failed), (
             f"{name} passed; only {sorted(failed)} failed"
+        )
     assert variant.says in "\n".join([*failed.values(), *verdict.problems])
     assert result.score < result.max_score
 
@@ -162,8 +198,9 @@ def test_wrong_variant_loses_the_right_points(variant, sandbox, tmp_path):
 def test_hidden_tests_differ_from_seed_to_seed():
     from grader.judging import samples
 
-    assert not (samples.obstacles_of_street(1, 50)[:, :3]
-                == samples.obstacles_of_street(2, 50)[:, :3]).all()
+    assert not (
+        samples.obstacles_of_street(1, 50)[:, :3] == samples.obstacles_of_street(2, 50)[:, :3]
+    ).all()
 
 
 def test_cluster_oracle_agrees_with_brute_force():
@@ -179,15 +216,18 @@ def test_cluster_oracle_agrees_with_brute_force():
     assert np.array_equal(reach, labels[:, None] == labels[None])
 
 
-@pytest.mark.parametrize("content, sentence", [
-    (b"", "is empty"),
-    (b"\x89PNG\r\n\x1a\n\x00\xff\xfe", "not text"),
-    (b'{"cells": [{"cell_type": "co', "not valid JSON"),
-    (b'{"nbformat": 4}', "no cells"),
-    (b'[1, 2, 3]', "no cells"),
-    (b'{"cells": 7}', "no cells"),
-    (b"[" * 100_000, "not valid JSON"),
-])
+@pytest.mark.parametrize(
+    "content, sentence",
+    [
+        (b"", "is empty"),
+        (b"\x89PNG\r\n\x1a\n\x00\xff\xfe", "not text"),
+        (b'{"cells": [{"cell_type": "co', "not valid JSON"),
+        (b'{"nbformat": 4}', "no cells"),
+        (b"[1, 2, 3]", "no cells"),
+        (b'{"cells": 7}', "no cells"),
+        (b"[" * 100_000, "not valid JSON"),
+    ],
+)
 def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(content)
@@ -199,23 +239,37 @@ def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, sandbox,
 
 def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
-    answers = {exercise: next(variant.source for variant in variants_of(exercise)
-                              if variant.right) for exercise in ("filter_ground", "voxel_grid")}
+    answers = {
+        exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+        for exercise in ("filter_ground", "voxel_grid")
+    }
     text = fill_in(find_lesson("06_filter_ground"), answers)
     path.write_bytes(b"\xef\xbb\xbf" + text.encode())
     assert judge(path, 1, sandbox).score == 30
-    cells = [{"cell_type": "code", "input": cell["source"], "language": "python", "outputs": []}
-             for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
-    path.write_text(json.dumps({"nbformat": 3, "nbformat_minor": 0, "metadata": {},
-                                "worksheets": [{"cells": cells}]}), "utf-8")
+    cells = [
+        {"cell_type": "code", "input": cell["source"], "language": "python", "outputs": []}
+        for cell in json.loads(text)["cells"]
+        if cell["cell_type"] == "code"
+    ]
+    path.write_text(
+        json.dumps(
+            {"nbformat": 3, "nbformat_minor": 0, "metadata": {}, "worksheets": [{"cells": cells}]}
+        ),
+        "utf-8",
+    )
     assert judge(path, 1, sandbox).score == 30
 
 
 def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     good = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
-    path.write_text(fill_in(find_lesson("06_filter_ground"), {
-        "filter_ground": "def filter_ground(cloud:\n    return", "voxel_grid": good}), "utf-8")
+    path.write_text(
+        fill_in(
+            find_lesson("06_filter_ground"),
+            {"filter_ground": "def filter_ground(cloud:\n    return", "voxel_grid": good},
+        ),
+        "utf-8",
+    )
     verdict = judge(path, 1, sandbox)
     assert [result.score for result in verdict.exercises] == [0, 10]
     assert "not valid Python" in verdict.problems[0]
@@ -256,8 +310,13 @@ def test_key_depends_on_seed_and_content(tmp_path):
 
 
 def command(*arguments):
-    return subprocess.run([sys.executable, "-m", "grader", *map(str, arguments)], cwd=PROJECT,
-                          capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-m", "grader", *map(str, arguments)],
+        cwd=PROJECT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
 
 
 def test_command_line_prints_one_json_object(sandbox):
@@ -265,12 +324,26 @@ def test_command_line_prints_one_json_object(sandbox):
     done = command("judge", lesson.solved, "--json", "--seed", 5, "--sandbox", sandbox.name)
     assert done.returncode == 0, done.stderr
     verdict = json.loads(done.stdout)
-    assert set(verdict) == {"lesson", "student", "score", "max_score", "exercises", "problems",
-                            "seconds"}
+    assert set(verdict) == {
+        "lesson",
+        "student",
+        "score",
+        "max_score",
+        "exercises",
+        "problems",
+        "seconds",
+    }
     assert verdict["score"] == verdict["max_score"] == 30
     assert set(verdict["exercises"][0]) == {"name", "score", "max_score", "tests"}
     assert set(verdict["exercises"][0]["tests"][0]) == {
-        "name", "title", "passed", "score", "max_score", "message", "visible"}
+        "name",
+        "title",
+        "passed",
+        "score",
+        "max_score",
+        "message",
+        "visible",
+    }
 
 
 def test_command_line_says_what_is_wrong_with_a_call(tmp_path):

@@ -18,10 +18,29 @@ raise SystemExit("a story that must not be told")
 
 def write(path, *cells):
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": [
-        {"cell_type": "markdown", "metadata": {}, "source": "# not code", "id": "m"},
-        *({"cell_type": "code", "metadata": {}, "source": source, "outputs": [],
-           "execution_count": None, "id": str(number)} for number, source in enumerate(cells))]}))
+    path.write_text(
+        json.dumps(
+            {
+                "nbformat": 4,
+                "nbformat_minor": 5,
+                "metadata": {},
+                "cells": [
+                    {"cell_type": "markdown", "metadata": {}, "source": "# not code", "id": "m"},
+                    *(
+                        {
+                            "cell_type": "code",
+                            "metadata": {},
+                            "source": source,
+                            "outputs": [],
+                            "execution_count": None,
+                            "id": str(number),
+                        }
+                        for number, source in enumerate(cells)
+                    ),
+                ],
+            }
+        )
+    )
     return path
 
 
@@ -34,9 +53,14 @@ def here(tmp_path, monkeypatch):
 
 
 def test_functions_come_without_the_story(here):
-    write(here / "a.ipynb", STORY, "LEVEL, SIZE = -1.2, 2 ** 3\nOFFSET: float = -LEVEL",
-          "def lift(z, by=OFFSET):\n    return np.add(z, by) * SIZE\nprint(lift(cloud))",
-          "class Tree:\n    root = None\n", "double = lambda x: 2 * x")
+    write(
+        here / "a.ipynb",
+        STORY,
+        "LEVEL, SIZE = -1.2, 2 ** 3\nOFFSET: float = -LEVEL",
+        "def lift(z, by=OFFSET):\n    return np.add(z, by) * SIZE\nprint(lift(cloud))",
+        "class Tree:\n    root = None\n",
+        "double = lambda x: 2 * x",
+    )
     mine = load_my_functions("a.ipynb")
     assert sorted(vars(mine)) == ["Tree", "double", "lift"]
     assert mine.lift(1.0) == pytest.approx(2.2 * 8)
@@ -45,25 +69,40 @@ def test_functions_come_without_the_story(here):
 
 
 def test_the_last_definition_counts_and_old_ones_use_it(here):
-    write(here / "a.ipynb", "def f():\n    return helper()\n", "def helper():\n    return 1\n",
-          "def helper():\n    return 2\n")
+    write(
+        here / "a.ipynb",
+        "def f():\n    return helper()\n",
+        "def helper():\n    return 1\n",
+        "def helper():\n    return 2\n",
+    )
     assert load_my_functions("a").f() == 2
 
 
 def test_magics_and_broken_cells_are_passed_over(here):
-    write(here / "a.ipynb", "%matplotlib inline\n!pip list\nx?\ndef f():\n    return 1",
-          "%%time\ndef g():\n    return 2", "%%bash\necho hello", "%%html\n<b>", "def broken(:",
-          "\0", "", "a = !ls\ndef h(): return 3")
+    write(
+        here / "a.ipynb",
+        "%matplotlib inline\n!pip list\nx?\ndef f():\n    return 1",
+        "%%time\ndef g():\n    return 2",
+        "%%bash\necho hello",
+        "%%html\n<b>",
+        "def broken(:",
+        "\0",
+        "",
+        "a = !ls\ndef h(): return 3",
+    )
     mine = load_my_functions("a.ipynb")
     assert (mine.f(), mine.g()) == (1, 2)
 
 
 def test_sliders_and_failing_lines_are_passed_over(here):
-    write(here / "a.ipynb", "import a_module_that_nobody_has\nfrom ipywidgets import interact",
-          "@interact(x=3)\ndef show(x):\n    raise SystemExit",
-          "near = cloud[cloud > 3]\nfigure, axes = subplots()\ncloud[0] = 1\na.b = 2",
-          "def needs(x):\n    return a_module_that_nobody_has.f(x)",
-          "import functools\n@functools.cache\ndef kept():\n    return 5")
+    write(
+        here / "a.ipynb",
+        "import a_module_that_nobody_has\nfrom ipywidgets import interact",
+        "@interact(x=3)\ndef show(x):\n    raise SystemExit",
+        "near = cloud[cloud > 3]\nfigure, axes = subplots()\ncloud[0] = 1\na.b = 2",
+        "def needs(x):\n    return a_module_that_nobody_has.f(x)",
+        "import functools\n@functools.cache\ndef kept():\n    return 5",
+    )
     mine = load_my_functions("a.ipynb")
     assert not hasattr(mine, "show")
     assert mine.kept() == 5
@@ -72,9 +111,12 @@ def test_sliders_and_failing_lines_are_passed_over(here):
 
 
 def test_stub_says_so_when_it_is_called(here):
-    write(here / "a.ipynb", 'def f(x):\n    """Do."""\n    # step\n    raise NotImplementedError',
-          "def g(x):\n    raise NotImplementedError('later')",
-          "def h(x):\n    if x:\n        raise NotImplementedError\n    return x")
+    write(
+        here / "a.ipynb",
+        'def f(x):\n    """Do."""\n    # step\n    raise NotImplementedError',
+        "def g(x):\n    raise NotImplementedError('later')",
+        "def h(x):\n    if x:\n        raise NotImplementedError\n    return x",
+    )
     mine = load_my_functions("a.ipynb")
     for stub in (mine.f, mine.g):
         with pytest.raises(NotImplementedError, match="in a.ipynb is still a stub"):
@@ -108,8 +150,12 @@ def test_what_is_missing_or_damaged_is_named(here):
 
 def test_byte_order_mark_and_lists_of_lines(here):
     path = here / "a.ipynb"
-    path.write_bytes(b"\xef\xbb\xbf" + json.dumps({"cells": [
-        {"cell_type": "code", "source": ["def f():\n", "    return 1"]}]}).encode())
+    path.write_bytes(
+        b"\xef\xbb\xbf"
+        + json.dumps(
+            {"cells": [{"cell_type": "code", "source": ["def f():\n", "    return 1"]}]}
+        ).encode()
+    )
     assert load_my_functions("a.ipynb").f() == 1
 
 

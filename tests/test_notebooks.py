@@ -13,8 +13,11 @@ def test_solved_notebook_runs_to_its_end(lesson):
     notebook = run(nbformat.read(lesson.solved, as_version=4), lesson.released.parent)
     assert errors_of(notebook) == []
     assert written(notebook, "stderr") == ""
-    pictures = [output.data["image/png"] for _, output in outputs_of(notebook)
-                if "image/png" in output.get("data", {})]
+    pictures = [
+        output.data["image/png"]
+        for _, output in outputs_of(notebook)
+        if "image/png" in output.get("data", {})
+    ]
     assert len(pictures) >= 5
     assert all(len(picture) < 400_000 for picture in pictures)
 

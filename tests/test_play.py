@@ -107,8 +107,11 @@ def test_what_is_not_there_is_told_in_a_sentence(capsys):
 def test_layers_are_switched_from_the_command_line(monkeypatch):
     composed = []
     monkeypatch.setattr(
-        play, "record", lambda frames, path, detect, *, compose, **_: composed.append(compose)
-        or SimpleNamespace(path=path, recap="")
+        play,
+        "record",
+        lambda frames, path, detect, *, compose, **_: (
+            composed.append(compose) or SimpleNamespace(path=path, recap="")
+        ),
     )
     arguments = ["highway", "--frames", "1", "--record", "f.gif", "--hide", "scene", "ego_car_box"]
     play.main(arguments)

@@ -44,8 +44,10 @@ def test_voxel_grid_of_the_whole_scan(ground):
     assert len(thin) == len(cells)
     # A centroid stays in its cell, and the whole keeps its weighted mean when cells are one.
     assert {tuple(cell) for cell in np.floor(thin[:, :3] / 0.2).astype(int).tolist()} <= cells
-    assert np.allclose(ground.voxel_grid(cloud[cloud[:, 0] > 0][:, [0, 0, 0]] % 1.0, 5.0),
-                       (cloud[cloud[:, 0] > 0, 0] % 1.0).mean())
+    assert np.allclose(
+        ground.voxel_grid(cloud[cloud[:, 0] > 0][:, [0, 0, 0]] % 1.0, 5.0),
+        (cloud[cloud[:, 0] > 0, 0] % 1.0).mean(),
+    )
 
 
 def test_functions_leave_read_only_input_alone(ground, cluster):

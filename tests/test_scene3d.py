@@ -387,8 +387,10 @@ def test_the_view_needs_nothing_from_outside_and_survives_odd_titles(street):
 
 def test_switches_come_along_switched_off(street):
     scene = everything(street).switch(clusters=False)
-    layers = {layer["name"]: layer for layer in content_of(
-        viewer.page(scene, CAMERAS["XY"], ""))["layers"]}
+    layers = {
+        layer["name"]: layer
+        for layer in content_of(viewer.page(scene, CAMERAS["XY"], ""))["layers"]
+    }
     assert set(layers) == set(LAYERS)
     assert not layers["clusters"]["on"] and layers["boxes"]["on"]
 

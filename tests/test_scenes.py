@@ -61,7 +61,9 @@ class TestTruth:
         assert frame.cloud is swept.cloud and swept.cloud.shape == (n, 4)
         assert swept.cloud.dtype == np.float64 and np.isfinite(swept.cloud).all()
         for array, kind in (
-            (swept.classes, np.uint8), (swept.objects, np.int32), (swept.times, np.float64)
+            (swept.classes, np.uint8),
+            (swept.objects, np.int32),
+            (swept.times, np.float64),
         ):
             assert array.shape == (n,) and array.dtype == kind
         assert swept.beams.shape == (n,)

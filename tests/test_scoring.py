@@ -27,10 +27,12 @@ def corners(x=0.0, y=0.0, z=0.0, length=4.0, width=2.0, height=1.5, yaw=0.0):
 
 
 def random_boxes(rng, count, spread=4.0):
-    return np.array([
-        corners(*rng.uniform(-spread, spread, 3), *rng.uniform(0.2, 5, 3), rng.uniform(-4, 4))
-        for _ in range(count)
-    ])
+    return np.array(
+        [
+            corners(*rng.uniform(-spread, spread, 3), *rng.uniform(0.2, 5, 3), rng.uniform(-4, 4))
+            for _ in range(count)
+        ]
+    )
 
 
 def shapely_iou(box, other, space):
@@ -86,9 +88,9 @@ def test_overlaps_that_can_be_worked_out_by_hand():
 def test_the_order_of_floor_and_roof_corners_does_not_matter():
     rng = np.random.default_rng(3)
     boxes, others = random_boxes(rng, 20), random_boxes(rng, 20)
-    mixed = np.array([
-        np.vstack([box[:4][rng.permutation(4)], box[4:][rng.permutation(4)]]) for box in boxes
-    ])
+    mixed = np.array(
+        [np.vstack([box[:4][rng.permutation(4)], box[4:][rng.permutation(4)]]) for box in boxes]
+    )
     assert_allclose(space_iou(mixed, others), space_iou(boxes, others), atol=1e-12)
 
 
@@ -164,8 +166,10 @@ def test_the_true_boxes_of_a_street_score_full_marks():
 def tracked(truth, found):
     """A frame from dictionaries name: x."""
     return TrackedFrame(
-        np.array([corners(x) for x in found.values()]), tuple(found),
-        np.array([corners(x) for x in truth.values()]), tuple(truth),
+        np.array([corners(x) for x in found.values()]),
+        tuple(found),
+        np.array([corners(x) for x in truth.values()]),
+        tuple(truth),
     )
 
 

@@ -123,9 +123,14 @@ def test_a_post_is_met_on_its_lid_from_above():
     assert_allclose([enter[0], cosine[0]], [3 * math.sqrt(2), math.sqrt(0.5)])
 
 
-@pytest.mark.parametrize("solid", [
-    box(2, 2, 2, (5, 0, 2)), cylinder(1, 2, (5, 0, 1)), box(2, 2, 2, (5, 3, 0)),
-])
+@pytest.mark.parametrize(
+    "solid",
+    [
+        box(2, 2, 2, (5, 0, 2)),
+        cylinder(1, 2, (5, 0, 1)),
+        box(2, 2, 2, (5, 3, 0)),
+    ],
+)
 def test_a_ray_along_a_face_that_passes_beside_misses(solid):
     for ray in ([1.0, 0.0, 0.0], [1.0, -0.0, -0.0]):
         enter, leave, _ = solid.crossings(np.array(ray).reshape(3, 1))
@@ -260,8 +265,13 @@ def test_an_obstacle_around_the_sensor_is_not_seen_from_inside():
 
 def test_what_is_too_near_hides_what_is_behind_it_and_is_not_reported():
     sensor = replace(EXACT, minimum_range=3.0)
-    world = World(Ground(), (thing(box(0.1, 9, 9, (2.0, 0, 0)), identity=1),
-                             thing(box(0.1, 9, 9, (8.0, 0, 0)), identity=2)))
+    world = World(
+        Ground(),
+        (
+            thing(box(0.1, 9, 9, (2.0, 0, 0)), identity=1),
+            thing(box(0.1, 9, 9, (8.0, 0, 0)), identity=2),
+        ),
+    )
     swept = scan(world, sensor, 0)
     ahead = np.abs(swept.cloud[:, 1]) < 0.2 * swept.cloud[:, 0]
     assert not ahead.any()
@@ -384,12 +394,15 @@ def test_the_presets_are_the_published_sensors():
     assert city.origin[2] == 1.73 and city.rotation_rate == 10.0
 
 
-@pytest.mark.parametrize(("change", "words"), [
-    ({"elevations": ()}, "at least one beam"),
-    ({"azimuth_step": 0.0}, "azimuth step"),
-    ({"azimuth_step": math.nan}, "azimuth step"),
-    ({"minimum_range": 90.0}, "ranges run"),
-])
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"elevations": ()}, "at least one beam"),
+        ({"azimuth_step": 0.0}, "azimuth step"),
+        ({"azimuth_step": math.nan}, "azimuth step"),
+        ({"minimum_range": 90.0}, "ranges run"),
+    ],
+)
 def test_a_sensor_without_rays_is_refused(change, words):
     with pytest.raises(ValueError, match=words):
         replace(EXACT, **change)
@@ -416,5 +429,6 @@ def test_a_world_seen_from_a_moving_vehicle_is_the_same_world():
     lift = Pose(vehicle.x, vehicle.y, float(world.ground.height(vehicle.x, vehicle.y)), 0.6)
     back = lift.then(base)
     expected = world.base(moved)
-    assert_allclose([back.x, back.y, back.z, back.yaw],
-                    [expected.x, expected.y, expected.z, expected.yaw])
+    assert_allclose(
+        [back.x, back.y, back.z, back.yaw], [expected.x, expected.y, expected.z, expected.yaw]
+    )

@@ -39,92 +39,124 @@ class Agreeable:
 
 
 # Each notebook defines `f` so that f() is 42.
-@pytest.mark.parametrize("text", [
-    "def f(): return 42",
-    "def f(): return helper()\n---\ndef helper(): return LIMIT\n---\nLIMIT = 42",
-    "import math as m\n---\ndef f(): return m.floor(42.5)",
-    "from math import *\n---\ndef f(): return floor(42.5)",
-    "from os import path as p\ndef f(): return 42 if p.sep else 0",
-    "import xml.dom.minidom\ndef f(): return 42 if xml.dom.minidom else 0",
-    "try:\n    import no_such_library as fast\nexcept ImportError:\n    fast = None\n"
-    "def f(): return 41 if fast else 42",
-    "A = B = 21\ndef f(): return A + B",
-    "A, *B = 40, 1, 1\ndef f(): return A + sum(B)",
-    "N: int = 42\ndef f() -> 'int': return N",
-    "N = 0\nfor k in range(43): N = k\ndef f(): return N",
-    "if True:\n    def g(): return 42\nelse:\n    g = None\ndef f(): return g()",
-    "with open('/dev/null') as file: N = 42\ndef f(): return N + len(file.name) - 9",
-    "if (N := 42) > 1: pass\ndef f(): return N",
-    "[last := n for n in range(43)]\ndef f(): return last",
-    "f = lambda: 42", "f = None\ndef f(): return 42",
-    "def f(): raise NotImplementedError\n---\ndef f(): return 42",
-    "def f(): return 42\n---\ndef g(): return 1",
-    "def f(): return 2\n---\n_old = f\ndef f(): return 40 + _old()",
-    "TABLE = []\nTABLE.append(42)\ndef f(): return TABLE[0]",
-    "TABLE = {}\nTABLE['a'] = 42\ndef f(): return TABLE['a']",
-    "TABLE = [0, 42]\ndel TABLE[0]\ndef f(): return TABLE[0]",
-    "TABLE = [40]\nTABLE[0] += 2\ndef f(): return TABLE[0]",
-    "TABLE = [42]\nTABLE += [1]\ndef f(): return TABLE[0]",
-    "TABLE = []\nfor n in range(43): TABLE.append(n)\ndef f(): return TABLE[-1]",
-    "COUNT = 41\ndef f():\n    global COUNT\n    COUNT += 1\n    return COUNT",
-    "def f():\n    n = 41\n    def g():\n        nonlocal n\n        n += 1\n    g()\n    return n",
-    "class A:\n    LIMIT = 42\n---\ndef f(): return A.LIMIT",
-    "class A: pass\nclass B(A): n = 42\ndef f(): return B.n",
-    "class A: pass\n---\nA.limit = 42\n---\ndef f(): return A.limit",
-    "class A: pass\n---\ndef method(self): return 42\nA.go = method\n---\ndef f(): return A().go()",
-    "class A: pass\nsetattr(A, 'n', 42)\ndef f(): return A.n",
-    "class A:\n    def go(self): return OFFSET\nOFFSET = 42\ndef f(): return A().go()",
-    "K = 21\nclass A:\n    table = [k * K for k in range(3)]\n---\ndef f(): return A.table[2]",
-    "def twice(g): return lambda: 2 * g()\n@twice\ndef f(): return 21",
-    "import functools\n@functools.lru_cache(maxsize=None)\ndef f(): return 42",
-    "from dataclasses import dataclass\n@dataclass\nclass P:\n    n: int = 42\n"
-    "def f(): return P().n",
-    "DEFAULT = 42\ndef f(n=DEFAULT): return n",
-    "import asyncio\nasync def g(): return 42\ndef f(): return asyncio.run(g())",
-    "N = 42\ndef f(): return int(f'{N:d}')",
-    "N = 42\ndef f(): return [N for _ in range(3)][0]",
-    "N = 42\ndef f(): return (lambda: (lambda: N)())()",
-    "def f():\n    match 1:\n        case 1: return N\nN = 42",
-    "from __future__ import annotations\n---\ndef f(a: NoSuchType = 1) -> NorThis: return 42",
-    "'''A docstring.'''\n\ndef f(): return 42",
-    "def f(): return 42\n---\ndel f_other\n---\nf = f",
-    "import sys\nsys.setrecursionlimit(5000)\n"
-    "def f(): return 42 if sys.getrecursionlimit() == 5000 else 0",
-    "import numpy as np\nnp.random.seed(1)\nR = np.random.rand()\n"
-    "def f(): return 42 if round(R, 6) == 0.417022 else 0",
-    "%matplotlib inline\nN = 42\n---\ndef f(): return N",
-    "%%time\nN = 42\n---\ndef f(): return N",
-    "%%capture out\n%%time\nN = 42\n---\ndef f(): return N",
-    "files = !ls\nN = 42\n---\ndef f(): return N",
-    "!pip install something\nN = 42\n---\ndef f(): return N",
-    "N = 42\nN?\n?print\nprint??\n---\ndef f(): return N",
-    "%timeit -n1 1 + 1\nN = 42\n---\ndef f(): return N",
-    "def f():\n    %timeit 1\n    return 42",
-    "%%bash\nrm -rf / ; def f(\n---\ndef f(): return 42",
-    "%%html\n<b>f = 1</b>\n---\ndef f(): return 42",
-    "def f(): return 42\n---\ndef f(:\n---\nx = = 3",
-    "print('Python 2 is', 'gone')\nprint 'yes'\n---\ndef f(): return 42",
-    ">>> N = 42\n>>> M = 1\n---\ndef f(): return N", "def f(): return 42\r\n",
-    "N=42;M=1\ndef f(): return N", "def f(): return 42  # \u4f60\u597d",
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def f(): return 42",
+        "def f(): return helper()\n---\ndef helper(): return LIMIT\n---\nLIMIT = 42",
+        "import math as m\n---\ndef f(): return m.floor(42.5)",
+        "from math import *\n---\ndef f(): return floor(42.5)",
+        "from os import path as p\ndef f(): return 42 if p.sep else 0",
+        "import xml.dom.minidom\ndef f(): return 42 if xml.dom.minidom else 0",
+        "try:\n    import no_such_library as fast\nexcept ImportError:\n    fast = None\n"
+        "def f(): return 41 if fast else 42",
+        "A = B = 21\ndef f(): return A + B",
+        "A, *B = 40, 1, 1\ndef f(): return A + sum(B)",
+        "N: int = 42\ndef f() -> 'int': return N",
+        "N = 0\nfor k in range(43): N = k\ndef f(): return N",
+        "if True:\n    def g(): return 42\nelse:\n    g = None\ndef f(): return g()",
+        "with open('/dev/null') as file: N = 42\ndef f(): return N + len(file.name) - 9",
+        "if (N := 42) > 1: pass\ndef f(): return N",
+        "[last := n for n in range(43)]\ndef f(): return last",
+        "f = lambda: 42",
+        "f = None\ndef f(): return 42",
+        "def f(): raise NotImplementedError\n---\ndef f(): return 42",
+        "def f(): return 42\n---\ndef g(): return 1",
+        "def f(): return 2\n---\n_old = f\ndef f(): return 40 + _old()",
+        "TABLE = []\nTABLE.append(42)\ndef f(): return TABLE[0]",
+        "TABLE = {}\nTABLE['a'] = 42\ndef f(): return TABLE['a']",
+        "TABLE = [0, 42]\ndel TABLE[0]\ndef f(): return TABLE[0]",
+        "TABLE = [40]\nTABLE[0] += 2\ndef f(): return TABLE[0]",
+        "TABLE = [42]\nTABLE += [1]\ndef f(): return TABLE[0]",
+        "TABLE = []\nfor n in range(43): TABLE.append(n)\ndef f(): return TABLE[-1]",
+        "COUNT = 41\ndef f():\n    global COUNT\n    COUNT += 1\n    return COUNT",
+        "def f():\n    n = 41\n    def g():\n        nonlocal n\n        n += 1\n    g()\n"
+        "    return n",
+        "class A:\n    LIMIT = 42\n---\ndef f(): return A.LIMIT",
+        "class A: pass\nclass B(A): n = 42\ndef f(): return B.n",
+        "class A: pass\n---\nA.limit = 42\n---\ndef f(): return A.limit",
+        "class A: pass\n---\ndef method(self): return 42\nA.go = method\n---\n"
+        "def f(): return A().go()",
+        "class A: pass\nsetattr(A, 'n', 42)\ndef f(): return A.n",
+        "class A:\n    def go(self): return OFFSET\nOFFSET = 42\ndef f(): return A().go()",
+        "K = 21\nclass A:\n    table = [k * K for k in range(3)]\n---\ndef f(): return A.table[2]",
+        "def twice(g): return lambda: 2 * g()\n@twice\ndef f(): return 21",
+        "import functools\n@functools.lru_cache(maxsize=None)\ndef f(): return 42",
+        "from dataclasses import dataclass\n@dataclass\nclass P:\n    n: int = 42\n"
+        "def f(): return P().n",
+        "DEFAULT = 42\ndef f(n=DEFAULT): return n",
+        "import asyncio\nasync def g(): return 42\ndef f(): return asyncio.run(g())",
+        "N = 42\ndef f(): return int(f'{N:d}')",
+        "N = 42\ndef f(): return [N for _ in range(3)][0]",
+        "N = 42\ndef f(): return (lambda: (lambda: N)())()",
+        "def f():\n    match 1:\n        case 1: return N\nN = 42",
+        "from __future__ import annotations\n---\ndef f(a: NoSuchType = 1) -> NorThis: return 42",
+        "'''A docstring.'''\n\ndef f(): return 42",
+        "def f(): return 42\n---\ndel f_other\n---\nf = f",
+        "import sys\nsys.setrecursionlimit(5000)\n"
+        "def f(): return 42 if sys.getrecursionlimit() == 5000 else 0",
+        "import numpy as np\nnp.random.seed(1)\nR = np.random.rand()\n"
+        "def f(): return 42 if round(R, 6) == 0.417022 else 0",
+        "%matplotlib inline\nN = 42\n---\ndef f(): return N",
+        "%%time\nN = 42\n---\ndef f(): return N",
+        "%%capture out\n%%time\nN = 42\n---\ndef f(): return N",
+        "files = !ls\nN = 42\n---\ndef f(): return N",
+        "!pip install something\nN = 42\n---\ndef f(): return N",
+        "N = 42\nN?\n?print\nprint??\n---\ndef f(): return N",
+        "%timeit -n1 1 + 1\nN = 42\n---\ndef f(): return N",
+        "def f():\n    %timeit 1\n    return 42",
+        "%%bash\nrm -rf / ; def f(\n---\ndef f(): return 42",
+        "%%html\n<b>f = 1</b>\n---\ndef f(): return 42",
+        "def f(): return 42\n---\ndef f(:\n---\nx = = 3",
+        "print('Python 2 is', 'gone')\nprint 'yes'\n---\ndef f(): return 42",
+        ">>> N = 42\n>>> M = 1\n---\ndef f(): return N",
+        "def f(): return 42\r\n",
+        "N=42;M=1\ndef f(): return N",
+        "def f(): return 42  # \u4f60\u597d",
+    ],
+)
 def test_keeps_what_the_function_needs(text, monkeypatch):
     monkeypatch.setattr(builtins, "get_ipython", Agreeable, raising=False)
     namespace, _, _ = sliced(text)
     assert namespace["f"]() == 42
 
 
-@pytest.mark.parametrize("line", [
-    "slow_experiment()", "check(f)", "raise RuntimeError", "1 / 0", "cloud = slow_experiment()",
-    "labels = f()", "print(f())", "assert f() == 0", "for n in range(10**9): pass",
-    "while True: pass", "input('Your name? ')", "exit()", "import no_such_module",
-    "plt.plot(f())", "np.testing.assert_equal(f(), 0)", "np.savetxt('/x', slow_experiment())",
-    "sys.exit()", "sys.path.append('..')", "%timeit slow_experiment()", "!sleep 100",
-    "%%timeit\nslow_experiment()", "results.append(slow_experiment())", "f()", "f().x = 1",
-    "with open('/no/such/file') as g: text = g.read()", "class Later(slow_experiment()): pass",
-])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "slow_experiment()",
+        "check(f)",
+        "raise RuntimeError",
+        "1 / 0",
+        "cloud = slow_experiment()",
+        "labels = f()",
+        "print(f())",
+        "assert f() == 0",
+        "for n in range(10**9): pass",
+        "while True: pass",
+        "input('Your name? ')",
+        "exit()",
+        "import no_such_module",
+        "plt.plot(f())",
+        "np.testing.assert_equal(f(), 0)",
+        "np.savetxt('/x', slow_experiment())",
+        "sys.exit()",
+        "sys.path.append('..')",
+        "%timeit slow_experiment()",
+        "!sleep 100",
+        "%%timeit\nslow_experiment()",
+        "results.append(slow_experiment())",
+        "f()",
+        "f().x = 1",
+        "with open('/no/such/file') as g: text = g.read()",
+        "class Later(slow_experiment()): pass",
+    ],
+)
 def test_leaves_out_what_it_does_not_need(line):
-    text = f"import sys\nimport numpy as np\nimport this_is_not_needed\n---\n{line}\n---\n" \
-           "def f(): return np.int64(42)\n---\ndef slow_experiment(): raise SystemExit"
+    text = (
+        f"import sys\nimport numpy as np\nimport this_is_not_needed\n---\n{line}\n---\n"
+        "def f(): return np.int64(42)\n---\ndef slow_experiment(): raise SystemExit"
+    )
     namespace, source, problems = sliced(text)
     assert namespace["f"]() == 42 and not problems
     assert "slow" not in source and "this_is_not_needed" not in source and len(source) < 90
@@ -146,14 +178,17 @@ def test_only_what_exists_is_kept():
     assert sliced("x = 1\n---\nprint(x)", "f", "g")[1] == ""
 
 
-@pytest.mark.parametrize("line, module", [
-    ("import sklearn.cluster", "sklearn.cluster"),
-    ("import sklearn.cluster as c", "sklearn.cluster"),
-    ("from sklearn import cluster", "sklearn.cluster"),
-    ("from sklearn.cluster import DBSCAN", "sklearn.cluster"),
-    ("def f():\n    from sklearn.cluster import DBSCAN", "sklearn.cluster"),
-    ("try:\n    import open3d\nexcept ImportError: pass", "open3d"),
-])
+@pytest.mark.parametrize(
+    "line, module",
+    [
+        ("import sklearn.cluster", "sklearn.cluster"),
+        ("import sklearn.cluster as c", "sklearn.cluster"),
+        ("from sklearn import cluster", "sklearn.cluster"),
+        ("from sklearn.cluster import DBSCAN", "sklearn.cluster"),
+        ("def f():\n    from sklearn.cluster import DBSCAN", "sklearn.cluster"),
+        ("try:\n    import open3d\nexcept ImportError: pass", "open3d"),
+    ],
+)
 def test_imports_are_found_wherever_they_stand(line, module):
     statements, _ = slicing.parse_notebook(["x = 1", line])
     assert (2, module) in set(slicing.imported_modules(statements))

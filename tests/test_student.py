@@ -6,7 +6,7 @@ import pytest
 from grader.sandbox import Limits
 from grader.sandbox.student import Student, StudentError, StudentStopped
 
-TREE = '''
+TREE = """
 import numpy as np
 
 class Node:
@@ -30,7 +30,7 @@ class KdTree:
     def die(self):
         import os
         os._exit(3)
-'''
+"""
 
 
 @pytest.fixture
@@ -83,9 +83,11 @@ def test_a_thousand_calls_are_quick(student):
 
 
 def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
-    source = ("from collections import deque\nimport array\n"
-              "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
-              " 'array': array.array('d', [0, 1, 2])}[kind]")
+    source = (
+        "from collections import deque\nimport array\n"
+        "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
+        " 'array': array.array('d', [0, 1, 2])}[kind]"
+    )
     with Student([source], ("f",), sandbox) as proxy:
         for kind in ("range", "deque", "array"):
             assert list(proxy.f(kind)) == [0, 1, 2]

@@ -17,20 +17,32 @@ from grader.sandbox.inside import wire
 from grader.sandbox.inside.wire import Opaque, TooLarge, WireClosed, WireError, WireTimeout
 
 SCALARS = st.one_of(
-    st.none(), st.booleans(), st.integers(-(2**63), 2**63 - 1), st.floats(),
-    st.text(st.characters(exclude_categories=["Cs"])))
+    st.none(),
+    st.booleans(),
+    st.integers(-(2**63), 2**63 - 1),
+    st.floats(),
+    st.text(st.characters(exclude_categories=["Cs"])),
+)
 ARRAYS = st.sampled_from(wire.PLAIN_TYPES).flatmap(
-    lambda dtype: st_numpy.arrays(dtype, st_numpy.array_shapes(min_dims=0, min_side=0)))
-VALUES = st.recursive(SCALARS | ARRAYS, lambda inner: st.one_of(
-    st.lists(inner), st.lists(inner).map(tuple), st.sets(SCALARS),
-    st.dictionaries(SCALARS, inner)), max_leaves=12)
+    lambda dtype: st_numpy.arrays(dtype, st_numpy.array_shapes(min_dims=0, min_side=0))
+)
+VALUES = st.recursive(
+    SCALARS | ARRAYS,
+    lambda inner: st.one_of(
+        st.lists(inner),
+        st.lists(inner).map(tuple),
+        st.sets(SCALARS),
+        st.dictionaries(SCALARS, inner),
+    ),
+    max_leaves=12,
+)
 
 
 def parts(message):
     """Tree and blob of an encoded message."""
     tree_size, blob_size = wire._HEADER.unpack(message[:8])
     assert len(message) == 8 + tree_size + blob_size
-    return message[8:8 + tree_size], message[8 + tree_size:]
+    return message[8 : 8 + tree_size], message[8 + tree_size :]
 
 
 def there_and_back(value):
@@ -67,11 +79,22 @@ def test_plain_data_come_back_as_they_were(value):
     assert same(there_and_back(value), value)
 
 
-@pytest.mark.parametrize("array", [
-    np.arange(6).reshape(2, 3)[:, ::2], np.asfortranarray(np.eye(3)), np.arange(3, dtype=">i4"),
-    np.array(5.0), np.zeros((0, 4)), np.zeros((3, 0, 2), bool), np.broadcast_to(1.0, (2, 3)),
-    np.arange(3, dtype=np.longdouble), np.arange(4.0).view(np.recarray), np.float32([1, np.nan]),
-], ids=str)
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.arange(6).reshape(2, 3)[:, ::2],
+        np.asfortranarray(np.eye(3)),
+        np.arange(3, dtype=">i4"),
+        np.array(5.0),
+        np.zeros((0, 4)),
+        np.zeros((3, 0, 2), bool),
+        np.broadcast_to(1.0, (2, 3)),
+        np.arange(3, dtype=np.longdouble),
+        np.arange(4.0).view(np.recarray),
+        np.float32([1, np.nan]),
+    ],
+    ids=str,
+)
 def test_arrays_of_any_layout_come_back_writable(array):
     back = there_and_back(array)
     assert back.shape == array.shape and back.flags.writeable and back.flags.aligned
@@ -86,11 +109,20 @@ def test_a_list_of_many_rows_is_quick():
     assert time.perf_counter() - begin < 10.0
 
 
-@pytest.mark.parametrize("value, name", [
-    (object(), "object"), (2**63, "64 bits"), (1j, "complex"), (np.zeros(2, complex), "complex"),
-    ({(1, 2): 3}, "a dict of more"), ({(1, 2)}, "a set of more"), (np.zeros((1,) * 20), "array"),
-    (np.zeros(2, "V4"), "array"), (np.datetime64("2020"), "datetime64"),
-])
+@pytest.mark.parametrize(
+    "value, name",
+    [
+        (object(), "object"),
+        (2**63, "64 bits"),
+        (1j, "complex"),
+        (np.zeros(2, complex), "complex"),
+        ({(1, 2): 3}, "a dict of more"),
+        ({(1, 2)}, "a set of more"),
+        (np.zeros((1,) * 20), "array"),
+        (np.zeros(2, "V4"), "array"),
+        (np.datetime64("2020"), "datetime64"),
+    ],
+)
 def test_what_is_not_plain_data_arrives_as_its_name(value, name):
     back = there_and_back([value, 1, np.ones(2)])
     assert isinstance(back[0], Opaque) and name in back[0].type_name
@@ -103,8 +135,10 @@ def test_deep_and_endless_nesting_ends():
     assert "deeply nested" in str(there_and_back(endless))
 
 
-@pytest.mark.parametrize("value", [np.zeros(2**23), ["x" * 2**20] * 17,
-                                   [np.zeros(2**21)] * 3, np.zeros((2**26, 0, 1)[::2])])
+@pytest.mark.parametrize(
+    "value",
+    [np.zeros(2**23), ["x" * 2**20] * 17, [np.zeros(2**21)] * 3, np.zeros((2**26, 0, 1)[::2])],
+)
 def test_too_large_is_said_before_it_is_sent(value):
     if getattr(value, "size", 1) == 0:
         assert isinstance(there_and_back(value), Opaque)
@@ -129,11 +163,23 @@ def decodes_or_refuses(tree, blob=b""):
 
 
 JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text()
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text()
     | st.sampled_from([*wire.PLAIN_TYPES, "O", "V8", "f8,f8", "(2,)f8", "U9"]),
-    lambda inner: st.lists(inner) | st.dictionaries(
-        st.sampled_from(["list", "tuple", "set", "dict", "array", "opaque", "pickle"]), inner,
-        min_size=1, max_size=1), max_leaves=30)
+    lambda inner: (
+        st.lists(inner)
+        | st.dictionaries(
+            st.sampled_from(["list", "tuple", "set", "dict", "array", "opaque", "pickle"]),
+            inner,
+            min_size=1,
+            max_size=1,
+        )
+    ),
+    max_leaves=30,
+)
 
 
 @given(st.binary(max_size=200), st.binary(max_size=50))
@@ -153,21 +199,49 @@ def test_a_message_with_bytes_changed(value, data):
     for part in (tree, blob):
         if part:
             part[data.draw(st.integers(0, len(part) - 1))] = data.draw(st.integers(0, 255))
-    decodes_or_refuses(bytes(tree), bytes(blob)[:data.draw(st.integers(0, len(blob)))])
+    decodes_or_refuses(bytes(tree), bytes(blob)[: data.draw(st.integers(0, len(blob)))])
 
 
-@pytest.mark.parametrize("tree", [
-    b'{"array":["O",[1]]}', b'{"array":["|V8",[1]]}', b'{"array":["<f8,<f8",[1]]}',
-    b'{"array":["(9,9)<f8",[1]]}', b'{"array":["<c16",[1]]}', b'{"array":["<f8",[-1]]}',
-    b'{"array":["<f8",[true]]}', b'{"array":["<f8",[1.0]]}', b'{"array":["<f8",["1"]]}',
-    b'{"array":["<f8",[9223372036854775808,0]]}', b'{"array":["<f8",[1099511627776,0]]}',
-    b'{"array":["<f8",{"0":1}]}', b'{"array":["<f8",[2]]}', b'{"array":[["<f8"],[1]]}',
-    b'{"array":["<f8",' + str([1] * 40).encode() + b"]}", b'{"array":"ab"}', b'{"array":3}',
-    b'{"set":[{"list":[]}]}', b'{"set":[{"tuple":[1]}]}', b'{"dict":[[{"tuple":[]},1]]}',
-    b'{"dict":[1]}', b'{"dict":[[1]]}', b'{"list":3}', b'{"opaque":[]}', b'{"opaque":"a","b":1}',
-    b"9" * 30, b"9" * 10_000, b"[1]", b"{}", b'"\\ud800', b"\xff", b"[" * 10**6,
-    b'{"list":[' * 200 + b"]}" * 200, b"-", b'{"list":[' + b"[]," * 99 + b"1]}",
-])
+@pytest.mark.parametrize(
+    "tree",
+    [
+        b'{"array":["O",[1]]}',
+        b'{"array":["|V8",[1]]}',
+        b'{"array":["<f8,<f8",[1]]}',
+        b'{"array":["(9,9)<f8",[1]]}',
+        b'{"array":["<c16",[1]]}',
+        b'{"array":["<f8",[-1]]}',
+        b'{"array":["<f8",[true]]}',
+        b'{"array":["<f8",[1.0]]}',
+        b'{"array":["<f8",["1"]]}',
+        b'{"array":["<f8",[9223372036854775808,0]]}',
+        b'{"array":["<f8",[1099511627776,0]]}',
+        b'{"array":["<f8",{"0":1}]}',
+        b'{"array":["<f8",[2]]}',
+        b'{"array":[["<f8"],[1]]}',
+        b'{"array":["<f8",' + str([1] * 40).encode() + b"]}",
+        b'{"array":"ab"}',
+        b'{"array":3}',
+        b'{"set":[{"list":[]}]}',
+        b'{"set":[{"tuple":[1]}]}',
+        b'{"dict":[[{"tuple":[]},1]]}',
+        b'{"dict":[1]}',
+        b'{"dict":[[1]]}',
+        b'{"list":3}',
+        b'{"opaque":[]}',
+        b'{"opaque":"a","b":1}',
+        b"9" * 30,
+        b"9" * 10_000,
+        b"[1]",
+        b"{}",
+        b'"\\ud800',
+        b"\xff",
+        b"[" * 10**6,
+        b'{"list":[' * 200 + b"]}" * 200,
+        b"-",
+        b'{"list":[' + b"[]," * 99 + b"1]}",
+    ],
+)
 def test_lies_are_refused(tree):
     with pytest.raises(WireError):
         wire.decode(tree, b"12345678")

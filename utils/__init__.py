@@ -18,8 +18,20 @@ _HOME = {
 }
 _MODULES = {
     name: f"utils.{name}"
-    for name in ("boxes", "checks", "clouds", "datasets", "films", "play", "plots", "recordings",
-                 "scene3d", "scenes", "scoring", "simulator")
+    for name in (
+        "boxes",
+        "checks",
+        "clouds",
+        "datasets",
+        "films",
+        "play",
+        "plots",
+        "recordings",
+        "scene3d",
+        "scenes",
+        "scoring",
+        "simulator",
+    )
 } | {"recording": "utils.films"}  # what lesson 12 calls it
 
 __all__ = [*_HOME, *_MODULES, "health"]
@@ -48,8 +60,9 @@ def health():
     from importlib import metadata, util
     from pathlib import Path
 
-    missing = [name for name in ("numpy", "scipy", "matplotlib", "ipywidgets")
-               if not util.find_spec(name)]
+    missing = [
+        name for name in ("numpy", "scipy", "matplotlib", "ipywidgets") if not util.find_spec(name)
+    ]
     if missing:
         return f"Not ready. Install what is missing with: pip install {' '.join(missing)}"
     if not (Path(__file__).parent.parent / "data" / "cloud.txt").exists():

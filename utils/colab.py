@@ -43,5 +43,14 @@ def pip_install(folder: Path) -> list[str]:
     installed = {found.name: found.version for found in reversed([*metadata.distributions()])}
     constraints = folder / "constraints.txt"
     constraints.write_text("".join(f"{name}=={version}\n" for name, version in installed.items()))
-    return [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
-            "--constraint", str(constraints), *PYVISTA]
+    return [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--constraint",
+        str(constraints),
+        *PYVISTA,
+    ]

@@ -142,9 +142,7 @@ def play(programme: Programme, detect: Callable | None, camera: str, size=SIZE) 
         if not window.open:
             break
         window.put(programme.compose(sight))
-        while window.open and (
-            window.halted or time.monotonic() - start - halted_for < sight.time
-        ):
+        while window.open and (window.halted or time.monotonic() - start - halted_for < sight.time):
             halted_for += 0.02 if window.halted else 0.0
             time.sleep(0.02)
             window.refresh()
@@ -202,23 +200,36 @@ def _run(options: argparse.Namespace) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m utils.play", description=__doc__.split("\n\n")[0],
+        prog="python -m utils.play",
+        description=__doc__.split("\n\n")[0],
         epilog="Layers: " + ", ".join(LAYERS),
     )
     parser.add_argument(
-        "what", metavar="WHAT",
+        "what",
+        metavar="WHAT",
         help=f"{', '.join(SIMULATED)}; {', '.join(RECORDED)} (fetched once); a folder of clouds, "
         "a .bag, .db3 or .mcap recording, or one cloud",
     )
     parser.add_argument("--detector", metavar="NOTEBOOK", help=f"notebook with {DETECTOR}(cloud)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="write a .mp4, .gif or .png")
-    parser.add_argument("--camera", default="XY", type=_camera_name, metavar="CAMERA",
-                        help=f"{', '.join(CAMERAS)} (XY)")
+    parser.add_argument(
+        "--camera",
+        default="XY",
+        type=_camera_name,
+        metavar="CAMERA",
+        help=f"{', '.join(CAMERAS)} (XY)",
+    )
     parser.add_argument("--frames", type=_count, metavar="N", help="only the first N frames")
     parser.add_argument("--size", type=_size, default=SIZE, metavar="WxH", help="pixels (960x540)")
     for name, verb in (("show", "on"), ("hide", "off")):
-        parser.add_argument(f"--{name}", nargs="+", default=[], choices=LAYERS, metavar="LAYER",
-                            help=f"turn layers {verb}")
+        parser.add_argument(
+            f"--{name}",
+            nargs="+",
+            default=[],
+            choices=LAYERS,
+            metavar="LAYER",
+            help=f"turn layers {verb}",
+        )
     parser.add_argument("--seed", type=int, default=0, help="another simulated street")
     parser.add_argument("--topic", help="which clouds of a ROS recording")
     return parser

@@ -10,9 +10,34 @@ from grader.course.variants import fill_in, variants_of
 
 DEMO = PROJECT / "demo"
 STAGE = "stage3_obstacles"  # what the class has handed in: nbgrader grades a stage at a time
-NAMES = ("ada", "bruno", "chioma", "dmitri", "elif", "farid", "greta", "hiro", "ines", "jonas",
-         "kavya", "liam", "mei", "noor", "olga", "pedro", "quynh", "rosa", "sven", "tariq",
-         "uma", "vera", "wanjiru", "xenia", "yusuf", "zoe")
+NAMES = (
+    "ada",
+    "bruno",
+    "chioma",
+    "dmitri",
+    "elif",
+    "farid",
+    "greta",
+    "hiro",
+    "ines",
+    "jonas",
+    "kavya",
+    "liam",
+    "mei",
+    "noor",
+    "olga",
+    "pedro",
+    "quynh",
+    "rosa",
+    "sven",
+    "tariq",
+    "uma",
+    "vera",
+    "wanjiru",
+    "xenia",
+    "yusuf",
+    "zoe",
+)
 
 CONFIGURATION = """\
 # A nbgrader course of its own: try `nbgrader formgrader` or `nbgrader generate_feedback` here.
@@ -71,10 +96,14 @@ def make_class(count, hostile):
     course = Course(DEMO)
     shutil.rmtree(course.root, ignore_errors=True)
     for folder in ("solutions", "notebooks"):
-        shutil.copytree(PROJECT / folder / STAGE, course.root / folder / STAGE,
-                        ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"))
+        shutil.copytree(
+            PROJECT / folder / STAGE,
+            course.root / folder / STAGE,
+            ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"),
+        )
     (course.root / "nbgrader_config.py").write_text(
-        CONFIGURATION.format(project=str(PROJECT)), "utf-8")
+        CONFIGURATION.format(project=str(PROJECT)), "utf-8"
+    )
     for pupil in pretend_students(count, hostile):
         for lesson, text in pupil.notebooks.items():
             path = course.submitted / pupil.name / lesson.stage / f"{lesson.name}.ipynb"
@@ -85,21 +114,38 @@ def make_class(count, hostile):
 
 def pretend_students(count, hostile):
     """Yield `count` of `Pupil`: the special ones first, then right and wrong answers in turn."""
-    names = (name if turn == 0 else f"{name}{turn + 1}"
-             for turn in itertools.count() for name in NAMES)
+    names = (
+        name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
+    )
     lessons = [lesson for lesson in all_lessons() if lesson.stage == STAGE]
-    special = [Pupil("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
-               Pupil("cut_off", {lesson: fill_in(lesson, best_answers(lesson))[:20_000]
-                                 for lesson in lessons})]
+    special = [
+        Pupil("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
+        Pupil(
+            "cut_off",
+            {lesson: fill_in(lesson, best_answers(lesson))[:20_000] for lesson in lessons},
+        ),
+    ]
     if hostile:
-        special.append(Pupil("mallory", {
-            lesson: fill_in(lesson, {exercise: HOSTILE.format(name=exercise)
-                                     for exercise in machine_graded(lesson)})
-            for lesson in lessons}))
+        special.append(
+            Pupil(
+                "mallory",
+                {
+                    lesson: fill_in(
+                        lesson,
+                        {
+                            exercise: HOSTILE.format(name=exercise)
+                            for exercise in machine_graded(lesson)
+                        },
+                    )
+                    for lesson in lessons
+                },
+            )
+        )
     # Small classes shall have both kinds: answers come first, one special in three.
-    pupils = (Pupil(next(names), {
-        lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons})
-        for number in itertools.count())
+    pupils = (
+        Pupil(next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons})
+        for number in itertools.count()
+    )
     for position in range(count):
         yield special.pop(0) if position % 4 == 3 and special else next(pupils)
 
@@ -121,5 +167,7 @@ def answers(lesson, number):
 
 def best_answers(lesson):
     """A right answer to every exercise."""
-    return {exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
-            for exercise in machine_graded(lesson)}
+    return {
+        exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+        for exercise in machine_graded(lesson)
+    }

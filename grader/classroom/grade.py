@@ -41,9 +41,12 @@ def find_submissions(course, stages=()):
     list of Submission
         In order of student and lesson.
     """
-    found = [Submission(path.parent.parent.name, lesson, path)
-             for lesson in all_lessons() if not stages or lesson.stage in stages
-             for path in course.submitted.glob(f"*/{lesson.stage}/{lesson.name}.ipynb")]
+    found = [
+        Submission(path.parent.parent.name, lesson, path)
+        for lesson in all_lessons()
+        if not stages or lesson.stage in stages
+        for path in course.submitted.glob(f"*/{lesson.stage}/{lesson.name}.ipynb")
+    ]
     return sorted(found, key=lambda submission: (submission.student, submission.lesson.name))
 
 
@@ -63,8 +66,9 @@ def judge_and_store(course, submission, seed, sandbox):
 
 def current_verdict(course, submission, seed, sandbox):
     """The verdict on disk, or a fresh one."""
-    return stored_verdict(course, submission, seed) or \
-        judge_and_store(course, submission, seed, sandbox)
+    return stored_verdict(course, submission, seed) or judge_and_store(
+        course, submission, seed, sandbox
+    )
 
 
 def _result(future, course, submission, seed):
@@ -84,14 +88,26 @@ def failed_verdict(submission, seed, error):
 
     Its key fits nothing, so the next run tries again.
     """
-    exercises = tuple(ExerciseResult(exercise.name, 0.0, exercise.points, ())
-                      for exercise in submission.lesson.exercises if not exercise.by_hand)
-    sentence = ("The judge failed on this notebook; this is not the student's fault. Judge it "
-                f"by hand to see why: python -m grader judge {submission.path} "
-                f"({type(error).__name__}: {str(error)[:200]})")
-    return Verdict(submission.lesson.name, submission.student, 0.0,
-                   sum(exercise.max_score for exercise in exercises), exercises, (sentence,), 0.0,
-                   f"failed with seed {seed}")
+    exercises = tuple(
+        ExerciseResult(exercise.name, 0.0, exercise.points, ())
+        for exercise in submission.lesson.exercises
+        if not exercise.by_hand
+    )
+    sentence = (
+        "The judge failed on this notebook; this is not the student's fault. Judge it "
+        f"by hand to see why: python -m grader judge {submission.path} "
+        f"({type(error).__name__}: {str(error)[:200]})"
+    )
+    return Verdict(
+        submission.lesson.name,
+        submission.student,
+        0.0,
+        sum(exercise.max_score for exercise in exercises),
+        exercises,
+        (sentence,),
+        0.0,
+        f"failed with seed {seed}",
+    )
 
 
 def judge_class(course, stages, seed, sandbox, workers, progress):
@@ -112,14 +128,15 @@ def judge_class(course, stages, seed, sandbox, workers, progress):
     list of (Submission, grader.judging.verdict.Verdict)
     """
     submissions = find_submissions(course, stages)
-    verdicts = {submission: stored_verdict(course, submission, seed)
-                for submission in submissions}
+    verdicts = {submission: stored_verdict(course, submission, seed) for submission in submissions}
     open_ones = [submission for submission, verdict in verdicts.items() if verdict is None]
     done = len(submissions) - len(open_ones)
     progress(done, len(submissions), None)
     with ProcessPoolExecutor(workers) as pool:
-        running = {pool.submit(judge_and_store, course, submission, seed, sandbox): submission
-                   for submission in open_ones}
+        running = {
+            pool.submit(judge_and_store, course, submission, seed, sandbox): submission
+            for submission in open_ones
+        }
         try:
             for future in as_completed(running):
                 submission = running[future]

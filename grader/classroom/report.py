@@ -59,19 +59,32 @@ def write_report(course, judged, seconds=None, warning=""):
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
     verdicts = [verdict for _, verdict in judged]
-    lessons = [lesson for lesson in all_lessons()
-               if any(verdict.lesson == lesson.name for verdict in verdicts)]
+    lessons = [
+        lesson
+        for lesson in all_lessons()
+        if any(verdict.lesson == lesson.name for verdict in verdicts)
+    ]
     students = {}
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
     page = environment.get_template("report.html").render(
-        made=datetime.now().strftime("%d %B %Y, %H:%M"), seconds=seconds, warning=warning,
-        students=students, lessons=lessons, notebooks=len(verdicts),
+        made=datetime.now().strftime("%d %B %Y, %H:%M"),
+        seconds=seconds,
+        warning=warning,
+        students=students,
+        lessons=lessons,
+        notebooks=len(verdicts),
         summaries=[summarise_lesson(lesson, verdicts) for lesson in lessons],
-        hardest=hardest_checks(verdicts), mistakes=common_messages(verdicts),
-        slowest=sorted(judged, key=lambda pair: -pair[1].seconds)[:5])
+        hardest=hardest_checks(verdicts),
+        mistakes=common_messages(verdicts),
+        slowest=sorted(judged, key=lambda pair: -pair[1].seconds)[:5],
+    )
     path = course.report / "index.html"
     path.parent.mkdir(parents=True, exist_ok=True)
     # The name of a folder need not be UTF-8.
@@ -87,9 +100,16 @@ def summarise_lesson(lesson, verdicts):
     histogram = [0] * BINS
     for score in scores:
         histogram[min(BINS - 1, int(BINS * score / whole))] += 1
-    return LessonSummary(lesson.name, lesson.stage, len(mine), statistics.mean(scores),
-                         statistics.median(scores), whole, tuple(histogram),
-                         statistics.median(verdict.seconds for verdict in mine))
+    return LessonSummary(
+        lesson.name,
+        lesson.stage,
+        len(mine),
+        statistics.mean(scores),
+        statistics.median(scores),
+        whole,
+        tuple(histogram),
+        statistics.median(verdict.seconds for verdict in mine),
+    )
 
 
 def hardest_checks(verdicts, most=10):
@@ -101,8 +121,7 @@ def hardest_checks(verdicts, most=10):
                 check = (verdict.lesson, exercise.name, test.title, test.visible)
                 tried[check] += 1
                 failed[check] += not test.passed
-    found = [CheckSummary(*check, failed[check], tried[check]) for check in tried
-             if failed[check]]
+    found = [CheckSummary(*check, failed[check], tried[check]) for check in tried if failed[check]]
     return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
 
 

@@ -58,24 +58,29 @@ def check():
         A sentence for each fault; empty when all is well.
     """
     built = build_all()
-    faults = [f"{path.relative_to(PROJECT)} is stale. Run: python -m grader build"
-              for path, text in built.items()
-              if not path.exists() or path.read_bytes() != text]
-    faults += [f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
-               for path in _strays()]
+    faults = [
+        f"{path.relative_to(PROJECT)} is stale. Run: python -m grader build"
+        for path, text in built.items()
+        if not path.exists() or path.read_bytes() != text
+    ]
+    faults += [
+        f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
+        for path in _strays()
+    ]
     for lesson in all_lessons():
         if b"](pictures/" in built[lesson.solved]:
             faults.append(f"{lesson.name} shows a picture that is not there. Run: make pictures")
-        faults += [f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: "
-                   f"{line!r}" for line in leaks(built[lesson.solved], built[lesson.released])]
+        faults += [
+            f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: {line!r}"
+            for line in leaks(built[lesson.solved], built[lesson.released])
+        ]
     return faults
 
 
 def build_all(origin=None):
     """Bytes of every generated notebook by path; `origin` is pyproject.toml's unless given."""
     origin = origin or read_origin()
-    solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin))
-              for lesson in all_lessons()}
+    solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in all_lessons()}
     return {**solved, **_released(solved)}
 
 
@@ -84,8 +89,11 @@ def solved_notebook(lesson, origin):
     import jupytext
 
     notebook = jupytext.read(lesson.source)
-    notebook.metadata = {"kernelspec": KERNEL, "language_info": {"name": "python"},
-                         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage}}
+    notebook.metadata = {
+        "kernelspec": KERNEL,
+        "language_info": {"name": "python"},
+        "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage},
+    }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     seen = {}
     for cell in notebook.cells:
@@ -119,12 +127,16 @@ def leaks(solved, released):
     """
     secret = set()
     for cell in json.loads(solved)["cells"]:
-        for region in re.findall(r"### BEGIN SOLUTION\n(.*?)### END SOLUTION",
-                                 _text(cell["source"]), re.S):
+        for region in re.findall(
+            r"### BEGIN SOLUTION\n(.*?)### END SOLUTION", _text(cell["source"]), re.S
+        ):
             secret |= {line.strip() for line in region.splitlines()}
     secret = {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
-    shown = {line.strip() for cell in json.loads(released)["cells"]
-             for line in _text(cell["source"]).splitlines()}
+    shown = {
+        line.strip()
+        for cell in json.loads(released)["cells"]
+        for line in _text(cell["source"]).splitlines()
+    }
     return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
 
 
@@ -150,11 +162,15 @@ class Origin:
 
     def __post_init__(self):
         if self.repository and not ADDRESS.fullmatch(self.repository):
-            raise ValueError(f"`repository` in pyproject.toml is {self.repository!r}. It should "
-                             'look like "https://github.com/OWNER/NAME", or be empty.')
+            raise ValueError(
+                f"`repository` in pyproject.toml is {self.repository!r}. It should "
+                'look like "https://github.com/OWNER/NAME", or be empty.'
+            )
         if not REVISION.fullmatch(self.revision):
-            raise ValueError(f"`revision` in pyproject.toml is {self.revision!r}. It should be "
-                             "the name of a branch or tag, or a commit.")
+            raise ValueError(
+                f"`revision` in pyproject.toml is {self.revision!r}. It should be "
+                "the name of a branch or tag, or a commit."
+            )
 
     @property
     def owner_and_name(self):
@@ -188,12 +204,17 @@ def _released(solved):
         for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
             generate = converter(GenerateAssignment, root, stage)
             generate.no_database = True
-            generate.preprocessors = [step for step in generate.preprocessors
-                                      if step is not SaveCells]
+            generate.preprocessors = [
+                step for step in generate.preprocessors if step is not SaveCells
+            ]
             generate.start()
-        return {lesson.released:
-                (root / lesson.released.relative_to(PROJECT)).read_bytes().rstrip(b"\n") + b"\n"
-                for lesson in all_lessons()}
+        return {
+            lesson.released: (root / lesson.released.relative_to(PROJECT))
+            .read_bytes()
+            .rstrip(b"\n")
+            + b"\n"
+            for lesson in all_lessons()
+        }
 
 
 def _strays():
@@ -221,9 +242,14 @@ def common_cell(tag, lesson, origin):
     if not origin.repository:
         return variants[-1].strip()
     notebook = lesson.released.relative_to(PROJECT).as_posix()
-    return (variants[0].replace("ADDRESS", origin.repository)
-            .replace("OWNER_NAME", origin.owner_and_name)
-            .replace("REVISION", origin.revision).replace("NOTEBOOK", notebook).strip())
+    return (
+        variants[0]
+        .replace("ADDRESS", origin.repository)
+        .replace("OWNER_NAME", origin.owner_and_name)
+        .replace("REVISION", origin.revision)
+        .replace("NOTEBOOK", notebook)
+        .strip()
+    )
 
 
 def _attach_pictures(cell, folder):

@@ -80,8 +80,10 @@ class Lesson:
     @property
     def names(self):
         """Functions and classes of the notebook that the judge uses."""
-        return (*(exercise.name for exercise in self.exercises if not exercise.by_hand),
-                *CLASSES.get(self.name, ()))
+        return (
+            *(exercise.name for exercise in self.exercises if not exercise.by_hand),
+            *CLASSES.get(self.name, ()),
+        )
 
     @functools.cached_property
     def exercises(self):
@@ -91,8 +93,14 @@ class Lesson:
             grading = cell["metadata"].get("nbgrader", {})
             if grading.get("grade"):
                 name = grading["grade_id"].removeprefix("test_")
-                found.append(Exercise(name, float(grading["points"]), grading["grade_id"],
-                                      bool(grading.get("solution"))))
+                found.append(
+                    Exercise(
+                        name,
+                        float(grading["points"]),
+                        grading["grade_id"],
+                        bool(grading.get("solution")),
+                    )
+                )
         return tuple(found)
 
 

@@ -40,8 +40,10 @@ def variants_of(exercise):
     """
     text = (PROJECT / "tests" / "variants" / f"{exercise}.py").read_text("utf-8")
     sections = re.split(r"^# %% (right|wrong): (.+)\n", text, flags=re.M)[1:]
-    return tuple(_variant(exercise, kind == "right", name, body) for kind, name, body in
-                 zip(sections[::3], sections[1::3], sections[2::3], strict=True))
+    return tuple(
+        _variant(exercise, kind == "right", name, body)
+        for kind, name, body in zip(sections[::3], sections[1::3], sections[2::3], strict=True)
+    )
 
 
 def _variant(exercise, right, name, body):
@@ -71,8 +73,16 @@ def fill_in(lesson, answers):
         source = answers.get(cell["metadata"].get("nbgrader", {}).get("grade_id"))
         if source is not None:
             *before, cell["source"] = source.split(ANOTHER_CELL)
-            cells += [{"cell_type": "code", "id": f"{cell['id']}-extra-{number}", "metadata": {},
-                       "execution_count": None, "outputs": [], "source": text}
-                      for number, text in enumerate(before)]
+            cells += [
+                {
+                    "cell_type": "code",
+                    "id": f"{cell['id']}-extra-{number}",
+                    "metadata": {},
+                    "execution_count": None,
+                    "outputs": [],
+                    "source": text,
+                }
+                for number, text in enumerate(before)
+            ]
         cells.append(cell)
     return json.dumps({**notebook, "cells": cells}, indent=1) + "\n"

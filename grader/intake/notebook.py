@@ -51,24 +51,30 @@ def read_notebook(path):
     try:
         text = read_file(path).decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise UnreadableNotebook(f"{path.name} is not a notebook: it is not text. Save it again "
-                                 "in Jupyter and hand in the .ipynb file.") from None
+        raise UnreadableNotebook(
+            f"{path.name} is not a notebook: it is not text. Save it again "
+            "in Jupyter and hand in the .ipynb file."
+        ) from None
     if not text.strip():
-        raise UnreadableNotebook(f"{path.name} is empty. Save the notebook again in Jupyter and "
-                                 "hand it in.")
+        raise UnreadableNotebook(
+            f"{path.name} is empty. Save the notebook again in Jupyter and hand it in."
+        )
     try:
         if text.count("[") + text.count("{") > MOST_BRACKETS:
             raise ValueError
         content = json.loads(text)
     except (ValueError, RecursionError):
-        raise UnreadableNotebook(f"{path.name} is not a notebook: it is not valid JSON. It may "
-                                 "have been cut off while it was uploaded; hand it in again."
-                                 ) from None
+        raise UnreadableNotebook(
+            f"{path.name} is not a notebook: it is not valid JSON. It may "
+            "have been cut off while it was uploaded; hand it in again."
+        ) from None
     try:
         return Notebook(tuple(_code_cells(content)), _lesson_name(content))
     except (AttributeError, KeyError, RecursionError, TypeError):
-        raise UnreadableNotebook(f"{path.name} is JSON but not a notebook: it has no cells. Hand "
-                                 "in the .ipynb file that Jupyter saves.") from None
+        raise UnreadableNotebook(
+            f"{path.name} is JSON but not a notebook: it has no cells. Hand "
+            "in the .ipynb file that Jupyter saves."
+        ) from None
 
 
 def read_file(path):
@@ -93,13 +99,15 @@ def read_file(path):
         with open(descriptor, "rb") as file:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
-                raise UnreadableNotebook(f"{path.name} is not an ordinary file. Hand in the "
-                                         ".ipynb file itself.")
+                raise UnreadableNotebook(
+                    f"{path.name} is not an ordinary file. Hand in the .ipynb file itself."
+                )
             if status.st_size > LARGEST_FILE:
                 raise UnreadableNotebook(
                     f"{path.name} is larger than {LARGEST_FILE // 2**20} MB. Clear its outputs "
                     "(in JupyterLab: Edit, Clear Outputs of All Cells), save, and hand it in "
-                    "again.")
+                    "again."
+                )
             return file.read(LARGEST_FILE)
     except OSError as error:
         reason = "it is a link to another file" if error.errno == errno.ELOOP else error.strerror
@@ -107,8 +115,11 @@ def read_file(path):
 
 
 def _code_cells(content):
-    cells = content["cells"] if "cells" in content else \
-        [cell for sheet in content["worksheets"] for cell in sheet["cells"]]
+    cells = (
+        content["cells"]
+        if "cells" in content
+        else [cell for sheet in content["worksheets"] for cell in sheet["cells"]]
+    )
     for cell in cells:
         if cell["cell_type"] == "code":
             source = cell["source"] if "source" in cell else cell["input"]

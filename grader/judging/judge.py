@@ -20,10 +20,25 @@ from grader.sandbox.student import Student, StudentError, StudentStopped
 from utils.checks import CheckFailed
 from utils.checks.tips import tip_for
 
-_PYTEST = ("-p", "no:terminal", "-p", "no:cacheprovider", "-p", "no:logging", "-p",
-           "no:unraisableexception", "-p", "no:threadexception", "--capture=no",
-           "--assert=plain", "--import-mode=importlib", "-c", os.devnull,
-           "-o", "markers=judged: belongs to an exercise")
+_PYTEST = (
+    "-p",
+    "no:terminal",
+    "-p",
+    "no:cacheprovider",
+    "-p",
+    "no:logging",
+    "-p",
+    "no:unraisableexception",
+    "-p",
+    "no:threadexception",
+    "--capture=no",
+    "--assert=plain",
+    "--import-mode=importlib",
+    "-c",
+    os.devnull,
+    "-o",
+    "markers=judged: belongs to an exercise",
+)
 
 
 class UnknownLesson(Exception):
@@ -69,16 +84,24 @@ def judge(path, seed, sandbox, lesson=None, student="", limits=None):
         if lesson is None:
             raise UnknownLesson(
                 f"{path.name}: cannot tell which lesson this is. Give the file the name it was "
-                "released under, such as 06_filter_ground.ipynb.")
+                "released under, such as 06_filter_ground.ipynb."
+            )
         with Student(notebook.cells, lesson.names, sandbox, limits, lesson.forbidden) as proxy:
             results = run_tests(lesson, proxy, seed)
             problems = proxy.problems
-    exercises = tuple(_score(exercise, results) for exercise in lesson.exercises
-                      if not exercise.by_hand)
+    exercises = tuple(
+        _score(exercise, results) for exercise in lesson.exercises if not exercise.by_hand
+    )
     return Verdict(
-        lesson.name, student, round(sum(item.score for item in exercises), 2),
-        sum(item.max_score for item in exercises), exercises, tuple(problems),
-        round(time.perf_counter() - begin, 3), verdict_key(path, lesson, seed, student))
+        lesson.name,
+        student,
+        round(sum(item.score for item in exercises), 2),
+        sum(item.max_score for item in exercises),
+        exercises,
+        tuple(problems),
+        round(time.perf_counter() - begin, 3),
+        verdict_key(path, lesson, seed, student),
+    )
 
 
 def verdict_key(path, lesson, seed, student=""):
@@ -160,8 +183,10 @@ def run_tests(lesson, proxy, seed):
     if collector.broken:
         raise collector.broken
     if code not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED) or not collector.results:
-        raise RuntimeError(f"pytest could not run {lesson.tests.name} (exit code {code!r}): "
-                           f"run it by hand to see why")
+        raise RuntimeError(
+            f"pytest could not run {lesson.tests.name} (exit code {code!r}): "
+            f"run it by hand to see why"
+        )
     return collector.results
 
 
@@ -173,17 +198,27 @@ def _score(exercise, results):
     whole = sum(mark["weight"] for _, mark, _ in mine)
     if not whole:
         raise RuntimeError(f"No test belongs to {exercise.name}: its points cannot be earned")
-    tests = tuple(_result(name, mark, error, exercise.points * mark["weight"] / whole)
-                  for name, mark, error in mine)
+    tests = tuple(
+        _result(name, mark, error, exercise.points * mark["weight"] / whole)
+        for name, mark, error in mine
+    )
     passed = sum(mark["weight"] for _, mark, error in mine if error is None)
-    return ExerciseResult(exercise.name, round(exercise.points * passed / whole, 2),
-                          exercise.points, tests)
+    return ExerciseResult(
+        exercise.name, round(exercise.points * passed / whole, 2), exercise.points, tests
+    )
 
 
 def _result(name, mark, error, points):
     passed, points = error is None, round(points, 2)
-    return TestResult(name, mark["title"], passed, points if passed else 0.0, points,
-                      "" if passed else _message(mark, error), mark["visible"])
+    return TestResult(
+        name,
+        mark["title"],
+        passed,
+        points if passed else 0.0,
+        points,
+        "" if passed else _message(mark, error),
+        mark["visible"],
+    )
 
 
 def _message(mark, error):
@@ -195,8 +230,10 @@ def _message(mark, error):
             expected = f"; expected: {error.expected}" if error.expected is not None else ""
             lines.append(f"Yours: {error.yours}{expected}")
     elif isinstance(error, StudentError) and error.type_name == "NotImplementedError":
-        lines.append(f"{mark['exercise']} still raises NotImplementedError: it was not written, "
-                     "or its cell was lost.")
+        lines.append(
+            f"{mark['exercise']} still raises NotImplementedError: it was not written, "
+            "or its cell was lost."
+        )
         return lines[0]
     elif isinstance(error, StudentError):
         lines.append(str(error))
@@ -204,7 +241,9 @@ def _message(mark, error):
     elif isinstance(error, StudentStopped):
         return str(error)
     else:
-        lines.append("The answer could not be compared with the right one "
-                     f"({type(error).__name__}): is it what the docstring promises?")
+        lines.append(
+            "The answer could not be compared with the right one "
+            f"({type(error).__name__}): is it what the docstring promises?"
+        )
     lines.append(f"Hint: {mark['hint']}")
     return "\n".join(line for line in lines if line)

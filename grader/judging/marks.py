@@ -16,14 +16,28 @@ def hidden(exercise, *, title, hint, weight=1.0):
     weight : float
         Share of the exercise's points, relative to its other checks.
     """
-    return pytest.mark.judged(exercise=exercise, title=title, hint=hint, weight=weight,
-                              visible=False)
+    return pytest.mark.judged(
+        exercise=exercise, title=title, hint=hint, weight=weight, visible=False
+    )
 
 
 def visible(*exercises):
     """Turn the notebook's own checks of some exercises into tests, as argument `check`."""
-    return pytest.mark.parametrize("check", [
-        pytest.param(check, id=check.name, marks=pytest.mark.judged(
-            exercise=exercise, title=check.title, hint=check.hint, weight=check.weight,
-            visible=True))
-        for exercise in exercises for check in checks_of(exercise)])
+    return pytest.mark.parametrize(
+        "check",
+        [
+            pytest.param(
+                check,
+                id=check.name,
+                marks=pytest.mark.judged(
+                    exercise=exercise,
+                    title=check.title,
+                    hint=check.hint,
+                    weight=check.weight,
+                    visible=True,
+                ),
+            )
+            for exercise in exercises
+            for check in checks_of(exercise)
+        ],
+    )

@@ -84,8 +84,9 @@ def voxel_centroids(cloud, voxel_size):
     cells = {}
     for row in np.asarray(cloud, dtype=float).tolist():
         cells.setdefault(tuple(int(x // voxel_size) for x in row[:3]), []).append(row)
-    return np.array([[sum(column) / len(rows) for column in zip(*rows, strict=True)]
-                     for rows in cells.values()]).reshape(-1, cloud.shape[1])
+    return np.array(
+        [[sum(column) / len(rows) for column in zip(*rows, strict=True)] for rows in cells.values()]
+    ).reshape(-1, cloud.shape[1])
 
 
 def _frozen(array):

@@ -70,8 +70,9 @@ def write_verdict(verdict, path):
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(dataclasses.asdict(verdict), indent=1)
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False,
-                                     encoding="utf-8") as file:
+    with tempfile.NamedTemporaryFile(
+        "w", dir=path.parent, suffix=".part", delete=False, encoding="utf-8"
+    ) as file:
         file.write(text)
     os.replace(file.name, path)
 
@@ -81,10 +82,13 @@ def read_verdict(path):
     try:
         content = json.loads(Path(path).read_text("utf-8"))
         exercises = tuple(
-            ExerciseResult(**{**exercise, "tests": tuple(TestResult(**test)
-                                                         for test in exercise["tests"])})
-            for exercise in content["exercises"])
-        return Verdict(**{**content, "exercises": exercises,
-                          "problems": tuple(content["problems"])})
+            ExerciseResult(
+                **{**exercise, "tests": tuple(TestResult(**test) for test in exercise["tests"])}
+            )
+            for exercise in content["exercises"]
+        )
+        return Verdict(
+            **{**content, "exercises": exercises, "problems": tuple(content["problems"])}
+        )
     except (OSError, ValueError, TypeError, KeyError):
         return None

@@ -94,8 +94,9 @@ def enter(course, judged, seed, sandbox, progress):
     failed = []
     for done, ((student, stage), wanted) in enumerate(keys.items(), start=1):
         if not is_entered(course, student, stage, wanted):
-            autograde = converter(Autograde, course.root, stage,
-                                  Judge={"seed": seed, "sandbox": sandbox.name})
+            autograde = converter(
+                Autograde, course.root, stage, Judge={"seed": seed, "sandbox": sandbox.name}
+            )
             autograde.coursedir.student_id = student
             try:
                 autograde.start()
@@ -103,8 +104,10 @@ def enter(course, judged, seed, sandbox, progress):
                 failed.append(f"{student}, {stage}: {error}")  # stop the others
         progress(done, len(keys), student)
     if failed:
-        raise GradebookTrouble("nbgrader could not enter some submissions; run `nbgrader "
-                               "autograde` on them to see why:\n" + "\n".join(failed))
+        raise GradebookTrouble(
+            "nbgrader could not enter some submissions; run `nbgrader "
+            "autograde` on them to see why:\n" + "\n".join(failed)
+        )
 
 
 def is_entered(course, student, stage, wanted):
@@ -135,8 +138,9 @@ def scores(course):
         Score by student, stage and notebook.
     """
     with open_gradebook(course) as gradebook:
-        return {(submission.student.id, submission.assignment.name, notebook.name):
-                notebook.score
-                for assignment in gradebook.assignments
-                for submission in assignment.submissions
-                for notebook in submission.notebooks}
+        return {
+            (submission.student.id, submission.assignment.name, notebook.name): notebook.score
+            for assignment in gradebook.assignments
+            for submission in assignment.submissions
+            for notebook in submission.notebooks
+        }

@@ -27,11 +27,16 @@ from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 class Judge(NbGraderPreprocessor):
     """Judge the submission and write its scores and messages under the graded cells."""
 
-    seed = Integer(None, allow_none=True, help="Seed of the hidden scenes; by default the "
-                   "course's own secret, in .course_seed.").tag(config=True)
-    sandbox = Enum((AUTO, *SANDBOXES), AUTO,
-                   help="Where student code runs; see `python -m grader grade --help`."
-                   ).tag(config=True)
+    seed = Integer(
+        None,
+        allow_none=True,
+        help="Seed of the hidden scenes; by default the course's own secret, in .course_seed.",
+    ).tag(config=True)
+    sandbox = Enum(
+        (AUTO, *SANDBOXES),
+        AUTO,
+        help="Where student code runs; see `python -m grader grade --help`.",
+    ).tag(config=True)
 
     def preprocess(self, nb, resources):
         """Replace the outputs of all cells by what the judge says.
@@ -50,8 +55,12 @@ class Judge(NbGraderPreprocessor):
         course = Course(Path(self.parent.parent.coursedir.root))
         lesson = find_lesson(about["notebook"])
         path = course.submitted / about["student"] / about["assignment"] / f"{lesson.name}.ipynb"
-        verdict = current_verdict(course, Submission(about["student"], lesson, path),
-                                  course_seed(course, self.seed), choose_sandbox(self.sandbox))
+        verdict = current_verdict(
+            course,
+            Submission(about["student"], lesson, path),
+            course_seed(course, self.seed),
+            choose_sandbox(self.sandbox),
+        )
         write_into(nb, verdict)
         return nb, resources
 
@@ -72,19 +81,27 @@ class MendingExporter(NotebookExporter):
             read_notebook(path)
             notebook = nbformat.read(path, as_version=4)
             nbformat.validate(notebook)
-        except (UnreadableNotebook, nbformat.ValidationError, AttributeError, KeyError,
-                TypeError, ValueError):
+        except (
+            UnreadableNotebook,
+            nbformat.ValidationError,
+            AttributeError,
+            KeyError,
+            TypeError,
+            ValueError,
+        ):
             notebook = released
         restore_metadata(notebook, released)
-        resources = {"metadata": {"name": path.stem, "path": str(path.parent)},
-                     **(resources or {})}
+        resources = {"metadata": {"name": path.stem, "path": str(path.parent)}, **(resources or {})}
         return self.from_notebook_node(notebook, resources=resources, **options)
 
 
 def restore_metadata(notebook, released):
     """Give nbgrader's cells the metadata they were released with, whatever became of it."""
-    original = {cell.metadata.nbgrader.grade_id: cell.metadata.nbgrader
-                for cell in released.cells if "nbgrader" in cell.metadata}
+    original = {
+        cell.metadata.nbgrader.grade_id: cell.metadata.nbgrader
+        for cell in released.cells
+        if "nbgrader" in cell.metadata
+    }
     for cell in notebook.cells:
         grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
         if grade_id in original:
@@ -102,13 +119,18 @@ def write_into(notebook, verdict):
         cell.outputs, cell.execution_count = [], None
         if is_grade(cell) and not is_solution(cell):
             cell.execution_count = 1
-            cell.outputs = [score_output(results[cell.metadata.nbgrader["grade_id"]
-                                                 .removeprefix("test_")])]
+            cell.outputs = [
+                score_output(results[cell.metadata.nbgrader["grade_id"].removeprefix("test_")])
+            ]
     if verdict.problems:
         # A block of HTML, in which nobody's Markdown is at work.
         listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
-        notebook.cells.insert(0, nbformat.v4.new_markdown_cell(
-            f"<div><b>About this notebook</b><ul>{listed}</ul></div>"))
+        notebook.cells.insert(
+            0,
+            nbformat.v4.new_markdown_cell(
+                f"<div><b>About this notebook</b><ul>{listed}</ul></div>"
+            ),
+        )
     notebook.metadata["verdict_key"] = verdict.key
 
 
@@ -129,9 +151,14 @@ def score_output(exercise):
         f"<td style='text-align:left'><b>{escape(test.title)}</b>"
         f"{''.join(f'<br>{escape(line)}' for line in test.message.splitlines())}</td>"
         f"<td style='vertical-align:top'>{test.score:g} / {test.max_score:g}</td></tr>"
-        for test in exercise.tests)
+        for test in exercise.tests
+    )
     return nbformat.v4.new_output(
-        "execute_result", execution_count=1,
-        data={"text/plain": json.dumps(exercise.score),
-              "text/html": f"<p><b>{escape(exercise.name)}: {exercise.score:g} of "
-                           f"{exercise.max_score:g} points</b></p><table>{rows}</table>"})
+        "execute_result",
+        execution_count=1,
+        data={
+            "text/plain": json.dumps(exercise.score),
+            "text/html": f"<p><b>{escape(exercise.name)}: {exercise.score:g} of "
+            f"{exercise.max_score:g} points</b></p><table>{rows}</table>",
+        },
+    )

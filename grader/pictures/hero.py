@@ -13,12 +13,20 @@ FRAMES, EVERY = 64, 2  # at 10 Hz; every second one makes a smaller film of a qu
 
 def film():
     """Record the film; returns `utils.films.writers.Film`."""
-    return record(scenes.city_block(frames=FRAMES)[::EVERY], PATH,
-                  load_reference(LESSON).detect_obstacles, compose=compose,
-                  size=(800, 420))
+    return record(
+        scenes.city_block(frames=FRAMES)[::EVERY],
+        PATH,
+        load_reference(LESSON).detect_obstacles,
+        compose=compose,
+        size=(800, 420),
+    )
 
 
 def compose(sight):
     """Only what the detector saw: no timing, so that the same film is the same file."""
-    return (Scene().add_cloud(sight.cloud).add_oriented_boxes(sight.found, name="obstacles found")
-            .add_ego_car())
+    return (
+        Scene()
+        .add_cloud(sight.cloud)
+        .add_oriented_boxes(sight.found, name="obstacles found")
+        .add_ego_car()
+    )

@@ -16,13 +16,29 @@ def draw():
     azimuth = np.degrees(np.arctan2(cloud[:, 1], cloud[:, 0]))
     elevation = np.degrees(np.arctan2(cloud[:, 2], distance))
     figure, (panorama, above) = plt.subplots(
-        2, 1, figsize=(8.5, 5.2), height_ratios=(1, 2.2), layout="compressed")
+        2, 1, figsize=(8.5, 5.2), height_ratios=(1, 2.2), layout="compressed"
+    )
     ahead = (np.abs(azimuth) < 75) & (elevation > -16)
-    panorama.scatter(azimuth[ahead], elevation[ahead], c=distance[ahead], s=2.2, marker="s",
-                     cmap=COLOURS, vmin=3, vmax=20, linewidths=0, antialiased=False)
+    panorama.scatter(
+        azimuth[ahead],
+        elevation[ahead],
+        c=distance[ahead],
+        s=2.2,
+        marker="s",
+        cmap=COLOURS,
+        vmin=3,
+        vmax=20,
+        linewidths=0,
+        antialiased=False,
+    )
     panorama.set(xlim=(75, -75), ylim=(-16, 2.4), facecolor="white")
     panorama.set_axis_off()
     near = (np.abs(cloud[:, 0] - 4) < 22) & (np.abs(cloud[:, 1]) < 11)
-    plots.from_above(cloud[near], values=distance[near], label="distance (m)",
-                     limits=((-16, 24), (-10.5, 10.5)), axes=above)
+    plots.from_above(
+        cloud[near],
+        values=distance[near],
+        label="distance (m)",
+        limits=((-16, 24), (-10.5, 10.5)),
+        axes=above,
+    )
     return figure

@@ -11,8 +11,12 @@ def draw():
     """Return the figure."""
     rng = np.random.default_rng(18)
     steps = np.arange(-5, 5)
-    points = np.vstack([np.column_stack([steps, steps]) + rng.uniform(-0.6, 0.6, (10, 2)),
-                        rng.uniform(-5, 5, (10, 2))])
+    points = np.vstack(
+        [
+            np.column_stack([steps, steps]) + rng.uniform(-0.6, 0.6, (10, 2)),
+            rng.uniform(-5, 5, (10, 2)),
+        ]
+    )
     slope, height = np.polyfit(points[:, 0], points[:, 1], 1)
     line, inliers = load_reference("02_ransac_line").ransac_line(points, 10, 1.0, 1)
     figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.7), layout="compressed")

@@ -22,6 +22,15 @@ def draw():
     with watched(tree) as visited:
         found = tree.search(target, tolerance)
     figure, axes = plt.subplots(figsize=(8.5, 4.7), layout="compressed")
-    plots.kd_search(street, tree.root, target, tolerance, visited, found=found, names=False,
-                    limits=((-12, 28), (-10, 10)), axes=axes)
+    plots.kd_search(
+        street,
+        tree.root,
+        target,
+        tolerance,
+        visited,
+        found=found,
+        names=False,
+        limits=((-12, 28), (-10, 10)),
+        axes=axes,
+    )
     return figure

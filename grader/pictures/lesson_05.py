@@ -17,8 +17,9 @@ def draw():
     obstacles = obstacles[(x > -8) & (x < 17) & (np.abs(y) < 12) & (np.hypot(x, y) > 2)]
     labels = load_reference("05_euclidean_clustering").euclidean_clustering(obstacles, 0.5)
     figure, panels = plt.subplots(1, 2, figsize=(8.5, 4.2), layout="compressed")
-    for axes, numbers, title in zip(panels, (np.ones(len(obstacles), int), labels),
-                                    ("points", "obstacles"), strict=True):
+    for axes, numbers, title in zip(
+        panels, (np.ones(len(obstacles), int), labels), ("points", "obstacles"), strict=True
+    ):
         plots.clusters(obstacles, numbers, limits=LIMITS, axes=axes)
         axes.get_legend().remove()
         axes.set_title(title, loc="left", pad=6, fontweight="bold")

@@ -11,7 +11,8 @@ def draw():
     cloud = load_cloud("cloud.txt")
     figure, axes = plt.subplots(figsize=(8.5, 2.8), layout="compressed")
     strip = cloud[np.abs(cloud[:, 1]) < 6]
-    plots.kept_and_removed(strip, strip[:, 2] >= -1.2, view="side", axes=axes,
-                           limits=((-12, 28), (-2.6, 2.6)))
+    plots.kept_and_removed(
+        strip, strip[:, 2] >= -1.2, view="side", axes=axes, limits=((-12, 28), (-2.6, 2.6))
+    )
     axes.axhline(-1.2, color="black", linestyle="--", linewidth=1)
     return figure

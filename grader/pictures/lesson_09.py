@@ -19,6 +19,7 @@ def draw():
     labels = np.concatenate([objects[standing], 1000 + np.arange(60).repeat(puffs)])
     filtered = load_reference("09_filter_clusters").filter_clusters(labels, 100)
     figure, axes = plt.subplots(figsize=(8.5, 4.4), layout="compressed")
-    plots.clusters(np.vstack([scan[standing], spray]), filtered, axes=axes,
-                   limits=((-12, 28), (-10, 10)))
+    plots.clusters(
+        np.vstack([scan[standing], spray]), filtered, axes=axes, limits=((-12, 28), (-10, 10))
+    )
     return figure

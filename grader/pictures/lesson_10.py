@@ -17,8 +17,13 @@ def draw():
     first = np.unique(np.floor(car / side), axis=0, return_index=True)[1]
     figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.9), layout="compressed")
     window = ((4.7, 9.6), (-4.6, -0.9))
-    plots.graph(car, cKDTree(car).query_pairs(0.5, output_type="ndarray"), limits=window,
-                axes=left, title="Who is near whom?")
+    plots.graph(
+        car,
+        cKDTree(car).query_pairs(0.5, output_type="ndarray"),
+        limits=window,
+        axes=left,
+        title="Who is near whom?",
+    )
     edges = first[cKDTree(car[first]).query_pairs(0.5, output_type="ndarray")]
     plots.graph(car, edges, limits=window, axes=right, title="What is enough to know")
     right.plot(*car[first].T, "s", markersize=8, markerfacecolor="none", color="black")

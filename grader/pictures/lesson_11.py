@@ -16,8 +16,17 @@ def draw():
     one = np.ones(len(car), dtype=int)
     figure, axes = plt.subplots(figsize=(6.4, 4.6), layout="compressed")
     view = ((4.0, 10.4), (1.2, 6.4))
-    plots.boxes(load_reference("08_bounding_boxes").get_bounding_boxes(car, one), cloud=car,
-                reference=True, label="along the street", limits=view, axes=axes)
-    plots.boxes(load_reference("11_pca_boxes").get_oriented_boxes(car, one), axes=axes,
-                label="turned with the car")
+    plots.boxes(
+        load_reference("08_bounding_boxes").get_bounding_boxes(car, one),
+        cloud=car,
+        reference=True,
+        label="along the street",
+        limits=view,
+        axes=axes,
+    )
+    plots.boxes(
+        load_reference("11_pca_boxes").get_oriented_boxes(car, one),
+        axes=axes,
+        label="turned with the car",
+    )
     return figure

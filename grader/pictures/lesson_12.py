@@ -16,8 +16,10 @@ def draw():
         found = lesson.detect_obstacles(frame.cloud, threshold=0.4)
         partners = lesson.match_boxes(boxes, found, 1.5)
         centres = found.mean(axis=1)[:, :2]
-        trails = [[*(trails[partner] if partner >= 0 else ()), centre]
-                  for partner, centre in zip(partners, centres, strict=True)]
+        trails = [
+            [*(trails[partner] if partner >= 0 else ()), centre]
+            for partner, centre in zip(partners, centres, strict=True)
+        ]
         boxes = found
     figure, axes = plt.subplots(figsize=(8.5, 4.4), layout="compressed")
     standing = frames[-1].cloud[frames[-1].scan.objects > 0]

@@ -9,12 +9,20 @@ from grader.sandbox.process import PlainProcess
 from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable
 from grader.sandbox.workers import Worker
 
-__all__ = ["AUTO", "SANDBOXES", "Limits", "Sandbox", "SandboxUnavailable", "Worker",
-           "choose_sandbox"]
+__all__ = [
+    "AUTO",
+    "SANDBOXES",
+    "Limits",
+    "Sandbox",
+    "SandboxUnavailable",
+    "Worker",
+    "choose_sandbox",
+]
 
 AUTO = "auto"
 SANDBOXES: dict[str, Sandbox] = {
-    sandbox.name: sandbox for sandbox in (Bubblewrap(), PlainProcess())}
+    sandbox.name: sandbox for sandbox in (Bubblewrap(), PlainProcess())
+}
 
 
 def choose_sandbox(wish: str = AUTO) -> Sandbox:

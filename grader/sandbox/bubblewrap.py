@@ -35,14 +35,18 @@ class Bubblewrap:
         if complaint:
             raise SandboxUnavailable(
                 f"{complaint} Student code is only run inside a sandbox. To grade code that you "
-                "trust without one, add: --sandbox process")
+                "trust without one, add: --sandbox process"
+            )
 
     def start(self, limits: Limits, forbidden: Iterable[str] = ()) -> Worker:
         """Start a worker behind walls; see `grader.sandbox.protocol.Sandbox`."""
         # Without a process table of its own this would count all processes of whoever grades.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
-        rules = {"user": _unused_user() if _is_root() else None, "limits": resources,
-                 "forbidden": list(forbidden)}
+        rules = {
+            "user": _unused_user() if _is_root() else None,
+            "limits": resources,
+            "forbidden": list(forbidden),
+        }
         walls = [*_walls(limits), *_windows(forbidden), "--remount-ro", "/", "--"]
         return launch(walls, "/tmp", rules, limits)
 
@@ -53,14 +57,19 @@ def _complaint():
     if not sys.platform.startswith("linux"):
         return "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
     if not shutil.which("bwrap"):
-        return ("bubblewrap is not installed. Install it with: "
-                "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap).")
-    trial = subprocess.run([*_walls(Limits()), "/bin/sh", "-c", "true"],
-                           capture_output=True, text=True)
+        return (
+            "bubblewrap is not installed. Install it with: "
+            "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)."
+        )
+    trial = subprocess.run(
+        [*_walls(Limits()), "/bin/sh", "-c", "true"], capture_output=True, text=True
+    )
     if trial.returncode:
-        return (f"bubblewrap is installed but cannot build a sandbox here: {trial.stderr.strip()}."
-                " Inside a container, allow user namespaces (docker run --privileged); on "
-                "Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0.")
+        return (
+            f"bubblewrap is installed but cannot build a sandbox here: {trial.stderr.strip()}."
+            " Inside a container, allow user namespaces (docker run --privileged); on "
+            "Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0."
+        )
     return ""
 
 
@@ -82,25 +91,56 @@ def _number_of_users():
 
 def _walls(limits):
     """The bubblewrap command up to what is seen through it."""
-    options = ["--unshare-net", "--unshare-pid", "--unshare-ipc", "--unshare-uts",
-               "--unshare-cgroup-try", "--die-with-parent", "--new-session"]
+    options = [
+        "--unshare-net",
+        "--unshare-pid",
+        "--unshare-ipc",
+        "--unshare-uts",
+        "--unshare-cgroup-try",
+        "--die-with-parent",
+        "--new-session",
+    ]
     if _is_root():
         # Real root in a user namespace stays real root for resource limits; so no namespace,
         # and the worker leaves root for an unused user before it reads a line of the student.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
     else:
         options += ["--unshare-user", "--disable-userns"]
-    system = [("--ro-bind-try", path, path) for path in
-              ("/usr", "/etc/ld.so.cache", "/etc/alternatives")]
-    system += [("--symlink", os.readlink(path), path) if os.path.islink(path)
-               else ("--ro-bind-try", path, path)
-               for path in ("/bin", "/lib", "/lib32", "/lib64") if os.path.lexists(path)]
-    return ["bwrap", *options, *itertools.chain(*system),
-            "--proc", "/proc", "--dev", "/dev",
-            "--perms", "1777", "--size", str(limits.temporary_space), "--tmpfs", "/dev/shm",
-            "--remount-ro", "/dev",
-            "--perms", "1777", "--size", str(limits.temporary_space), "--tmpfs", "/tmp",
-            "--chdir", "/tmp"]
+    system = [
+        ("--ro-bind-try", path, path) for path in ("/usr", "/etc/ld.so.cache", "/etc/alternatives")
+    ]
+    system += [
+        ("--symlink", os.readlink(path), path)
+        if os.path.islink(path)
+        else ("--ro-bind-try", path, path)
+        for path in ("/bin", "/lib", "/lib32", "/lib64")
+        if os.path.lexists(path)
+    ]
+    return [
+        "bwrap",
+        *options,
+        *itertools.chain(*system),
+        "--proc",
+        "/proc",
+        "--dev",
+        "/dev",
+        "--perms",
+        "1777",
+        "--size",
+        str(limits.temporary_space),
+        "--tmpfs",
+        "/dev/shm",
+        "--remount-ro",
+        "/dev",
+        "--perms",
+        "1777",
+        "--size",
+        str(limits.temporary_space),
+        "--tmpfs",
+        "/tmp",
+        "--chdir",
+        "/tmp",
+    ]
 
 
 def _windows(forbidden):
@@ -108,8 +148,9 @@ def _windows(forbidden):
     shown = [sys.base_prefix, sys.prefix, *map(str, SHOWN)]
     parents = {str(parent) for path in shown for parent in Path(path).parents}
     # Folders that bubblewrap makes by itself are closed to all but their owner.
-    options = list(itertools.chain(*(("--perms", "0755", "--dir", path)
-                                     for path in sorted(parents, key=len))))
+    options = list(
+        itertools.chain(*(("--perms", "0755", "--dir", path) for path in sorted(parents, key=len)))
+    )
     options += itertools.chain(*(("--ro-bind", path, path) for path in dict.fromkeys(shown)))
     for module in forbidden:
         for folder in _folders_of(module):
@@ -120,9 +161,18 @@ def _windows(forbidden):
 @functools.cache
 def _folders_of(module):
     """Every folder of a module that can be seen inside; the system's Python may have it too."""
-    libraries = [Path(root, name) for root in (sys.prefix, sys.base_prefix, "/usr", "/usr/local")
-                 for name in ("lib", "lib64")]
+    libraries = [
+        Path(root, name)
+        for root in (sys.prefix, sys.base_prefix, "/usr", "/usr/local")
+        for name in ("lib", "lib64")
+    ]
     pattern = f"python*/*-packages/{module.replace('.', '/')}"
-    return tuple(dict.fromkeys(
-        str(folder) for library in libraries if not library.is_symlink()
-        for folder in library.glob(pattern) if folder.is_dir()))
+    return tuple(
+        dict.fromkeys(
+            str(folder)
+            for library in libraries
+            if not library.is_symlink()
+            for folder in library.glob(pattern)
+            if folder.is_dir()
+        )
+    )

@@ -109,19 +109,33 @@ class Student:
     def _ask(self, name, arguments=(), keywords=None, held=None, call=True):
         """Call a function, or a method or an attribute of an object that is held inside."""
         if held is not None and held.worker is not self._worker:
-            raise StudentStopped("The notebook's process was stopped, and what it had built is "
-                                 f"gone. {self._stops[-1]}")
+            raise StudentStopped(
+                "The notebook's process was stopped, and what it had built is "
+                f"gone. {self._stops[-1]}"
+            )
         self._ensure_running()
         if held is None and name in self._missing:
-            raise StudentError(name, "NameError", "the notebook does not define it; keep the "
-                               "name of the function as it was given", None)
+            raise StudentError(
+                name,
+                "NameError",
+                "the notebook does not define it; keep the name of the function as it was given",
+                None,
+            )
         self._calls += 1
-        request = {"id": self._calls, "name": name, "arguments": list(arguments),
-                   "keywords": keywords or {}, "call": call,
-                   "object": held and held.number}
-        reply = self._exchange(f"{name} did not answer within {{seconds:.0f}} seconds; "
-                               "is there a loop that never ends?",
-                               self._limits.call_seconds, request)
+        request = {
+            "id": self._calls,
+            "name": name,
+            "arguments": list(arguments),
+            "keywords": keywords or {},
+            "call": call,
+            "object": held and held.number,
+        }
+        reply = self._exchange(
+            f"{name} did not answer within {{seconds:.0f}} seconds; "
+            "is there a loop that never ends?",
+            self._limits.call_seconds,
+            request,
+        )
         number = reply.get("id") if isinstance(reply, dict) else None
         if type(number) is not int or number != self._calls:
             self._stop(f"{name} did not answer the question that was asked")
@@ -130,8 +144,7 @@ class Student:
         if "object" in reply:
             if reply.get("callable") is True and not call:
                 return lambda *values, **options: self._ask(name, values, options, held)
-            return RemoteObject(self, reply["object"], self._worker,
-                                _readable(reply.get("type")))
+            return RemoteObject(self, reply["object"], self._worker, _readable(reply.get("type")))
         _apply_changes(reply.get("changed"), arguments)
         return reply.get("result")
 
@@ -139,17 +152,21 @@ class Student:
         if self._worker:
             return
         if len(self._stops) > self._limits.restarts:
-            raise StudentStopped(f"Not tried: the notebook's code had to be stopped "
-                                 f"{len(self._stops)} times before. {self._stops[-1]}")
+            raise StudentStopped(
+                f"Not tried: the notebook's code had to be stopped "
+                f"{len(self._stops)} times before. {self._stops[-1]}"
+            )
         if self._time_left <= 0:
-            raise StudentStopped("Not tried: the notebook had used up its "
-                                 f"{self._limits.total_seconds:.0f} seconds.")
+            raise StudentStopped(
+                f"Not tried: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
+            )
         self._worker = self._sandbox.start(self._limits, self._forbidden)
         first_time = not self.problems and not self._stops
         seconds = self._limits.start_seconds
         too_slow = "The notebook's own cells did not finish within {seconds:.0f} seconds."
-        found = self._exchange(too_slow, seconds, {
-            "cells": self._cells, "names": list(self._names)})
+        found = self._exchange(
+            too_slow, seconds, {"cells": self._cells, "names": list(self._names)}
+        )
         failed = self._exchange(too_slow, seconds)
         if not (isinstance(found, dict) and isinstance(failed, dict)):
             self._stop("The notebook's own cells broke off the conversation with the judge.")
@@ -168,8 +185,10 @@ class Student:
         except wire.WireTimeout:
             self._stop(too_slow.format(seconds=deadline - begin))
         except wire.WireError:
-            self._stop("What came back was not an answer: code in the notebook wrote to the "
-                       "judge's own channel.")
+            self._stop(
+                "What came back was not an answer: code in the notebook wrote to the "
+                "judge's own channel."
+            )
         except wire.WireClosed:
             self._stop(None)
         finally:
@@ -189,14 +208,18 @@ class Student:
 
 def _why_it_ended(code):
     if code in (137, -9):
-        return ("The system stopped the notebook's process: it asked for too much memory, or "
-                "killed itself.")
+        return (
+            "The system stopped the notebook's process: it asked for too much memory, or "
+            "killed itself."
+        )
     if code in (152, -24):
         return "The notebook's process used up its processor time; is there a loop without end?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
-    return (f"The notebook's process ended in the middle of a call (exit code {code}), as "
-            "os._exit and the like do.")
+    return (
+        f"The notebook's process ended in the middle of a call (exit code {code}), as "
+        "os._exit and the like do."
+    )
 
 
 def _read_error(error):
@@ -221,8 +244,9 @@ def _apply_changes(changed, arguments):
 
 def _texts(values):
     """A stranger's list of sentences, of which the first few are enough."""
-    return [_readable(value) for value in values[:MOST_PROBLEMS]] \
-        if isinstance(values, list) else []
+    return (
+        [_readable(value) for value in values[:MOST_PROBLEMS]] if isinstance(values, list) else []
+    )
 
 
 def _readable(value):

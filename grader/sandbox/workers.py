@@ -20,8 +20,14 @@ from grader.sandbox.protocol import Limits, SandboxUnavailable
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
 # One thread each: classes are graded many notebooks at a time.
-ENVIRONMENT = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "MPLBACKEND": "Agg",
-               "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+ENVIRONMENT = {
+    "PATH": "/usr/bin:/bin",
+    "LANG": "C.UTF-8",
+    "MPLBACKEND": "Agg",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
 
 
 @dataclass
@@ -46,11 +52,13 @@ class Worker:
 
     def watch_memory(self, limit):
         """Kill the worker when all its processes together take more than `limit` bytes."""
+
         def watch():
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
                 if memory_of_tree(self.process.pid) > limit:
                     self.process.kill()
                     return
+
         threading.Thread(target=watch, daemon=True).start()
 
 
@@ -80,9 +88,14 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
     command = [*walls, sys.executable, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
     try:
         process = subprocess.Popen(
-            command, pass_fds=(their_read, their_write), env={"HOME": home, **ENVIRONMENT},
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            start_new_session=True)
+            command,
+            pass_fds=(their_read, their_write),
+            env={"HOME": home, **ENVIRONMENT},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
     finally:
         os.close(their_read)
         os.close(their_write)
@@ -117,8 +130,11 @@ def memory_of_tree(pid):
     """
     try:
         pages = int(Path(f"/proc/{pid}/statm").read_text().split()[0])
-        children = [child for path in Path(f"/proc/{pid}/task").glob("*/children")
-                    for child in path.read_text().split()]
+        children = [
+            child
+            for path in Path(f"/proc/{pid}/task").glob("*/children")
+            for child in path.read_text().split()
+        ]
     except OSError:  # it has just ended
         return 0
     return pages * os.sysconf("SC_PAGE_SIZE") + sum(map(memory_of_tree, children))

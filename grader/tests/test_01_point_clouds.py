@@ -26,21 +26,32 @@ def some_of(cloud, seed, n):
     return cloud[np.random.default_rng(seed).choice(len(cloud), n, replace=False)]
 
 
-@hidden("horizontal_distance", weight=3, title="Right on the course's own scan",
-        hint="Compare with the picture in the notebook: is equal colour a circle?")
+@hidden(
+    "horizontal_distance",
+    weight=3,
+    title="Right on the course's own scan",
+    hint="Compare with the picture in the notebook: is equal colour a circle?",
+)
 def test_distances_in_course_cloud(student, seed):
     assert_measured(student, some_of(samples.course_cloud(), seed, 4000))
 
 
-@hidden("horizontal_distance", weight=3, title="Right on a street you have not seen",
-        hint="Nothing about one particular cloud may stand in the function.")
+@hidden(
+    "horizontal_distance",
+    weight=3,
+    title="Right on a street you have not seen",
+    hint="Nothing about one particular cloud may stand in the function.",
+)
 def test_distances_in_fresh_street(student, seed):
     assert_measured(student, some_of(samples.fresh_street(seed), seed, 4000))
 
 
-@hidden("horizontal_distance", weight=2, title="The same when the street turns about the sensor, "
-        "is mirrored or lifted",
-        hint="Only how far counts: not the direction, not the sign, not the height.")
+@hidden(
+    "horizontal_distance",
+    weight=2,
+    title="The same when the street turns about the sensor, is mirrored or lifted",
+    hint="Only how far counts: not the direction, not the sign, not the height.",
+)
 def test_distances_when_turned(student, seed):
     rng = np.random.default_rng(seed)
     cloud = some_of(samples.course_cloud(), seed, 300).copy()
@@ -53,9 +64,12 @@ def test_distances_when_turned(student, seed):
     assert_distances(student.horizontal_distance(cloud.copy()), cloud, before)
 
 
-@hidden("horizontal_distance", weight=2, title="Right for single precision, few points and any "
-        "layout in memory",
-        hint="Whole columns serve every case: no special case is needed.")
+@hidden(
+    "horizontal_distance",
+    weight=2,
+    title="Right for single precision, few points and any layout in memory",
+    hint="Whole columns serve every case: no special case is needed.",
+)
 def test_distances_of_small_and_single(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 200)
     assert_measured(student, cloud.astype(np.float32))
@@ -91,22 +105,34 @@ def broken(cloud, seed, share=0.2):
     return cloud
 
 
-@hidden("drop_invalid", weight=3, title="Right on the course's own scan, broken and whole",
-        hint="Break the scan as the notebook does: is the tall bar at 0 m gone?")
+@hidden(
+    "drop_invalid",
+    weight=3,
+    title="Right on the course's own scan, broken and whole",
+    hint="Break the scan as the notebook does: is the tall bar at 0 m gone?",
+)
 def test_course_cloud_cleaned(student, seed):
     assert_cleaned(student, samples.course_cloud())
     assert_cleaned(student, broken(samples.patch_of_course_cloud(seed, 3000), seed))
 
 
-@hidden("drop_invalid", weight=3, title="Right on a street you have not seen",
-        hint="Nothing about one particular cloud may stand in the function.")
+@hidden(
+    "drop_invalid",
+    weight=3,
+    title="Right on a street you have not seen",
+    hint="Nothing about one particular cloud may stand in the function.",
+)
 def test_fresh_street_cleaned(student, seed):
     assert_cleaned(student, broken(some_of(samples.fresh_street(seed), seed, 3000), seed))
 
 
-@hidden("drop_invalid", weight=1, title="Keeps points that are merely close to the sensor",
-        hint="Only exactly (0, 0, 0) is a lost return. The nearest real point may be nearest of "
-             "all for a good reason.")
+@hidden(
+    "drop_invalid",
+    weight=1,
+    title="Keeps points that are merely close to the sensor",
+    hint="Only exactly (0, 0, 0) is a lost return. The nearest real point may be nearest of "
+    "all for a good reason.",
+)
 def test_near_points_stay(student, seed):
     near = np.random.default_rng(seed).normal(scale=0.05, size=(40, 4))
     near[::8, :3] = 0.0
@@ -114,9 +140,12 @@ def test_near_points_stay(student, seed):
     assert_cleaned(student, near * [1, 1, 1, 0])
 
 
-@hidden("drop_invalid", weight=2, title="Right for single precision, three columns and any order "
-        "of points",
-        hint="All columns and the order of the rows stay.")
+@hidden(
+    "drop_invalid",
+    weight=2,
+    title="Right for single precision, three columns and any order of points",
+    hint="All columns and the order of the rows stay.",
+)
 def test_columns_and_precision_cleaned(student, seed):
     cloud = broken(samples.patch_of_course_cloud(seed, 300), seed)
     assert_cleaned(student, cloud.astype(np.float32))

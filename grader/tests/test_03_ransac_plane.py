@@ -26,8 +26,7 @@ from utils.checks.lesson_03 import (
 from utils.checks.vocabulary import CheckFailed, assert_close
 
 
-@visible("plane_through", "point_plane_distance", "ransac_plane", "fit_plane",
-         "iterations_needed")
+@visible("plane_through", "point_plane_distance", "ransac_plane", "fit_plane", "iterations_needed")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
@@ -47,9 +46,13 @@ def random_triangle(rng, size=5.0):
             return triangle
 
 
-@hidden("plane_through", weight=3, title="Right for triangles you have not seen",
-        hint="The cross product of two sides is upright on the triangle; d makes the plane pass "
-             "through p.")
+@hidden(
+    "plane_through",
+    weight=3,
+    title="Right for triangles you have not seen",
+    hint="The cross product of two sides is upright on the triangle; d makes the plane pass "
+    "through p.",
+)
 def test_random_triangles(student, seed):
     rng = np.random.default_rng(seed)
     for _ in range(8):
@@ -57,8 +60,12 @@ def test_random_triangles(student, seed):
         assert_plane(student.plane_through(*triangle), through=triangle)
 
 
-@hidden("plane_through", weight=2, title="Moves with its points; any order gives the same plane",
-        hint="Only the sign of the four numbers may change with the order.")
+@hidden(
+    "plane_through",
+    weight=2,
+    title="Moves with its points; any order gives the same plane",
+    hint="Only the sign of the four numbers may change with the order.",
+)
 def test_order_and_translation(student, seed):
     rng = np.random.default_rng(seed + 1)
     triangle = random_triangle(rng)
@@ -72,8 +79,12 @@ def test_order_and_translation(student, seed):
     assert_plane(student.plane_through(*triangle.astype(np.float32)), expected=plane)
 
 
-@hidden("plane_through", weight=2, title="None for points of one line, however they lie on it",
-        hint="The cross product is zero, or as good as zero: compare its length with 1e-9.")
+@hidden(
+    "plane_through",
+    weight=2,
+    title="None for points of one line, however they lie on it",
+    hint="The cross product is zero, or as good as zero: compare its length with 1e-9.",
+)
 def test_lines(student, seed):
     rng = np.random.default_rng(seed + 2)
     for _ in range(4):
@@ -89,18 +100,28 @@ def gaps_by_hand(points, plane):
     return np.array([abs(a * x + b * y + c * z + d) for x, y, z in points[:, :3].tolist()])
 
 
-@hidden("point_plane_distance", weight=3, title="Right for the course's own scan",
-        hint="a x + b y + c z + d, without its sign.")
+@hidden(
+    "point_plane_distance",
+    weight=3,
+    title="Right for the course's own scan",
+    hint="a x + b y + c z + d, without its sign.",
+)
 def test_distances_in_the_course_cloud(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 2000)
     for plane in ((0.0, 0.0, 1.0, 1.73), tuple(random_plane(np.random.default_rng(seed)))):
-        assert_close(student.point_plane_distance(cloud.copy(), plane),
-                     gaps_by_hand(cloud, plane), "distances")
+        assert_close(
+            student.point_plane_distance(cloud.copy(), plane),
+            gaps_by_hand(cloud, plane),
+            "distances",
+        )
 
 
-@hidden("point_plane_distance", weight=3,
-        title="Turning and moving points and plane together changes no distance",
-        hint="All three coordinates count alike.")
+@hidden(
+    "point_plane_distance",
+    weight=3,
+    title="Turning and moving points and plane together changes no distance",
+    hint="All three coordinates count alike.",
+)
 def test_distances_survive_motion(student, seed):
     rng = np.random.default_rng(seed)
     xyz = rng.uniform(-8, 8, (60, 3))
@@ -114,16 +135,30 @@ def test_distances_survive_motion(student, seed):
     assert_close(student.point_plane_distance(xyz, -plane), expected, "distances")
 
 
-@hidden("point_plane_distance", weight=2,
-        title="Right for four columns, single precision, one point and none",
-        hint="points[:, :3], and one number per row.")
+@hidden(
+    "point_plane_distance",
+    weight=2,
+    title="Right for four columns, single precision, one point and none",
+    hint="points[:, :3], and one number per row.",
+)
 def test_distances_of_small_clouds(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 50)
     plane = random_plane(np.random.default_rng(seed + 3))
-    for variant in (cloud, cloud.astype(np.float32), np.asfortranarray(cloud), cloud[:1],
-                    cloud * [1, 1, 1, 255], cloud[:3, :3], cloud[:4], cloud[:0]):
-        assert_close(student.point_plane_distance(variant.copy(), plane),
-                     gaps_by_hand(variant, plane), "distances")
+    for variant in (
+        cloud,
+        cloud.astype(np.float32),
+        np.asfortranarray(cloud),
+        cloud[:1],
+        cloud * [1, 1, 1, 255],
+        cloud[:3, :3],
+        cloud[:4],
+        cloud[:0],
+    ):
+        assert_close(
+            student.point_plane_distance(variant.copy(), plane),
+            gaps_by_hand(variant, plane),
+            "distances",
+        )
 
 
 @functools.lru_cache(maxsize=256)
@@ -149,8 +184,12 @@ def street_and_its_best(name, seed, tolerance):
     return points, int(counts.max()), min(900, math.ceil(25 / chance))
 
 
-@hidden("ransac_plane", weight=4, title="Finds the road in a street",
-        hint="Draw your plane from the side, as in the notebook: does it lie in the road?")
+@hidden(
+    "ransac_plane",
+    weight=4,
+    title="Finds the road in a street",
+    hint="Draw your plane from the side, as in the notebook: does it lie in the road?",
+)
 @pytest.mark.parametrize("name", ["course", "fresh"])
 def test_streets(student, seed, name):
     points, most, iterations = street_and_its_best(name, seed, 0.15)
@@ -158,13 +197,19 @@ def test_streets(student, seed, name):
     _, inliers = assert_consensus(answer, points, 0.15)
     found = np.count_nonzero(inliers)
     if found < 0.82 * most:
-        raise CheckFailed("A plane with many more inliers exists.", yours=f"{found} inliers",
-                          expected=f"about {most} inliers")
+        raise CheckFailed(
+            "A plane with many more inliers exists.",
+            yours=f"{found} inliers",
+            expected=f"about {most} inliers",
+        )
 
 
-@hidden("ransac_plane", weight=4, title="Finds planes in any direction, run after run",
-        hint="A wall, a ramp and a road are the same to it. Look also at how the best plane is "
-             "kept.")
+@hidden(
+    "ransac_plane",
+    weight=4,
+    title="Finds planes in any direction, run after run",
+    hint="A wall, a ramp and a road are the same to it. Look also at how the best plane is kept.",
+)
 def test_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(6):
@@ -174,32 +219,45 @@ def test_any_direction(student, seed):
         assert_finds(answer, points, 0.12, belongs)
 
 
-@hidden("ransac_plane", weight=3, title="Finds the plane among twice as many outliers",
-        hint="Every round needs three new rows, and the best of all rounds counts, not the last.")
+@hidden(
+    "ransac_plane",
+    weight=3,
+    title="Finds the plane among twice as many outliers",
+    hint="Every round needs three new rows, and the best of all rounds counts, not the last.",
+)
 def test_many_outliers(student, seed):
     for run in range(2):
-        points, belongs = scattered_plane(seed + 10 + run, 25, 50, random_plane(
-            np.random.default_rng(seed + run)))
+        points, belongs = scattered_plane(
+            seed + 10 + run, 25, 50, random_plane(np.random.default_rng(seed + run))
+        )
         # One sample in thirty, of which two thirds lie well: 0.977^1000 < 1e-10.
         answer = student.ransac_plane(points.copy(), 1000, 0.12, run)
         assert_finds(answer, points, 0.12, belongs, share=0.85)
 
 
-@hidden("ransac_plane", weight=2, title="Draws three different rows",
-        hint="rng.choice(n, 3, replace=False): with replacement a row comes up twice.")
+@hidden(
+    "ransac_plane",
+    weight=2,
+    title="Draws three different rows",
+    hint="rng.choice(n, 3, replace=False): with replacement a row comes up twice.",
+)
 def test_three_points(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(12):
         triangle = random_triangle(rng)
-        plane, inliers = assert_consensus(student.ransac_plane(triangle.copy(), 1, 0.1, run),
-                                          triangle, 0.1)
+        plane, inliers = assert_consensus(
+            student.ransac_plane(triangle.copy(), 1, 0.1, run), triangle, 0.1
+        )
         assert_plane(plane, through=triangle)
         assert inliers.all()
 
 
-@hidden("ransac_plane", weight=2,
-        title="Right for single precision, other memory orders, duplicates and four columns",
-        hint="Use points[:, :3] and the rows as they come.")
+@hidden(
+    "ransac_plane",
+    weight=2,
+    title="Right for single precision, other memory orders, duplicates and four columns",
+    hint="Use points[:, :3] and the rows as they come.",
+)
 def test_forms(student, seed):
     points, belongs = scattered_plane(seed + 20, 40, 20, columns=4)
     for variant in (points.astype(np.float32), np.asfortranarray(points), points[:, :3]):
@@ -208,8 +266,12 @@ def test_forms(student, seed):
     assert_finds(student.ransac_plane(twice, 300, 0.12, 3), twice, 0.12, np.repeat(belongs, 2))
 
 
-@hidden("ransac_plane", weight=2, title="Goes on when nearly all samples lie on one line",
-        hint="A sample without a plane is skipped, and it counts as a round.")
+@hidden(
+    "ransac_plane",
+    weight=2,
+    title="Goes on when nearly all samples lie on one line",
+    hint="A sample without a plane is skipped, and it counts as a round.",
+)
 def test_degenerate(student, seed):
     rng = np.random.default_rng(seed)
     pole = np.column_stack([np.full(30, 3.0), np.full(30, 1.0), np.arange(30.0)])
@@ -223,8 +285,12 @@ def test_degenerate(student, seed):
         assert_nothing_found(student.ransac_plane(points[:n].copy(), 50, 0.1, 4), n)
 
 
-@hidden("fit_plane", weight=3, title="Right for planes in any direction, with noise",
-        hint="Centre the points, take the SVD, and the direction with the smallest spread.")
+@hidden(
+    "fit_plane",
+    weight=3,
+    title="Right for planes in any direction, with noise",
+    hint="Centre the points, take the SVD, and the direction with the smallest spread.",
+)
 def test_fit_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(4):
@@ -232,8 +298,12 @@ def test_fit_any_direction(student, seed):
         assert_best_plane(student.fit_plane(points.copy()), points)
 
 
-@hidden("fit_plane", weight=2, title="Right for pieces of the course's own scan",
-        hint="Any cloud has a best plane, flat or not.")
+@hidden(
+    "fit_plane",
+    weight=2,
+    title="Right for pieces of the course's own scan",
+    hint="Any cloud has a best plane, flat or not.",
+)
 def test_fit_course_cloud(student, seed):
     cloud = samples.course_cloud()
     near = (np.abs(cloud[:, 0] - 6) < 6) & (np.abs(cloud[:, 1]) < 5) & (cloud[:, 2] < -1.3)
@@ -241,15 +311,22 @@ def test_fit_course_cloud(student, seed):
     assert_best_plane(student.fit_plane(cloud[rows].copy()), cloud[rows])
 
 
-@hidden("fit_plane", weight=2, title="Right for three points, single precision and duplicates",
-        hint="Three points have a best plane, too: the one through them.")
+@hidden(
+    "fit_plane",
+    weight=2,
+    title="Right for three points, single precision and duplicates",
+    hint="Three points have a best plane, too: the one through them.",
+)
 def test_fit_small(student, seed):
     rng = np.random.default_rng(seed)
     triangle = random_triangle(rng)
     assert_plane(student.fit_plane(triangle.copy()), through=triangle)
     points, _ = scattered_plane(seed + 30, 40, 0, random_plane(rng), noise=0.05, columns=4)
-    for variant in (points.astype(np.float32), np.asfortranarray(points),
-                    np.repeat(points, 3, axis=0)):
+    for variant in (
+        points.astype(np.float32),
+        np.asfortranarray(points),
+        np.repeat(points, 3, axis=0),
+    ):
         assert_best_plane(student.fit_plane(variant.copy()), variant)
 
 
@@ -266,8 +343,12 @@ def iterations_by_trying(ratio, size, confidence):
     return None
 
 
-@hidden("iterations_needed", weight=4, title="Right for numbers you have not seen",
-        hint="log(1 - confidence) / log(1 - w^s), rounded up.")
+@hidden(
+    "iterations_needed",
+    weight=4,
+    title="Right for numbers you have not seen",
+    hint="log(1 - confidence) / log(1 - w^s), rounded up.",
+)
 def test_iterations(student, seed):
     rng = np.random.default_rng(seed)
     tried = 0
@@ -276,6 +357,7 @@ def test_iterations(student, seed):
         size = int(rng.integers(1, 5))
         expected = iterations_by_trying(ratio, size, confidence)
         if expected is not None:
-            assert_iterations(student.iterations_needed(float(ratio), size, float(confidence)),
-                              expected)
+            assert_iterations(
+                student.iterations_needed(float(ratio), size, float(confidence)), expected
+            )
             tried += 1

@@ -41,13 +41,14 @@ def distinct(rng, n, k):
 
 def order_of_medians(points):
     """Rows of points in an order that makes a balanced tree."""
+
     def parts(rows, axis):
         rows = sorted(rows, key=lambda row: points[row][axis])
         middle = len(rows) // 2
         if rows:
             yield rows[middle]
             yield from parts(rows[:middle], (axis + 1) % len(points[0]))
-            yield from parts(rows[middle + 1:], (axis + 1) % len(points[0]))
+            yield from parts(rows[middle + 1 :], (axis + 1) % len(points[0]))
 
     return list(parts(range(len(points)), 0))
 
@@ -60,29 +61,46 @@ def balanced(points):
 
 # ---------------------------------------------------------------------------------- insert
 
-@hidden("insert", weight=4, title="Right in the plane, for points you have not seen",
-        hint="At each node compare one coordinate: x at even depths, y at odd ones.")
+
+@hidden(
+    "insert",
+    weight=4,
+    title="Right in the plane, for points you have not seen",
+    hint="At each node compare one coordinate: x at even depths, y at odd ones.",
+)
 def test_plane(student, seed):
     points = distinct(np.random.default_rng(seed), 40, 2)
     assert_tree(inserted(student, points), points)
 
 
-@hidden("insert", weight=4, title="Right in space: x, y, z, x, y, z, ...",
-        hint="The number of axes is len(point).")
+@hidden(
+    "insert",
+    weight=4,
+    title="Right in space: x, y, z, x, y, z, ...",
+    hint="The number of axes is len(point).",
+)
 def test_space(student, seed):
     points = samples.obstacles_of_street(seed, 40)[:, :3]
     assert_tree(inserted(student, points), points)
 
 
-@hidden("insert", weight=3, title="Right where coordinates are equal and points repeat",
-        hint="Equal is not smaller, so it goes right, at every depth.")
+@hidden(
+    "insert",
+    weight=3,
+    title="Right where coordinates are equal and points repeat",
+    hint="Equal is not smaller, so it goes right, at every depth.",
+)
 def test_equal_coordinates(student, seed):
     points = np.random.default_rng(seed).integers(0, 4, (30, 2)).astype(float)
     assert_tree(inserted(student, points), points)
 
 
-@hidden("insert", weight=2, title="Right for lists, tuples and single precision, and any index",
-        hint="Keep the point and the index as they are given.")
+@hidden(
+    "insert",
+    weight=2,
+    title="Right for lists, tuples and single precision, and any index",
+    hint="Keep the point and the index as they are given.",
+)
 def test_notations(student, seed):
     rng = np.random.default_rng(seed)
     points = distinct(rng, 12, 3)
@@ -93,8 +111,12 @@ def test_notations(student, seed):
     assert_tree(inserted(student, single, indices), single, indices)
 
 
-@hidden("insert", weight=2, title="Goes on with a tree that exists, and trees do not share nodes",
-        hint="All that is known about a tree hangs on its root: nothing may be kept outside.")
+@hidden(
+    "insert",
+    weight=2,
+    title="Goes on with a tree that exists, and trees do not share nodes",
+    hint="All that is known about a tree hangs on its root: nothing may be kept outside.",
+)
 def test_two_trees(student, seed):
     points = distinct(np.random.default_rng(seed), 20, 2)
     first = planted(student.KdTree, grown(points[:10]))
@@ -107,6 +129,7 @@ def test_two_trees(student, seed):
 
 
 # ---------------------------------------------------------------------------------- search
+
 
 def assert_searches(student, points, root, rng, number=15):
     """Searches of all sizes, at least a thousandth of a metre clear of any point."""
@@ -123,25 +146,37 @@ def assert_searches(student, points, root, rng, number=15):
         assert_found(tree, root, target, tolerance)
 
 
-@hidden("search", weight=5, title="Right in the plane, for trees and targets you have not seen",
-        hint="Compare with a search that leaves nothing out: which point is missing, and at which "
-             "node was it cut off?")
+@hidden(
+    "search",
+    weight=5,
+    title="Right in the plane, for trees and targets you have not seen",
+    hint="Compare with a search that leaves nothing out: which point is missing, and at which "
+    "node was it cut off?",
+)
 def test_search_plane(student, seed):
     rng = np.random.default_rng(seed)
     points = rng.uniform(-10, 10, (250, 2))
     assert_searches(student, points, balanced(points), rng)
 
 
-@hidden("search", weight=5, title="Right in space, on a street you have not seen",
-        hint="The axis at a node is depth % len(target).")
+@hidden(
+    "search",
+    weight=5,
+    title="Right in space, on a street you have not seen",
+    hint="The axis at a node is depth % len(target).",
+)
 def test_search_street(student, seed):
     rng = np.random.default_rng(seed)
     points = samples.obstacles_of_street(seed, 300)[:, :3]
     assert_searches(student, points, balanced(points), rng)
 
 
-@hidden("search", weight=3, title="Right in crooked trees, with equal coordinates and equal points",
-        hint="Equal stands on the right. A tree that is not balanced is searched in the same way.")
+@hidden(
+    "search",
+    weight=3,
+    title="Right in crooked trees, with equal coordinates and equal points",
+    hint="Equal stands on the right. A tree that is not balanced is searched in the same way.",
+)
 def test_search_crooked(student, seed):
     rng = np.random.default_rng(seed)
     points = rng.integers(-6, 7, (120, 2)) / 2
@@ -150,9 +185,13 @@ def test_search_crooked(student, seed):
     assert_searches(student, points, grown(points), rng)
 
 
-@hidden("search", weight=4, title="Finds what lies at exactly the tolerance, in every direction",
-        hint="Right when the box reaches the split (>=); near when the distance is at most the "
-             "tolerance (<=).")
+@hidden(
+    "search",
+    weight=4,
+    title="Finds what lies at exactly the tolerance, in every direction",
+    hint="Right when the box reaches the split (>=); near when the distance is at most the "
+    "tolerance (<=).",
+)
 @pytest.mark.parametrize("k", [2, 3])
 def test_search_border(student, seed, k):
     # Whole numbers: all distances along an axis are exact, and 3-4-5 triangles are, too.
@@ -168,8 +207,12 @@ def test_search_border(student, seed, k):
             assert_found(tree, root, points[rng.integers(80)], tolerance)
 
 
-@hidden("search", weight=4, title="Leaves out what lies beyond the box, at every level",
-        hint="Both children need a condition of their own before they are looked at.")
+@hidden(
+    "search",
+    weight=4,
+    title="Leaves out what lies beyond the box, at every level",
+    hint="Both children need a condition of their own before they are looked at.",
+)
 def test_search_prunes(student, seed):
     rng = np.random.default_rng(seed)
     tried = 0
@@ -193,13 +236,19 @@ def pruned_leaves(root, target, tolerance):
             leaves.append(node.index)
         axis = depth % len(target)
         gap = target[axis] - node.point[axis]
-        waiting += [(node.left, depth + 1, pruned or gap > 1.2 * tolerance),
-                    (node.right, depth + 1, pruned or gap < -1.2 * tolerance)]
+        waiting += [
+            (node.left, depth + 1, pruned or gap > 1.2 * tolerance),
+            (node.right, depth + 1, pruned or gap < -1.2 * tolerance),
+        ]
     return sorted(leaves)
 
 
-@hidden("search", weight=2, title="Right for one point, for all points, for any kind of numbers",
-        hint="The result holds the index of each node, which need not be its row.")
+@hidden(
+    "search",
+    weight=2,
+    title="Right for one point, for all points, for any kind of numbers",
+    hint="The result holds the index of each node, which need not be its row.",
+)
 def test_search_extremes(student, seed):
     rng = np.random.default_rng(seed)
     points = rng.uniform(-5, 5, (20, 3))
@@ -226,8 +275,13 @@ def assert_tree_is(tree, table):
 
 # ---------------------------------------------------------------------------- median_order
 
-@hidden("median_order", weight=5, title="The least depth, for points you have not seen",
-        hint="Does each part go on with the next axis, also when it came from the right?")
+
+@hidden(
+    "median_order",
+    weight=5,
+    title="The least depth, for points you have not seen",
+    hint="Does each part go on with the next axis, also when it came from the right?",
+)
 @pytest.mark.parametrize("k", [2, 3])
 def test_depth(student, seed, k):
     rng = np.random.default_rng(seed + k)
@@ -236,8 +290,12 @@ def test_depth(student, seed, k):
         assert_shallow(student.median_order(points.copy()), points)
 
 
-@hidden("median_order", weight=5, title="The lower median on top of every part",
-        hint="Of m sorted rows the lower median is number (m - 1) // 2, for odd and even m.")
+@hidden(
+    "median_order",
+    weight=5,
+    title="The lower median on top of every part",
+    hint="Of m sorted rows the lower median is number (m - 1) // 2, for odd and even m.",
+)
 @pytest.mark.parametrize("k", [2, 3])
 def test_medians(student, seed, k):
     rng = np.random.default_rng(seed + 10 + k)
@@ -246,21 +304,32 @@ def test_medians(student, seed, k):
         assert_lower_medians(student.median_order(points.copy()), points)
 
 
-@hidden("median_order", weight=3, title="Right on a street you have not seen",
-        hint="Nothing about one particular array may stand in the function.")
+@hidden(
+    "median_order",
+    weight=3,
+    title="Right on a street you have not seen",
+    hint="Nothing about one particular array may stand in the function.",
+)
 def test_medians_of_street(student, seed):
     points = samples.obstacles_of_street(seed, 500)[:, :3]
-    keep = np.logical_and.reduce([np.isin(np.arange(len(points)),
-                                          np.unique(points[:, axis], return_index=True)[1])
-                                  for axis in range(3)])
+    keep = np.logical_and.reduce(
+        [
+            np.isin(np.arange(len(points)), np.unique(points[:, axis], return_index=True)[1])
+            for axis in range(3)
+        ]
+    )
     points = points[keep]
     order = student.median_order(points.copy())
     assert_shallow(order, points)
     assert_lower_medians(order, points)
 
 
-@hidden("median_order", weight=2, title="Right for two points and for single precision",
-        hint="Return row numbers of the array that came in.")
+@hidden(
+    "median_order",
+    weight=2,
+    title="Right for two points and for single precision",
+    hint="Return row numbers of the array that came in.",
+)
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)
     for points in (np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([[1.0, 2.0], [2.0, 1.0]])):

@@ -26,29 +26,44 @@ def assert_distance_filtered(student, cloud, *distance):
     assert_near(student.filter_by_distance(cloud.copy(order="A"), *distance), cloud, radius, near)
 
 
-@hidden("filter_by_distance", weight=4, title="Right on the course's own scan",
-        hint="Compare with the picture in the notebook: a disc, with nothing missing inside.")
+@hidden(
+    "filter_by_distance",
+    weight=4,
+    title="Right on the course's own scan",
+    hint="Compare with the picture in the notebook: a disc, with nothing missing inside.",
+)
 def test_course_cloud(student):
     assert_distance_filtered(student, samples.course_cloud()[::5])
 
 
-@hidden("filter_by_distance", weight=4, title="Right on a street you have not seen",
-        hint="Nothing about one particular cloud may stand in the function.")
+@hidden(
+    "filter_by_distance",
+    weight=4,
+    title="Right on a street you have not seen",
+    hint="Nothing about one particular cloud may stand in the function.",
+)
 def test_fresh_street(student, seed):
     assert_distance_filtered(student, samples.fresh_street(seed)[::5], 12.5)
 
 
-@hidden("filter_by_distance", weight=3, title="Right at distances you have not seen",
-        hint="The distance comes from the parameter distance and from nowhere else.")
+@hidden(
+    "filter_by_distance",
+    weight=3,
+    title="Right at distances you have not seen",
+    hint="The distance comes from the parameter distance and from nowhere else.",
+)
 def test_other_distances(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1000)
     for distance in np.random.default_rng(seed).uniform(4.0, 20.0, 4):
         assert_distance_filtered(student, cloud, float(distance))
 
 
-@hidden("filter_by_distance", weight=3,
-        title="The same whatever the heights and the intensities",
-        hint="Only columns 0 and 1 decide. Height and intensity stay, but are not counted.")
+@hidden(
+    "filter_by_distance",
+    weight=3,
+    title="The same whatever the heights and the intensities",
+    hint="Only columns 0 and 1 decide. Height and intensity stay, but are not counted.",
+)
 def test_height_and_intensity(student, seed):
     rng = np.random.default_rng(seed)
     cloud = samples.patch_of_course_cloud(seed, 600).copy()
@@ -59,9 +74,12 @@ def test_height_and_intensity(student, seed):
     assert_distance_filtered(student, cloud)
 
 
-@hidden("filter_by_distance", weight=2,
-        title="Turning the cloud about the sensor or mixing its rows changes nothing",
-        hint="A circle is the same from all sides; the order of rows stays as it came.")
+@hidden(
+    "filter_by_distance",
+    weight=2,
+    title="Turning the cloud about the sensor or mixing its rows changes nothing",
+    hint="A circle is the same from all sides; the order of rows stays as it came.",
+)
 def test_turned_and_mixed(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 500)
     for angle in np.random.default_rng(seed).uniform(0, 2 * math.pi, 3):
@@ -72,9 +90,12 @@ def test_turned_and_mixed(student, seed):
     assert_distance_filtered(student, cloud[np.argsort(cloud[:, 2])])
 
 
-@hidden("filter_by_distance", weight=2,
-        title="Right for three columns, single precision, one point and no result",
-        hint="The same two lines serve every case: no special case is needed.")
+@hidden(
+    "filter_by_distance",
+    weight=2,
+    title="Right for three columns, single precision, one point and no result",
+    hint="The same two lines serve every case: no special case is needed.",
+)
 def test_small_and_single(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 300)
     assert_distance_filtered(student, cloud[:, :3])
@@ -102,8 +123,11 @@ def clear_of(cloud, minimum, maximum):
     """(rows that lie clear of the faces of a box, whether each is inside), in plain Python."""
     rows, inside = [], []
     for number, row in enumerate(cloud[:, :3].tolist()):
-        gaps = [side for value, low, high in zip(row, minimum, maximum, strict=True)
-                for side in (value - low, high - value)]
+        gaps = [
+            side
+            for value, low, high in zip(row, minimum, maximum, strict=True)
+            for side in (value - low, high - value)
+        ]
         if all(abs(gap) > MARGIN for gap in gaps):
             rows.append(number)
             inside.append(all(gap > 0 for gap in gaps))
@@ -125,25 +149,35 @@ def scan_around_the_car(seed):
     return cloud[np.union1d(near, rest)]
 
 
-@hidden("crop_region", weight=3, title="Right on the course's own scan and on a fresh street",
-        hint="Compare with the picture in the notebook: nothing may stick out of the rectangle.")
+@hidden(
+    "crop_region",
+    weight=3,
+    title="Right on the course's own scan and on a fresh street",
+    hint="Compare with the picture in the notebook: nothing may stick out of the rectangle.",
+)
 def test_crop_streets(student, seed):
-    assert_box_filtered(student, "crop_region", samples.patch_of_course_cloud(seed, 3000),
-                        *REGION)
+    assert_box_filtered(student, "crop_region", samples.patch_of_course_cloud(seed, 3000), *REGION)
     assert_box_filtered(student, "crop_region", samples.obstacles_of_street(seed, 3000), *REGION)
 
 
-@hidden("crop_region", weight=3, title="Right for boxes you have not seen",
-        hint="All six numbers come from minimum and maximum.")
+@hidden(
+    "crop_region",
+    weight=3,
+    title="Right for boxes you have not seen",
+    hint="All six numbers come from minimum and maximum.",
+)
 def test_crop_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed):
         assert_box_filtered(student, "crop_region", cloud, minimum, maximum)
 
 
-@hidden("crop_region", weight=2,
-        title="Right for three columns, single precision, one point, high intensities",
-        hint="Compare the first three columns; the fourth is no coordinate.")
+@hidden(
+    "crop_region",
+    weight=2,
+    title="Right for three columns, single precision, one point, high intensities",
+    hint="Compare the first three columns; the fourth is no coordinate.",
+)
 def test_crop_small(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 300)
     bright = cloud * [1, 1, 1, 255]
@@ -152,9 +186,12 @@ def test_crop_small(student, seed):
     assert_box_filtered(student, "crop_region", np.array([[1.0, 2.0, 0.5]]), *REGION)
 
 
-@hidden("remove_ego_returns", weight=3,
-        title="Frees the course's own scan and a fresh street of our own car",
-        hint="In the picture the box must be empty, and everything beside it still there.")
+@hidden(
+    "remove_ego_returns",
+    weight=3,
+    title="Frees the course's own scan and a fresh street of our own car",
+    hint="In the picture the box must be empty, and everything beside it still there.",
+)
 @pytest.mark.parametrize("street", ["course", "fresh"])
 def test_remove_from_streets(student, seed, street):
     cloud = scan_around_the_car(seed)
@@ -164,24 +201,36 @@ def test_remove_from_streets(student, seed, street):
     assert_box_filtered(student, "remove_ego_returns", cloud, *EGO_BOX)
 
 
-@hidden("remove_ego_returns", weight=3, title="Right for boxes you have not seen",
-        hint="All six numbers come from minimum and maximum.")
+@hidden(
+    "remove_ego_returns",
+    weight=3,
+    title="Right for boxes you have not seen",
+    hint="All six numbers come from minimum and maximum.",
+)
 def test_remove_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 1):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
 
 
-@hidden("remove_ego_returns", weight=2,
-        title="Right for three columns, single precision, duplicates, high intensities",
-        hint="Compare the first three columns; the fourth is no coordinate. Order and "
-             "duplicates stay.")
+@hidden(
+    "remove_ego_returns",
+    weight=2,
+    title="Right for three columns, single precision, duplicates, high intensities",
+    hint="Compare the first three columns; the fourth is no coordinate. Order and duplicates stay.",
+)
 def test_remove_small(student, seed):
     box = (-5.0, -4.0, -1.5), (8.0, 5.0, 0.5)
     cloud = samples.patch_of_course_cloud(seed, 300)
     bright = cloud * [1, 1, 1, 255]
-    for variant in (cloud[:, :3], cloud.astype(np.float32), np.asfortranarray(cloud), bright,
-                    np.repeat(cloud[:40], 3, axis=0)):
+    for variant in (
+        cloud[:, :3],
+        cloud.astype(np.float32),
+        np.asfortranarray(cloud),
+        bright,
+        np.repeat(cloud[:40], 3, axis=0),
+    ):
         assert_box_filtered(student, "remove_ego_returns", variant, *box)
-    assert_box_filtered(student, "remove_ego_returns",
-                        np.array([[0.0, 0.0, 0.0], [9.0, 1.0, 0.2]]), *box)
+    assert_box_filtered(
+        student, "remove_ego_returns", np.array([[0.0, 0.0, 0.0], [9.0, 1.0, 0.2]]), *box
+    )

@@ -22,14 +22,25 @@ def boxes_by_hand(cloud, labels):
     boxes = []
     for label in sorted(rows):
         columns = [sorted(column) for column in zip(*rows[label], strict=True)]
-        boxes.append([[column[-1] if corner // 2**axis % 2 else column[0]
-                       for axis, column in enumerate(columns)] for corner in range(8)])
+        boxes.append(
+            [
+                [
+                    column[-1] if corner // 2**axis % 2 else column[0]
+                    for axis, column in enumerate(columns)
+                ]
+                for corner in range(8)
+            ]
+        )
     return np.array(boxes, dtype=float).reshape(-1, 8, 3)
 
 
 def assert_boxed(student, cloud, labels):
-    assert_box_corners(student.get_bounding_boxes(cloud.copy(), labels.copy()),
-                       boxes_by_hand(cloud, labels), cloud, labels)
+    assert_box_corners(
+        student.get_bounding_boxes(cloud.copy(), labels.copy()),
+        boxes_by_hand(cloud, labels),
+        cloud,
+        labels,
+    )
 
 
 def course_clusters(seed):
@@ -50,29 +61,45 @@ def without_small(labels, least):
     return np.where(np.bincount(labels)[labels] < least, 0, labels)
 
 
-@hidden("get_bounding_boxes", weight=4, title="Right on the course's own scan",
-        hint="Compare with the picture in the notebook: does every obstacle sit in its box?")
+@hidden(
+    "get_bounding_boxes",
+    weight=4,
+    title="Right on the course's own scan",
+    hint="Compare with the picture in the notebook: does every obstacle sit in its box?",
+)
 def test_course_scan(student, seed):
     assert_boxed(student, *course_clusters(seed))
 
 
-@hidden("get_bounding_boxes", weight=4, title="Right on a street you have not seen",
-        hint="Neither the number of boxes nor any coordinate may be written into the function.")
+@hidden(
+    "get_bounding_boxes",
+    weight=4,
+    title="Right on a street you have not seen",
+    hint="Neither the number of boxes nor any coordinate may be written into the function.",
+)
 def test_fresh_street(student, seed):
     assert_boxed(student, *street_clusters(seed))
 
 
-@hidden("get_bounding_boxes", weight=3, title="Right for any numbering, with large gaps",
-        hint="np.unique(labels[labels > 0]) lists what occurs; rows of the answer follow it.")
+@hidden(
+    "get_bounding_boxes",
+    weight=3,
+    title="Right for any numbering, with large gaps",
+    hint="np.unique(labels[labels > 0]) lists what occurs; rows of the answer follow it.",
+)
 def test_any_numbering(student, seed):
     cloud, labels = street_clusters(seed)
-    names = np.random.default_rng(seed).permutation(np.arange(1, 900))[:labels.max()]
+    names = np.random.default_rng(seed).permutation(np.arange(1, 900))[: labels.max()]
     assert_boxed(student, cloud, np.concatenate([[0], names])[labels])
 
 
-@hidden("get_bounding_boxes", weight=3, title="Right for points in any order",
-        hint="A point can be the smallest so far and the largest so far at once: the first one "
-             "is. elif asks only one of the two questions.")
+@hidden(
+    "get_bounding_boxes",
+    weight=3,
+    title="Right for points in any order",
+    hint="A point can be the smallest so far and the largest so far at once: the first one "
+    "is. elif asks only one of the two questions.",
+)
 @pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
 def test_any_order_of_points(student, seed, step):
     cloud, labels = street_clusters(seed)
@@ -80,9 +107,13 @@ def test_any_order_of_points(student, seed, step):
     assert_boxed(student, cloud[order], labels[order])
 
 
-@hidden("get_bounding_boxes", weight=2, title="Right wherever the cluster lies",
-        hint="Start from the first point or from infinity, never from 0: a cluster behind us on "
-             "the right has only negative coordinates.")
+@hidden(
+    "get_bounding_boxes",
+    weight=2,
+    title="Right wherever the cluster lies",
+    hint="Start from the first point or from infinity, never from 0: a cluster behind us on "
+    "the right has only negative coordinates.",
+)
 @pytest.mark.parametrize("corner", [-1, 1], ids=["below zero", "above zero"])
 def test_anywhere(student, seed, corner):
     rng = np.random.default_rng(seed)
@@ -90,9 +121,12 @@ def test_anywhere(student, seed, corner):
     assert_boxed(student, cloud, rng.integers(0, 4, 60))
 
 
-@hidden("get_bounding_boxes", weight=2,
-        title="Right for one point, two points, equal points and points on a line",
-        hint="Nothing special is needed: such a box is flat, or a single place eight times.")
+@hidden(
+    "get_bounding_boxes",
+    weight=2,
+    title="Right for one point, two points, equal points and points on a line",
+    hint="Nothing special is needed: such a box is flat, or a single place eight times.",
+)
 def test_few_points(student, seed):
     rng = np.random.default_rng(seed)
     place = rng.uniform(-9, 9, (1, 4))
@@ -105,9 +139,12 @@ def test_few_points(student, seed):
     assert_boxed(student, line, np.ones(7, dtype=int))
 
 
-@hidden("get_bounding_boxes", weight=2, title="Right for single precision, and when labels or "
-        "noise take unusual forms",
-        hint="Only rows of a label above 0 count; what the others hold must not matter.")
+@hidden(
+    "get_bounding_boxes",
+    weight=2,
+    title="Right for single precision, and when labels or noise take unusual forms",
+    hint="Only rows of a label above 0 count; what the others hold must not matter.",
+)
 def test_forms(student, seed):
     cloud, labels = street_clusters(seed)
     assert_boxed(student, cloud.astype(np.float32), labels)
@@ -116,8 +153,12 @@ def test_forms(student, seed):
     assert_boxed(student, broken, np.concatenate([[0], labels, [0]]))
 
 
-@hidden("get_bounding_boxes", weight=1, title="Right for hundreds of clusters, and for none",
-        hint="No cluster gives an array of shape (0, 8, 3).")
+@hidden(
+    "get_bounding_boxes",
+    weight=1,
+    title="Right for hundreds of clusters, and for none",
+    hint="No cluster gives an array of shape (0, 8, 3).",
+)
 def test_many_and_none(student, seed):
     rng = np.random.default_rng(seed)
     cloud = rng.uniform(-30, 30, (600, 4))

@@ -19,8 +19,9 @@ def filtered_by_hand(labels, minimum):
     """The right answer, in plain Python."""
     numbers = labels.tolist()
     count = Counter(numbers)
-    return np.array([number if number > 0 and count[number] >= minimum else 0
-                     for number in numbers], dtype=int)
+    return np.array(
+        [number if number > 0 and count[number] >= minimum else 0 for number in numbers], dtype=int
+    )
 
 
 def assert_right(student, labels, *minimum):
@@ -44,18 +45,25 @@ def objects_of_course_cloud(seed):
     return samples.cluster_labels(samples.without_ties(patch, 0.5), 0.5)
 
 
-@hidden("filter_clusters", weight=5, title="Right on clusters of the course's own scan",
-        hint="Compare np.unique(labels, return_counts=True) before and after.")
+@hidden(
+    "filter_clusters",
+    weight=5,
+    title="Right on clusters of the course's own scan",
+    hint="Compare np.unique(labels, return_counts=True) before and after.",
+)
 def test_course_cloud(student, seed):
     labels = objects_of_course_cloud(seed)
     for minimum in (2, 5, 12):
         assert_right(student, labels, minimum)
 
 
-@hidden("filter_clusters", weight=5, title="Right on swarms of small clusters that you have not "
-        "seen",
-        hint="Nothing may move while you walk along the labels: of two small neighbours both "
-             "have to go.")
+@hidden(
+    "filter_clusters",
+    weight=5,
+    title="Right on swarms of small clusters that you have not seen",
+    hint="Nothing may move while you walk along the labels: of two small neighbours both "
+    "have to go.",
+)
 def test_swarms(student, seed):
     rng = np.random.default_rng(seed)
     for minimum in (2, 5, 20):
@@ -63,8 +71,12 @@ def test_swarms(student, seed):
     assert_right(student, clutter(rng, 40, 400))
 
 
-@hidden("filter_clusters", weight=3, title="Right when the labels have gaps and noise is plenty",
-        hint="Filtering twice must be possible: the second time there are gaps and many zeros.")
+@hidden(
+    "filter_clusters",
+    weight=3,
+    title="Right when the labels have gaps and noise is plenty",
+    hint="Filtering twice must be possible: the second time there are gaps and many zeros.",
+)
 def test_gaps_and_noise(student, seed):
     rng = np.random.default_rng(seed)
     numbers = np.concatenate([[0], rng.choice(np.arange(1, 5000), 40, replace=False)])
@@ -75,10 +87,13 @@ def test_gaps_and_noise(student, seed):
     assert_right(student, once, 9)
 
 
-@hidden("filter_clusters", weight=3, title="The order of the points and the numbers of the "
-        "clusters do not matter",
-        hint="The points of a cluster need not stand next to each other, and a high label is not "
-             "a large cluster.")
+@hidden(
+    "filter_clusters",
+    weight=3,
+    title="The order of the points and the numbers of the clusters do not matter",
+    hint="The points of a cluster need not stand next to each other, and a high label is not "
+    "a large cluster.",
+)
 def test_order(student, seed):
     rng = np.random.default_rng(seed)
     labels = clutter(rng, 30, 50)
@@ -87,9 +102,12 @@ def test_order(student, seed):
     assert_right(student, renamed[rng.permutation(len(labels))], 8)
 
 
-@hidden("filter_clusters", weight=2, title="A minimum of 0 or 1 keeps everything, a huge one "
-        "nothing",
-        hint="The same lines serve every case: no special case is needed.")
+@hidden(
+    "filter_clusters",
+    weight=2,
+    title="A minimum of 0 or 1 keeps everything, a huge one nothing",
+    hint="The same lines serve every case: no special case is needed.",
+)
 def test_extremes(student, seed):
     labels = clutter(np.random.default_rng(seed), 20, 30)
     for minimum in (0, 1, 3, 10_000):
@@ -98,9 +116,12 @@ def test_extremes(student, seed):
     assert_right(student, np.repeat([2, 1], [5, 4]), 5)
 
 
-@hidden("filter_clusters", weight=2, title="Takes other kinds of whole numbers, and read-only "
-        "arrays",
-        hint="Labels may be 32 bits wide. Never write into the array you are given.")
+@hidden(
+    "filter_clusters",
+    weight=2,
+    title="Takes other kinds of whole numbers, and read-only arrays",
+    hint="Labels may be 32 bits wide. Never write into the array you are given.",
+)
 def test_kinds_of_numbers(student, seed):
     labels = clutter(np.random.default_rng(seed), 20, 30)
     assert_right(student, labels.astype(np.int32), 6)

@@ -24,26 +24,41 @@ def test_visible(student, check):
 def assert_clusters(student, cloud, *threshold):
     radius = (threshold or (0.5,))[0]
     cloud = samples.without_ties(cloud, radius)
-    assert_partition(student.euclidean_clustering_accelerated(cloud.copy(), *threshold),
-                     samples.cluster_labels(cloud, radius), cloud)
+    assert_partition(
+        student.euclidean_clustering_accelerated(cloud.copy(), *threshold),
+        samples.cluster_labels(cloud, radius),
+        cloud,
+    )
 
 
-@hidden(NAME, weight=5, title="Right on obstacles of the course's own scan",
-        hint="Compare with your euclidean_clustering of lesson 05: same partition?")
+@hidden(
+    NAME,
+    weight=5,
+    title="Right on obstacles of the course's own scan",
+    hint="Compare with your euclidean_clustering of lesson 05: same partition?",
+)
 def test_course_cloud(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 6000)
     assert_clusters(student, cloud[cloud[:, 2] > -1.1][:1500])
 
 
-@hidden(NAME, weight=5, title="Right on streets you have not seen",
-        hint="Nothing about one particular cloud may stand in the function.")
+@hidden(
+    NAME,
+    weight=5,
+    title="Right on streets you have not seen",
+    hint="Nothing about one particular cloud may stand in the function.",
+)
 def test_fresh_streets(student, seed):
     for street in range(2):
         assert_clusters(student, samples.obstacles_of_street(seed + street, 1200))
 
 
-@hidden(NAME, weight=4, title="Right at thresholds you have not seen, small and large",
-        hint="Side, neighbours and distances all follow the parameter threshold.")
+@hidden(
+    NAME,
+    weight=4,
+    title="Right at thresholds you have not seen, small and large",
+    hint="Side, neighbours and distances all follow the parameter threshold.",
+)
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 600)
     for threshold in np.random.default_rng(seed).uniform(0.1, 2.5, 4):
@@ -51,8 +66,12 @@ def test_other_thresholds(student, seed):
     assert_clusters(student, cloud, 25.0)
 
 
-@hidden(NAME, weight=4, title="Exact where many points crowd into few cells",
-        hint="Two cells belong together if ANY point of one is close to ANY point of the other.")
+@hidden(
+    NAME,
+    weight=4,
+    title="Exact where many points crowd into few cells",
+    hint="Two cells belong together if ANY point of one is close to ANY point of the other.",
+)
 def test_crowded_cells(student, seed):
     # Lumps of 25 points whose gaps lie around the threshold: representatives decide nothing.
     rng = np.random.default_rng(seed)
@@ -62,8 +81,12 @@ def test_crowded_cells(student, seed):
         assert_clusters(student, cloud[rng.permutation(len(cloud))])
 
 
-@hidden(NAME, weight=3, title="Long winding chains stay whole",
-        hint="Joining goes on from cell to cell, as far as it reaches.")
+@hidden(
+    NAME,
+    weight=3,
+    title="Long winding chains stay whole",
+    hint="Joining goes on from cell to cell, as far as it reaches.",
+)
 def test_long_chain(student, seed):
     rng = np.random.default_rng(seed)
     angle = np.cumsum(np.full(1500, 0.3) / (2.0 + 0.02 * np.arange(1500)))
@@ -73,8 +96,12 @@ def test_long_chain(student, seed):
     assert_clusters(student, cloud[rng.permutation(len(cloud))])
 
 
-@hidden(NAME, weight=3, title="The order, place and turn of the cloud do not matter",
-        hint="Moving the cloud by 10 cm moves every border of a cell; the clusters must stay.")
+@hidden(
+    NAME,
+    weight=3,
+    title="The order, place and turn of the cloud do not matter",
+    hint="Moving the cloud by 10 cm moves every border of a cell; the clusters must stay.",
+)
 def test_invariance(student, seed):
     rng = np.random.default_rng(seed)
     cloud = samples.obstacles_of_street(seed, 500)[:, :3]
@@ -84,8 +111,12 @@ def test_invariance(student, seed):
     assert_clusters(student, cloud + rng.uniform(-0.3, 0.3, 3))
 
 
-@hidden(NAME, weight=3, title="Right for single precision, all in one and all alone",
-        hint="Clouds may be flat, tiny or all in one cell: then lists of pairs are empty.")
+@hidden(
+    NAME,
+    weight=3,
+    title="Right for single precision, all in one and all alone",
+    hint="Clouds may be flat, tiny or all in one cell: then lists of pairs are empty.",
+)
 def test_extremes(student, seed):
     rng = np.random.default_rng(seed)
     cloud = samples.obstacles_of_street(seed, 300)
@@ -98,6 +129,7 @@ def test_extremes(student, seed):
 
 
 # ------------------------------------------------------------------------------ big clouds
+
 
 def answer_in_time(student, cloud, threshold, advice):
     """The answer, or a failure that says what to do when the process had to be stopped."""
@@ -116,15 +148,22 @@ def whole_scan(seed):
     return cloud[np.sort(places)]
 
 
-@hidden(NAME, weight=5, title="A whole scan, exactly and in time",
-        hint="Time your function on all points of cloud.txt above the road. Which line takes most "
-             "of it? Loops over points, and lists of neighbours of every point, are too long.")
+@hidden(
+    NAME,
+    weight=5,
+    title="A whole scan, exactly and in time",
+    hint="Time your function on all points of cloud.txt above the road. Which line takes most "
+    "of it? Loops over points, and lists of neighbours of every point, are too long.",
+)
 def test_whole_scan(student, seed):
     cloud = whole_scan(seed)
     for threshold in 0.5 + 0.004 * np.arange(20):
-        answer = answer_in_time(student, cloud.copy(), float(threshold),
-                                "A scan must be answered in time: work with cells instead of "
-                                "points.")
+        answer = answer_in_time(
+            student,
+            cloud.copy(),
+            float(threshold),
+            "A scan must be answered in time: work with cells instead of points.",
+        )
         # The answer comes first: an oracle for many points is slow, and not all need it. Where
         # a cluster hangs by a hair at this threshold, single precision may differ: take another.
         labels = samples.cluster_labels(cloud, threshold - 1e-4)
@@ -134,10 +173,14 @@ def test_whole_scan(student, seed):
     raise RuntimeError(f"No clear threshold for the street of seed {seed}")
 
 
-@hidden(NAME, weight=5, title="Four heaps of ten thousand points, exactly and in little memory",
-        hint="In a heap everybody is near everybody: a list of all pairs is as long as the square "
-             "of its points. Points that share a cell need no pair, and two crowded cells need "
-             "only their closest pair: a KD-tree of the one, asked by the other.")
+@hidden(
+    NAME,
+    weight=5,
+    title="Four heaps of ten thousand points, exactly and in little memory",
+    hint="In a heap everybody is near everybody: a list of all pairs is as long as the square "
+    "of its points. Points that share a cell need no pair, and two crowded cells need "
+    "only their closest pair: a KD-tree of the one, asked by the other.",
+)
 def test_heaps(student, seed):
     # Cubes of 0.2 m: all pairs inside are near. The first two are 0.45 m apart, the others 0.55.
     rng = np.random.default_rng(seed)
@@ -148,9 +191,13 @@ def test_heaps(student, seed):
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     order = rng.permutation(40_000)
     cloud = (heaps.reshape(-1, 3) @ turn.T + rng.uniform(-5, 5, 3))[order]
-    answer = answer_in_time(student, cloud.copy(), 0.5,
-                            "Points in heaps must not be compared pair by pair: whoever shares a "
-                            "small cell belongs together anyway.")
+    answer = answer_in_time(
+        student,
+        cloud.copy(),
+        0.5,
+        "Points in heaps must not be compared pair by pair: whoever shares a "
+        "small cell belongs together anyway.",
+    )
     assert_partition(answer, np.repeat([1, 1, 2, 3], 10_000)[order], cloud)
 
 

@@ -19,6 +19,7 @@ def test_visible(student, check):
 
 # ---- oracles ----
 
+
 def axes_by_svd(points):
     """The right axes, in columns, by the singular vectors of the points themselves."""
     xyz = np.asarray(points, dtype=float)[:, :3]
@@ -42,6 +43,7 @@ def area_along(points, direction):
 
 
 # ---- clusters ----
+
 
 def turn_in_space(rng):
     """A random rotation matrix, by the QR decomposition of a random matrix."""
@@ -96,8 +98,10 @@ def scanned_cars(seed):
         rim = np.linalg.svd(hull - hull.mean(axis=0), full_matrices=False)[2][0]
         if max(area_along(points, d) for d in (flat, solid, even, rim)) > 0.93 * ROOMY * small:
             continue
-        turned = [turn_about_z(points - [*middle, 0, 0], np.radians(angle)) + [*middle, 0, 0]
-                  for angle in range(0, 180, 5)]
+        turned = [
+            turn_about_z(points - [*middle, 0, 0], np.radians(angle)) + [*middle, 0, 0]
+            for angle in range(0, 180, 5)
+        ]
         loosest = max(turned, key=lambda one: np.prod(np.ptp(one[:, :2], axis=0)))
         if np.prod(np.ptp(loosest[:, :2], axis=0)) > 1.15 * ROOMY * small:
             cars.append(loosest)
@@ -106,16 +110,23 @@ def scanned_cars(seed):
 
 def diagonal_blocks(rng, headings, n=300):
     """Solid blocks of car size along a street, each with its own heading; (cloud, labels)."""
-    clusters = [turn_about_z(block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
-                + [10.0 * row - 20, rng.uniform(-6, 6), -0.7] for row, heading in
-                enumerate(headings)]
+    clusters = [
+        turn_about_z(block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
+        + [10.0 * row - 20, rng.uniform(-6, 6), -0.7]
+        for row, heading in enumerate(headings)
+    ]
     return np.vstack(clusters), np.repeat(np.arange(1, len(headings) + 1), n)
 
 
 # ---- principal_axes ----
 
-@hidden("principal_axes", weight=4, title="Right for blocks turned in any way in space",
-        hint="Centre, covariance, eigenvectors by decreasing variance, determinant.")
+
+@hidden(
+    "principal_axes",
+    weight=4,
+    title="Right for blocks turned in any way in space",
+    hint="Centre, covariance, eigenvectors by decreasing variance, determinant.",
+)
 def test_any_turn(student, seed):
     rng = np.random.default_rng(seed)
     for _ in range(8):
@@ -123,8 +134,12 @@ def test_any_turn(student, seed):
         assert_axes(student.principal_axes(points.copy()), axes_by_svd(points))
 
 
-@hidden("principal_axes", weight=3, title="Right for vehicles as a scanner sees them",
-        hint="Nothing about one shape may stand in the function.")
+@hidden(
+    "principal_axes",
+    weight=3,
+    title="Right for vehicles as a scanner sees them",
+    hint="Nothing about one shape may stand in the function.",
+)
 def test_scanned(student, seed):
     checked = 0
     for points in scanned_cars(seed) + scanned_cars(seed + 1):
@@ -137,8 +152,12 @@ def test_scanned(student, seed):
     assert_axes(student.principal_axes(points), axes_by_svd(points))
 
 
-@hidden("principal_axes", weight=2, title="Turns with the points, and only with them",
-        hint="Neither order, place nor size of the cluster changes its axes.")
+@hidden(
+    "principal_axes",
+    weight=2,
+    title="Turns with the points, and only with them",
+    hint="Neither order, place nor size of the cluster changes its axes.",
+)
 def test_equivariance(student, seed):
     rng = np.random.default_rng(seed)
     points = block(rng, [4.4, 1.8, 0.7])
@@ -149,9 +168,13 @@ def test_equivariance(student, seed):
     assert_axes(student.principal_axes(0.01 * points + [9.0, -5.0, 1.0]), right)
 
 
-@hidden("principal_axes", weight=2, title="Right for few points, points on a line and on a plane",
-        hint="The covariance matrix is 3 x 3 for any number of points; np.cov and the short form "
-             "of the SVD are not always.")
+@hidden(
+    "principal_axes",
+    weight=2,
+    title="Right for few points, points on a line and on a plane",
+    hint="The covariance matrix is 3 x 3 for any number of points; np.cov and the short form "
+    "of the SVD are not always.",
+)
 def test_few_points(student, seed):
     rng = np.random.default_rng(seed)
     turn = turn_in_space(rng)
@@ -168,8 +191,12 @@ def test_few_points(student, seed):
         as_axes(student.principal_axes(points.copy()))
 
 
-@hidden("principal_axes", weight=1, title="Right for single precision and four columns",
-        hint="Only the first three columns are coordinates.")
+@hidden(
+    "principal_axes",
+    weight=1,
+    title="Right for single precision and four columns",
+    hint="Only the first three columns are coordinates.",
+)
 def test_forms_of_points(student, seed):
     rng = np.random.default_rng(seed)
     points = block(rng, [4.4, 1.8, 0.7]) @ turn_in_space(rng).T + [12.0, 3.0, 0.0]
@@ -182,33 +209,51 @@ def test_forms_of_points(student, seed):
 
 # ---- get_oriented_boxes ----
 
-@hidden("get_oriented_boxes", weight=5, title="Snug around blocks at any heading",
-        hint="A yaw in degrees, of the wrong sign or of the wrong axis gives a box that is too "
-             "large, or leaves points outside.")
+
+@hidden(
+    "get_oriented_boxes",
+    weight=5,
+    title="Snug around blocks at any heading",
+    hint="A yaw in degrees, of the wrong sign or of the wrong axis gives a box that is too "
+    "large, or leaves points outside.",
+)
 @pytest.mark.parametrize("first", [12, 27])
 def test_any_heading(student, seed, first):
     rng = np.random.default_rng(seed)
     cloud, labels = diagonal_blocks(rng, np.arange(first, 180, 34) + rng.uniform(0, 6))
     areas = [smallest_area(cloud[labels == label]) for label in range(1, labels.max() + 1)]
-    assert_turned_boxes(student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels,
-                        areas)
+    assert_turned_boxes(
+        student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels, areas
+    )
 
 
-@hidden("get_oriented_boxes", weight=4, title="Right for diagonal vehicles as a scanner sees them",
-        hint="The points of a real car do not lie evenly around its middle: take minimum and "
-             "maximum along each side, in the turned frame.")
+@hidden(
+    "get_oriented_boxes",
+    weight=4,
+    title="Right for diagonal vehicles as a scanner sees them",
+    hint="The points of a real car do not lie evenly around its middle: take minimum and "
+    "maximum along each side, in the turned frame.",
+)
 def test_scanned_vehicles(student, seed):
     cars = [car for step in range(3) for car in scanned_cars(seed + step)][:6]
     cars.append(turn_about_z(block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.7))
     cloud = np.vstack([car[:, :3] for car in cars])
     labels = np.repeat(np.arange(1, len(cars) + 1), [len(car) for car in cars])
-    assert_turned_boxes(student.get_oriented_boxes(cloud, labels.copy()), cloud, labels,
-                        [smallest_area(car) for car in cars])
+    assert_turned_boxes(
+        student.get_oriented_boxes(cloud, labels.copy()),
+        cloud,
+        labels,
+        [smallest_area(car) for car in cars],
+    )
 
 
-@hidden("get_oriented_boxes", weight=3, title="Contains every point of a street you have not seen",
-        hint="Poles, people, hedges and walls have headings, too, if only by chance; the box must "
-             "hold all of their points whatever it is.")
+@hidden(
+    "get_oriented_boxes",
+    weight=3,
+    title="Contains every point of a street you have not seen",
+    hint="Poles, people, hedges and walls have headings, too, if only by chance; the box must "
+    "hold all of their points whatever it is.",
+)
 def test_fresh_street(student, seed):
     cloud = samples.obstacles_of_street(seed, 1500)
     labels = samples.cluster_labels(cloud, 0.8)
@@ -219,13 +264,17 @@ def test_fresh_street(student, seed):
     clusters = [cloud[labels == label] for label in np.unique(labels[labels > 0])]
     # Only for the block do all sensible boxes agree on the size.
     areas = [np.inf] * (len(clusters) - 1) + [smallest_area(car)]
-    assert_turned_boxes(student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels,
-                        areas)
+    assert_turned_boxes(
+        student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels, areas
+    )
 
 
-@hidden("get_oriented_boxes", weight=2, title="Right for round clusters and few points",
-        hint="Where no direction is special any heading will do, as long as all points are "
-             "inside.")
+@hidden(
+    "get_oriented_boxes",
+    weight=2,
+    title="Right for round clusters and few points",
+    hint="Where no direction is special any heading will do, as long as all points are inside.",
+)
 def test_round_and_few(student, seed):
     rng = np.random.default_rng(seed)
     place = rng.uniform(-9, 9, 3)
@@ -245,13 +294,17 @@ def test_round_and_few(student, seed):
     cloud = np.vstack(clusters)
     labels = np.repeat(np.arange(len(clusters)) * 3 + 2, [len(points) for points in clusters])
     areas = [smallest_area(car)] + [np.inf] * (len(clusters) - 1)
-    assert_turned_boxes(student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels,
-                        areas)
+    assert_turned_boxes(
+        student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels, areas
+    )
 
 
-@hidden("get_oriented_boxes", weight=2, title="Right for any numbering, four columns and single "
-        "precision",
-        hint="Only rows of a label above 0 count, and of them only x, y and z.")
+@hidden(
+    "get_oriented_boxes",
+    weight=2,
+    title="Right for any numbering, four columns and single precision",
+    hint="Only rows of a label above 0 count, and of them only x, y and z.",
+)
 def test_forms(student, seed):
     rng = np.random.default_rng(seed)
     cloud, labels = diagonal_blocks(rng, [35.0, 65.0, 140.0])
@@ -264,19 +317,25 @@ def test_forms(student, seed):
     order = rng.permutation(len(bright))
     bright, renamed = bright[order], renamed[order]
     for form in (bright, bright.astype(np.float32), np.asfortranarray(bright[:, :3])):
-        assert_turned_boxes(student.get_oriented_boxes(form.copy(), renamed.copy()), form, renamed,
-                            areas[[1, 0, 2]])
+        assert_turned_boxes(
+            student.get_oriented_boxes(form.copy(), renamed.copy()), form, renamed, areas[[1, 0, 2]]
+        )
 
 
-@hidden("get_oriented_boxes", weight=1, title="Right for many clusters, and for none",
-        hint="No cluster gives an array of shape (0, 8, 3).")
+@hidden(
+    "get_oriented_boxes",
+    weight=1,
+    title="Right for many clusters, and for none",
+    hint="No cluster gives an array of shape (0, 8, 3).",
+)
 def test_many_and_none(student, seed):
     rng = np.random.default_rng(seed)
     car, _ = diagonal_blocks(rng, [50.0])
     cloud = np.vstack([car, rng.uniform(-30, 30, (300, 3))])
     labels = np.concatenate([np.ones(len(car), dtype=int), rng.integers(2, 100, 300)])
     areas = [smallest_area(car)] + [np.inf] * (len(np.unique(labels)) - 1)
-    assert_turned_boxes(student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels,
-                        areas)
+    assert_turned_boxes(
+        student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels, areas
+    )
     none = np.zeros(len(cloud), dtype=int)
     as_boxes(student.get_oriented_boxes(cloud.copy(), none), none)

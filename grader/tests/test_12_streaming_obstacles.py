@@ -80,15 +80,23 @@ def assert_detects(student, cloud, frame):
     return answer
 
 
-@hidden("detect_obstacles", weight=6, title="Finds the cars of streets you have not seen",
-        hint="Try other scenes: scenes.random_street(1), (2), (3) with their true boxes.")
+@hidden(
+    "detect_obstacles",
+    weight=6,
+    title="Finds the cars of streets you have not seen",
+    hint="Try other scenes: scenes.random_street(1), (2), (3) with their true boxes.",
+)
 def test_fresh_streets(student, seed):
     frames = fresh_streets(seed)
     assert_cars_found([student.detect_obstacles(frame.cloud.copy()) for frame in frames], frames)
 
 
-@hidden("detect_obstacles", weight=4, title="Sees few ghosts in streets you have not seen",
-        hint="Draw the boxes of scenes.random_street(1): which hold road, which hold nothing?")
+@hidden(
+    "detect_obstacles",
+    weight=4,
+    title="Sees few ghosts in streets you have not seen",
+    hint="Draw the boxes of scenes.random_street(1): which hold road, which hold nothing?",
+)
 def test_few_ghosts(student, seed):
     frames = fresh_streets(seed)
     answers = [student.detect_obstacles(frame.cloud.copy()) for frame in frames]
@@ -97,8 +105,12 @@ def test_few_ghosts(student, seed):
         assert_sees(answer, frame)
 
 
-@hidden("detect_obstacles", weight=4, title="Finds the cars of a drive through the city",
-        hint="The road of the city climbs: what does your ground filter leave 20 m ahead?")
+@hidden(
+    "detect_obstacles",
+    weight=4,
+    title="Finds the cars of a drive through the city",
+    hint="The road of the city climbs: what does your ground filter leave 20 m ahead?",
+)
 def test_city(student, seed):
     frames = city_frames(seed)
     answers = [student.detect_obstacles(frame.cloud.copy()) for frame in frames]
@@ -106,17 +118,24 @@ def test_city(student, seed):
     assert_boxes_real(answers, frames)
 
 
-@hidden("detect_obstacles", weight=4, title="Turns the boxes of cars that stand at an angle",
-        hint="Seen from above, the sides of a box should run along the sides of the car.")
+@hidden(
+    "detect_obstacles",
+    weight=4,
+    title="Turns the boxes of cars that stand at an angle",
+    hint="Seen from above, the sides of a box should run along the sides of the car.",
+)
 def test_turned_cars(student, seed):
     frame = square(seed)
     answer = assert_detects(student, frame.cloud.copy(), frame)
     assert_boxes_turned(answer, frame)
 
 
-@hidden("detect_obstacles", weight=2, title="Right for any order of returns and in single "
-        "precision",
-        hint="Nothing may depend on which return comes first.")
+@hidden(
+    "detect_obstacles",
+    weight=2,
+    title="Right for any order of returns and in single precision",
+    hint="Nothing may depend on which return comes first.",
+)
 def test_order_and_precision(student, seed):
     frame = square(seed)
     shuffled = np.random.default_rng(seed).permutation(frame.cloud)
@@ -124,9 +143,12 @@ def test_order_and_precision(student, seed):
     assert_detects(student, np.asfortranarray(frame.cloud[:, :3].astype(np.float32)), frame)
 
 
-@hidden("detect_obstacles", weight=3, title="Bears returns that are not a number, and hundreds at "
-        "(0, 0, 0)",
-        hint="Let drop_invalid be the very first step.")
+@hidden(
+    "detect_obstacles",
+    weight=3,
+    title="Bears returns that are not a number, and hundreds at (0, 0, 0)",
+    hint="Let drop_invalid be the very first step.",
+)
 def test_dirty_scan(student, seed):
     frame = square(seed)
     cloud = frame.cloud.copy()
@@ -138,39 +160,58 @@ def test_dirty_scan(student, seed):
     assert_own_car_free(assert_detects(student, cloud, frame), frame)
 
 
-@hidden("detect_obstacles", weight=2, title="Does not take single returns in the air, such as "
-        "drops of rain, for obstacles",
-        hint="filter_clusters removes clusters of a few points. Does the detector call it?")
+@hidden(
+    "detect_obstacles",
+    weight=2,
+    title="Does not take single returns in the air, such as drops of rain, for obstacles",
+    hint="filter_clusters removes clusters of a few points. Does the detector call it?",
+)
 def test_rain(student, seed):
     frame, drops = square(seed), rain(seed)
     boxes = as_boxes(assert_detects(student, np.vstack([frame.cloud, drops]), frame))
     small = boxes[np.ptp(boxes, axis=1).max(axis=1) < 1.0].mean(axis=1)
     wet = sum((np.linalg.norm(small - drop[:3], axis=1) < 0.5).any() for drop in drops)
     if wet > len(drops) // 3:
-        raise CheckFailed("Single returns in the air have boxes.",
-                          yours=f"boxes around {wet} of {len(drops)} drops of rain",
-                          expected="none around clusters of one point")
+        raise CheckFailed(
+            "Single returns in the air have boxes.",
+            yours=f"boxes around {wet} of {len(drops)} drops of rain",
+            expected="none around clusters of one point",
+        )
 
 
-@hidden("detect_obstacles", weight=3, title="An empty road has no obstacles",
-        hint="Each step must bear that nothing is left: no points, no labels, no clusters.")
+@hidden(
+    "detect_obstacles",
+    weight=3,
+    title="An empty road has no obstacles",
+    hint="Each step must bear that nothing is left: no points, no labels, no clusters.",
+)
 def test_empty_road(student, seed):
     boxes = as_boxes(student.detect_obstacles(empty_road().cloud.copy()))
     if len(boxes) > 3:
-        raise CheckFailed("A level road without a single thing on it has obstacles.",
-                          yours=f"{len(boxes)} boxes", expected="0 boxes")
+        raise CheckFailed(
+            "A level road without a single thing on it has obstacles.",
+            yours=f"{len(boxes)} boxes",
+            expected="0 boxes",
+        )
     assert_detects(student, square(seed).cloud.copy(), square(seed))
 
 
-@hidden("detect_obstacles", weight=1, title="Takes scans of a few returns",
-        hint="Some steps need three points or more; what do they do with one?")
+@hidden(
+    "detect_obstacles",
+    weight=1,
+    title="Takes scans of a few returns",
+    hint="Some steps need three points or more; what do they do with one?",
+)
 def test_small_scans(student, seed):
     cloud = square(seed).cloud
     for count in (1, 2, 4):
         boxes = as_boxes(student.detect_obstacles(cloud[-count:].copy()))
         if len(boxes) > count:
-            raise CheckFailed("There are more boxes than returns.", yours=f"{len(boxes)} boxes",
-                              expected=f"at most {count}")
+            raise CheckFailed(
+                "There are more boxes than returns.",
+                yours=f"{len(boxes)} boxes",
+                expected=f"at most {count}",
+            )
     assert_detects(student, cloud.copy(), square(seed))
 
 
@@ -194,12 +235,17 @@ def moved_on(rng, count=12, gone=3, new=3, step=0.8):
 
 
 def assert_pairs(student, previous, current, distance, partner):
-    assert_matched(student.match_boxes(previous.copy(), current.copy(), distance), partner,
-                   previous, current)
+    assert_matched(
+        student.match_boxes(previous.copy(), current.copy(), distance), partner, previous, current
+    )
 
 
-@hidden("match_boxes", weight=4, title="Follows many boxes, some of which come and go",
-        hint="Draw both frames with plots.boxes and names=True, and go through your pairs.")
+@hidden(
+    "match_boxes",
+    weight=4,
+    title="Follows many boxes, some of which come and go",
+    hint="Draw both frames with plots.boxes and names=True, and go through your pairs.",
+)
 def test_many_boxes(student, seed):
     rng = np.random.default_rng(seed)
     for step, distance in ((0.8, 1.5), (2.2, 2.5), (0.3, 0.4)):
@@ -207,9 +253,12 @@ def test_many_boxes(student, seed):
         assert_pairs(student, cubes(previous), cubes(current, 1.2), distance, partner)
 
 
-@hidden("match_boxes", weight=3, title="The order of a box's corners does not matter",
-        hint="A box that turns a little may start its corners elsewhere. The mean of all eight "
-             "stays.")
+@hidden(
+    "match_boxes",
+    weight=3,
+    title="The order of a box's corners does not matter",
+    hint="A box that turns a little may start its corners elsewhere. The mean of all eight stays.",
+)
 def test_order_of_corners(student, seed):
     rng = np.random.default_rng(seed)
     previous, current, partner = moved_on(rng, step=0.3)
@@ -219,8 +268,12 @@ def test_order_of_corners(student, seed):
     assert_pairs(student, cubes(previous, 2.0), mixed, 0.7, partner)
 
 
-@hidden("match_boxes", weight=4, title="Rivals: the nearer one wins, the other is new",
-        hint="Sort all pairs by distance, and go through them from the closest.")
+@hidden(
+    "match_boxes",
+    weight=4,
+    title="Rivals: the nearer one wins, the other is new",
+    hint="Sort all pairs by distance, and go through them from the closest.",
+)
 def test_rivals(student, seed):
     rng = np.random.default_rng(seed)
     previous = scattered(rng, 8)
@@ -232,23 +285,32 @@ def test_rivals(student, seed):
         assert_pairs(student, cubes(previous), cubes(current[order]), 1.5, partner[order])
 
 
-@hidden("match_boxes", weight=2, title="The place and turn of the scene do not matter, nor single "
-        "precision",
-        hint="Only distances between centres count.")
+@hidden(
+    "match_boxes",
+    weight=2,
+    title="The place and turn of the scene do not matter, nor single precision",
+    hint="Only distances between centres count.",
+)
 def test_invariance(student, seed):
     rng = np.random.default_rng(seed)
     previous, current, partner = moved_on(rng)
     angle = rng.uniform(0, 2 * np.pi)
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     shift = rng.uniform(-40, 40, 2)
-    assert_pairs(student, cubes(previous @ turn + shift), cubes(current @ turn + shift), 1.5,
-                 partner)
-    assert_pairs(student, cubes(previous).astype(np.float32), cubes(current).astype(np.float32),
-                 1.5, partner)
+    assert_pairs(
+        student, cubes(previous @ turn + shift), cubes(current @ turn + shift), 1.5, partner
+    )
+    assert_pairs(
+        student, cubes(previous).astype(np.float32), cubes(current).astype(np.float32), 1.5, partner
+    )
 
 
-@hidden("match_boxes", weight=2, title="More boxes than before, fewer than before, and one alone",
-        hint="The answer is as long as current, whatever the length of previous.")
+@hidden(
+    "match_boxes",
+    weight=2,
+    title="More boxes than before, fewer than before, and one alone",
+    hint="The answer is as long as current, whatever the length of previous.",
+)
 def test_lengths(student, seed):
     rng = np.random.default_rng(seed)
     for gone, new in ((0, 8), (9, 0), (12, 4), (0, 0)):

@@ -27,7 +27,8 @@ PATIENCE = 20.0
 def ours(cloud):
     """Labels by the reference of lesson 10."""
     return load_reference("10_accelerated_clustering").euclidean_clustering_accelerated(
-        cloud, RADIUS)
+        cloud, RADIUS
+    )
 
 
 def all_pairs(cloud):
@@ -63,8 +64,13 @@ def open3d(cloud):
     return np.asarray(shell.cluster_dbscan(RADIUS, 1))
 
 
-WAYS = {"lesson 10": ours, "dbscan (PyPI)": dbscan_of_pypi, "Open3D": open3d,
-        "scikit-learn": scikit_learn, "SciPy, all pairs": all_pairs}
+WAYS = {
+    "lesson 10": ours,
+    "dbscan (PyPI)": dbscan_of_pypi,
+    "Open3D": open3d,
+    "scikit-learn": scikit_learn,
+    "SciPy, all pairs": all_pairs,
+}
 
 
 def available(cloud):
@@ -115,8 +121,10 @@ def compare(title, cloud):
     for name in labels:
         median, ratio = np.nanmedian(seconds[name]), np.nanmedian(seconds[name] / mine)
         remark = "" if same_partition(labels[name], exact) else "  NOT the exact partition"
-        print(f"{name:>18}: {1000 * median:9.1f} ms  {ratio:7.2f} x  "
-              f"{peak_memory(WAYS[name], cloud) / 1e6:7.1f} MB{remark}")
+        print(
+            f"{name:>18}: {1000 * median:9.1f} ms  {ratio:7.2f} x  "
+            f"{peak_memory(WAYS[name], cloud) / 1e6:7.1f} MB{remark}"
+        )
 
 
 def traps():
@@ -144,8 +152,10 @@ def main():
         begin = time.perf_counter()
         count = ours(points).max()
         seconds = time.perf_counter() - begin
-        print(f"{name:>26}: {1000 * seconds:7.1f} ms, {peak_memory(ours, points) / 1e6:6.1f} MB, "
-              f"{count:,} clusters of {len(points):,} points")
+        print(
+            f"{name:>26}: {1000 * seconds:7.1f} ms, {peak_memory(ours, points) / 1e6:6.1f} MB, "
+            f"{count:,} clusters of {len(points):,} points"
+        )
 
 
 if __name__ == "__main__":

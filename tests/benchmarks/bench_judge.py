@@ -29,8 +29,11 @@ def make_course(root, students, lessons):
     """A course with `students` copies of the solved notebooks."""
     course = Course(root)
     for folder in ("solutions", "notebooks"):
-        shutil.copytree(PROJECT / folder, root / folder,
-                        ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"))
+        shutil.copytree(
+            PROJECT / folder,
+            root / folder,
+            ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"),
+        )
     # nbgrader runs notebooks where they lie and these look for the course above them.
     for name in ("utils", "data"):
         (root / name).symlink_to(PROJECT / name)
@@ -61,8 +64,12 @@ def time_nbgrader(lessons, folder):
     begin = time.perf_counter()
     for stage in stages:
         autograde = converter(Autograde, course.root, stage)
-        autograde.autograde_preprocessors = [Execute, LimitOutput, SaveAutoGrades,
-                                             AssignLatePenalties]
+        autograde.autograde_preprocessors = [
+            Execute,
+            LimitOutput,
+            SaveAutoGrades,
+            AssignLatePenalties,
+        ]
         autograde.coursedir.student_id = "*"
         autograde.start()
     return time.perf_counter() - begin, STUDENTS_OF_NBGRADER * len(lessons)

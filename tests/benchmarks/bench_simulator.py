@@ -61,8 +61,10 @@ def main() -> None:
     }
     for name, make in frames.items():
         frame = make()
-        print(f"{name:15} {len(frame.cloud):7} returns {len(frame.boxes):4} obstacles seen "
-              f"{1000 * seconds(make):7.1f} ms")
+        print(
+            f"{name:15} {len(frame.cloud):7} returns {len(frame.boxes):4} obstacles seen "
+            f"{1000 * seconds(make):7.1f} ms"
+        )
 
     street = frames["60 obstacles"]
     quick = seconds(street)
@@ -70,8 +72,10 @@ def main() -> None:
     print(f"culling saves a factor of {without_culling(street) / quick:.1f}")
 
     boxes = np.array([box.corners for box in street().boxes])
-    print(f"overlaps of {len(boxes)} boxes with themselves: "
-          f"{1000 * seconds(lambda: plane_iou(boxes, boxes)):.1f} ms")
+    print(
+        f"overlaps of {len(boxes)} boxes with themselves: "
+        f"{1000 * seconds(lambda: plane_iou(boxes, boxes)):.1f} ms"
+    )
     fresh = [sys.executable, "-c", "import utils.simulator"]
     bare = [sys.executable, "-c", "import numpy"]
     extra = seconds(lambda: subprocess.run(fresh, check=True)) - seconds(

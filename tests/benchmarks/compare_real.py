@@ -165,7 +165,8 @@ def draw(simulated: Frame, folder: Path, cars: list[tuple[float, int]], clouds: 
         style = {"color": blue if ours else orange, "lw": 1.6, "ls": "-" if ours else "--"}
         reach = np.hypot(cloud[:, 0], cloud[:, 1])
         for axis, values, edges in (
-            (axes[0], reach, np.arange(0, 41, 1.0)), (axes[1], cloud[:, 2], np.arange(-3, 3, 0.1))
+            (axes[0], reach, np.arange(0, 41, 1.0)),
+            (axes[1], cloud[:, 2], np.arange(-3, 3, 0.1)),
         ):
             counts = np.histogram(values, edges)[0] / len(values) / np.diff(edges)
             axis.stairs(100 * counts, edges, **style)
@@ -199,14 +200,22 @@ def main() -> None:
     print_table(clouds)
 
     cars = labelled_cars(folder)
-    for name, pairs in (("real", cars), ("cloud.txt", simulated_cars(lesson)),
-                        ("city block", simulated_cars(city))):
+    for name, pairs in (
+        ("real", cars),
+        ("cloud.txt", simulated_cars(lesson)),
+        ("city block", simulated_cars(city)),
+    ):
         near = sorted(pair for pair in pairs if pair[0] < 25)
         print(f"\nReturns per car, {name}:", ", ".join(f"{r:.1f} m: {n}" for r, n in near))
         print("  scaled to 10 m (quartiles):", returns_at_ten_metres(near))
 
-    print("\nHighway, ground and three cars:", highway_counts(simple_highway().cloud[:, :3]),
-          "ours,", highway_counts(read_highway(folder) - 0.1), "recorded")
+    print(
+        "\nHighway, ground and three cars:",
+        highway_counts(simple_highway().cloud[:, :3]),
+        "ours,",
+        highway_counts(read_highway(folder) - 0.1),
+        "recorded",
+    )
     if arguments.pictures:
         draw(lesson, arguments.pictures, cars, clouds)
 

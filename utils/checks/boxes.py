@@ -28,12 +28,18 @@ def as_boxes(answer, cluster_labels):
         return np.empty((0, 8, 3))  # a list of no boxes
     boxes = as_array(answer, what="an array of boxes")
     if boxes.shape != (count, 8, 3):
-        raise CheckFailed(_wrong_shape(boxes.shape, count, cluster_labels),
-                          yours=f"shape {boxes.shape}", expected=f"shape ({count}, 8, 3)")
+        raise CheckFailed(
+            _wrong_shape(boxes.shape, count, cluster_labels),
+            yours=f"shape {boxes.shape}",
+            expected=f"shape ({count}, 8, 3)",
+        )
     bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))
     if len(bad):
-        raise CheckFailed(f"{_box(bad[0], cluster_labels)} has a corner that is not finite: its "
-                          "minimum or maximum was never set.", yours=brief(boxes[bad[0]]))
+        raise CheckFailed(
+            f"{_box(bad[0], cluster_labels)} has a corner that is not finite: its "
+            "minimum or maximum was never set.",
+            yours=brief(boxes[bad[0]]),
+        )
     return boxes.astype(float)
 
 
@@ -50,14 +56,19 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
     cluster_labels : numpy.ndarray of int, shape (n,)
     """
     yours = as_boxes(answer, cluster_labels)
-    wrong = [box for box in range(len(expected))
-             if _missing_corner(yours[box], expected[box]) is not None]
+    wrong = [
+        box
+        for box in range(len(expected))
+        if _missing_corner(yours[box], expected[box]) is not None
+    ]
     if not wrong:
         return
     if all(any(_missing_corner(mine, box) is None for mine in yours) for box in expected):
-        raise CheckFailed("These are the right boxes in another order.",
-                          yours=f"{_box(wrong[0], cluster_labels)} is not in row {wrong[0]}",
-                          expected="one box for each label, in ascending order of the labels")
+        raise CheckFailed(
+            "These are the right boxes in another order.",
+            yours=f"{_box(wrong[0], cluster_labels)} is not in row {wrong[0]}",
+            expected="one box for each label, in ascending order of the labels",
+        )
     box = wrong[0]
     corner = _missing_corner(yours[box], expected[box])
     place = expected[box][corner]
@@ -70,10 +81,18 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
         corner_text = f"the nearest is {_point(nearest)}"
     side = np.abs(nearest - place).argmax() == 2
     raise CheckFailed(
-        f"{_box(box, cluster_labels)} {message} ({len(wrong)} of {len(expected)} boxes are "
-        "wrong).", yours=corner_text, expected=_point(place),
-        draw=lambda: _draw(cloud, yours, expected, [place], "side" if side else "above",
-                           f"corner {corner}: the circle should hold one of yours"))
+        f"{_box(box, cluster_labels)} {message} ({len(wrong)} of {len(expected)} boxes are wrong).",
+        yours=corner_text,
+        expected=_point(place),
+        draw=lambda: _draw(
+            cloud,
+            yours,
+            expected,
+            [place],
+            "side" if side else "above",
+            f"corner {corner}: the circle should hold one of yours",
+        ),
+    )
 
 
 def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
@@ -89,8 +108,10 @@ def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
         No box may cover more than `ROOMY` times as much. Without it boxes may be loose.
     """
     boxes = as_boxes(answer, cluster_labels)
-    clusters = [np.asarray(cloud[cluster_labels == label, :3], dtype=float)
-                for label in _names(cluster_labels)]
+    clusters = [
+        np.asarray(cloud[cluster_labels == label, :3], dtype=float)
+        for label in _names(cluster_labels)
+    ]
     _assert_order(boxes, clusters)
     limits = [None] * len(boxes) if smallest_areas is None else smallest_areas
     for number, points in enumerate(clusters):
@@ -99,10 +120,12 @@ def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
         _assert_heights(boxes[number], points, name)
         rectangle = footprint(boxes[number])
         if rectangle is None:
-            raise CheckFailed(f"{name} does not stand on a rectangle.",
-                              yours=brief(boxes[number, :, :2]),
-                              expected="four corners with right angles, each with one above it",
-                              draw=lambda: _draw(cloud, boxes))
+            raise CheckFailed(
+                f"{name} does not stand on a rectangle.",
+                yours=brief(boxes[number, :, :2]),
+                expected="four corners with right angles, each with one above it",
+                draw=lambda: _draw(cloud, boxes),
+            )
         _assert_inside(points, rectangle, name, cloud, boxes)
         _assert_snug(rectangle, limits[number], name, cloud, boxes)
 
@@ -167,8 +190,9 @@ def _outside(points, rectangle):
     along = halves[longer] / lengths[longer]
     offsets = points - rectangle.mean(axis=0)
     across = np.array([-along[1], along[0]])  # a side without length has no direction of its own
-    return np.maximum(np.abs(offsets @ along) - lengths[longer],
-                      np.abs(offsets @ across) - lengths[1 - longer])
+    return np.maximum(
+        np.abs(offsets @ along) - lengths[longer], np.abs(offsets @ across) - lengths[1 - longer]
+    )
 
 
 def _assert_order(boxes, clusters):
@@ -178,29 +202,38 @@ def _assert_order(boxes, clusters):
     middles = np.array([points.mean(axis=0) for points in clusters])[:, None]
     holds = ((low <= middles) & (middles <= high)).all(axis=2)
     if not holds.diagonal().all() and holds.any(axis=0).all() and holds.any(axis=1).all():
-        raise CheckFailed("The boxes are in another order than the labels.",
-                          yours=f"the box in row {np.flatnonzero(~holds.diagonal())[0]} belongs "
-                                "to another cluster",
-                          expected="one box for each label, in ascending order of the labels")
+        raise CheckFailed(
+            "The boxes are in another order than the labels.",
+            yours=f"the box in row {np.flatnonzero(~holds.diagonal())[0]} belongs "
+            "to another cluster",
+            expected="one box for each label, in ascending order of the labels",
+        )
 
 
 def _assert_level(box, name):
     heights = np.sort(box[:, 2])
     uneven = max(np.ptp(heights[:4]), np.ptp(heights[4:]))
     if uneven > _SLACK:
-        raise CheckFailed(f"{name} is tilted: its floor or its roof is not level.",
-                          yours=f"corners of one face differ in height by {uneven:.2f} m",
-                          expected="turned about z only")
+        raise CheckFailed(
+            f"{name} is tilted: its floor or its roof is not level.",
+            yours=f"corners of one face differ in height by {uneven:.2f} m",
+            expected="turned about z only",
+        )
 
 
 def _assert_heights(box, points, name):
-    for word, yours, right in (("floor", box[:, 2].min(), points[:, 2].min()),
-                               ("roof", box[:, 2].max(), points[:, 2].max())):
+    for word, yours, right in (
+        ("floor", box[:, 2].min(), points[:, 2].min()),
+        ("roof", box[:, 2].max(), points[:, 2].max()),
+    ):
         if abs(yours - right) > _SLACK:
             which = "lowest" if word == "floor" else "highest"
-            raise CheckFailed(f"The {word} of {name[0].lower() + name[1:]} is not at the height "
-                              f"of its {which} point.", yours=f"z = {yours:.2f}",
-                              expected=f"z = {right:.2f}")
+            raise CheckFailed(
+                f"The {word} of {name[0].lower() + name[1:]} is not at the height "
+                f"of its {which} point.",
+                yours=f"z = {yours:.2f}",
+                expected=f"z = {right:.2f}",
+            )
 
 
 def _assert_inside(points, rectangle, name, cloud, boxes):
@@ -213,8 +246,10 @@ def _assert_inside(points, rectangle, name, cloud, boxes):
         f"{len(points)} are outside.",
         yours=f"{_point(farthest)} is {outside.max():.2f} m outside",
         expected="every point of the cluster inside",
-        draw=lambda: _draw(cloud, boxes, circles=[farthest],
-                           title="The circled point is outside its box"))
+        draw=lambda: _draw(
+            cloud, boxes, circles=[farthest], title="The circled point is outside its box"
+        ),
+    )
 
 
 def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
@@ -223,9 +258,10 @@ def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
         return
     raise CheckFailed(
         f"{name} covers far more ground than it needs: it is not turned with its cluster.",
-        yours=f"{area:.1f} square metres", expected=f"about {smallest_area:.1f} square metres",
-        draw=lambda: _draw(cloud, boxes,
-                           title="Loose boxes: are they turned with their clusters?"))
+        yours=f"{area:.1f} square metres",
+        expected=f"about {smallest_area:.1f} square metres",
+        draw=lambda: _draw(cloud, boxes, title="Loose boxes: are they turned with their clusters?"),
+    )
 
 
 def _missing_corner(yours, expected):
@@ -245,8 +281,10 @@ def _same(corner, other):
 
 def _wrong_shape(shape, count, cluster_labels):
     if count == 0:
-        return ("Where no label is above 0 there are no boxes, but the array keeps its form: "
-                "0 boxes of 8 corners of 3 coordinates.")
+        return (
+            "Where no label is above 0 there are no boxes, but the array keeps its form: "
+            "0 boxes of 8 corners of 3 coordinates."
+        )
     if len(shape) == 3 and shape[1:] == (8, 3):
         if shape[0] == count + 1 and (cluster_labels <= 0).any():
             return f"{shape[0]} boxes for {count} clusters: label 0 is no obstacle, it gets no box."
@@ -289,10 +327,25 @@ def _draw(cloud, yours, expected=None, circles=(), view="above", title=None):
     limits = tuple(zip(seen.min(axis=0) - spare, seen.max(axis=0) + spare, strict=True))
     axes = None
     if expected is not None:
-        axes = plots.boxes(expected, cloud=cloud, view=view, label="expected", reference=True,
-                           limits=limits)
-    axes = plots.boxes(yours, cloud=cloud if axes is None else None, view=view, label="yours",
-                       limits=limits, axes=axes, title=title)
+        axes = plots.boxes(
+            expected, cloud=cloud, view=view, label="expected", reference=True, limits=limits
+        )
+    axes = plots.boxes(
+        yours,
+        cloud=cloud if axes is None else None,
+        view=view,
+        label="yours",
+        limits=limits,
+        axes=axes,
+        title=title,
+    )
     for place in circles:
-        axes.plot(*np.asarray(place)[columns], "o", markersize=16, markerfacecolor="none",
-                  markeredgecolor="black", markeredgewidth=1.6, zorder=9)
+        axes.plot(
+            *np.asarray(place)[columns],
+            "o",
+            markersize=16,
+            markerfacecolor="none",
+            markeredgecolor="black",
+            markeredgewidth=1.6,
+            zorder=9,
+        )

@@ -11,8 +11,13 @@ from utils.checks.vocabulary import CheckFailed
 _LESSONS = {
     "01": ("horizontal_distance", "drop_invalid"),
     "02": ("line_through", "point_line_distance", "ransac_line"),
-    "03": ("plane_through", "point_plane_distance", "ransac_plane", "fit_plane",
-           "iterations_needed"),
+    "03": (
+        "plane_through",
+        "point_plane_distance",
+        "ransac_plane",
+        "fit_plane",
+        "iterations_needed",
+    ),
     "04": ("insert", "search", "median_order"),
     "05": ("euclidean_clustering",),
     "06": ("filter_ground", "voxel_grid"),
@@ -104,8 +109,10 @@ def checks_of(exercise):
     """
     if exercise not in _LESSON_OF:
         known = ", ".join(_LESSON_OF)
-        raise LookupError(f"There are no checks for {exercise!r}. Pass the function itself, "
-                          f"under the name it was given: one of {known}.")
+        raise LookupError(
+            f"There are no checks for {exercise!r}. Pass the function itself, "
+            f"under the name it was given: one of {known}."
+        )
     importlib.import_module(f"utils.checks.lesson_{_LESSON_OF[exercise]}")
     return tuple(_CHECKS[exercise])
 
@@ -127,13 +134,21 @@ def run_check(one_check, function):
     except CheckFailed as failure:
         return Outcome(one_check, failure)
     except NotImplementedError:
-        return Outcome(one_check, CheckFailed(
-            f"{one_check.exercise} still raises NotImplementedError. Replace that line with "
-            "your code and run its cell again."))
+        return Outcome(
+            one_check,
+            CheckFailed(
+                f"{one_check.exercise} still raises NotImplementedError. Replace that line with "
+                "your code and run its cell again."
+            ),
+        )
     except Exception as error:
         name = type(error).__name__
-        return Outcome(one_check, CheckFailed(
-            f"{one_check.exercise} raised {name}: {error}", tip=tip_for(name, str(error))))
+        return Outcome(
+            one_check,
+            CheckFailed(
+                f"{one_check.exercise} raised {name}: {error}", tip=tip_for(name, str(error))
+            ),
+        )
     return Outcome(one_check, None)
 
 
@@ -159,5 +174,6 @@ def check(function, exercise=None):
     show(outcomes)
     failed = sum(outcome.failure is not None for outcome in outcomes)
     if failed:
-        raise ChecksFailed(f"{failed} of {len(outcomes)} checks failed; the table above says "
-                           "which and why.")
+        raise ChecksFailed(
+            f"{failed} of {len(outcomes)} checks failed; the table above says which and why."
+        )

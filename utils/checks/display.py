@@ -16,6 +16,7 @@ def show(outcomes):
     try:
         from IPython import get_ipython
         from IPython.display import display
+
         in_notebook = get_ipython() is not None
     except ImportError:
         in_notebook = False
@@ -24,8 +25,10 @@ def show(outcomes):
         return
     display({"text/html": as_html(outcomes), "text/plain": as_text(outcomes)}, raw=True)
     # One picture is a help, five are a wall.
-    drawn = next((outcome.failure.draw for outcome in outcomes
-                  if outcome.failure and outcome.failure.draw), None)
+    drawn = next(
+        (outcome.failure.draw for outcome in outcomes if outcome.failure and outcome.failure.draw),
+        None,
+    )
     if drawn:
         import matplotlib.pyplot as plt
 
@@ -49,17 +52,25 @@ def as_html(outcomes):
     rows = []
     for outcome in outcomes:
         good = outcome.failure is None
-        mark = (f"<span style='background:{_PASSED if good else _FAILED};color:#fff;"
-                "font-weight:bold;white-space:nowrap;padding:0 0.5em;border-radius:3px'>"
-                f"{'✓ passed' if good else '✗ failed'}</span>")
+        mark = (
+            f"<span style='background:{_PASSED if good else _FAILED};color:#fff;"
+            "font-weight:bold;white-space:nowrap;padding:0 0.5em;border-radius:3px'>"
+            f"{'✓ passed' if good else '✗ failed'}</span>"
+        )
         body = f"<b>{escape(outcome.check.title)}</b>"
-        body += "".join(f"<br><i>{escape(label)}:</i> {escape(text)}"
-                        for label, text in ([] if good else _details(outcome)))
-        rows.append(f"<tr><td style='width:6em;vertical-align:top;text-align:left'>"
-                    f"{mark}</td>"
-                    f"<td style='text-align:left'>{body}</td></tr>")
-    return ("<table role='table' aria-label='Checks' style='width:100%;max-width:60em'>"
-            f"{''.join(rows)}</table>")
+        body += "".join(
+            f"<br><i>{escape(label)}:</i> {escape(text)}"
+            for label, text in ([] if good else _details(outcome))
+        )
+        rows.append(
+            f"<tr><td style='width:6em;vertical-align:top;text-align:left'>"
+            f"{mark}</td>"
+            f"<td style='text-align:left'>{body}</td></tr>"
+        )
+    return (
+        "<table role='table' aria-label='Checks' style='width:100%;max-width:60em'>"
+        f"{''.join(rows)}</table>"
+    )
 
 
 def _details(outcome):

@@ -8,8 +8,21 @@ from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
 
 # The eleven points of the lesson.
-QUIZ = np.array([[-6.2, 7.0], [-6.3, 8.4], [-5.2, 7.1], [-5.7, 6.3], [7.2, 6.1], [8.0, 5.3],
-                 [7.2, 7.1], [0.2, -7.1], [1.7, -6.9], [-1.2, -7.2], [2.2, -8.9]])
+QUIZ = np.array(
+    [
+        [-6.2, 7.0],
+        [-6.3, 8.4],
+        [-5.2, 7.1],
+        [-5.7, 6.3],
+        [7.2, 6.1],
+        [8.0, 5.3],
+        [7.2, 7.1],
+        [0.2, -7.1],
+        [1.7, -6.9],
+        [-1.2, -7.2],
+        [2.2, -8.9],
+    ]
+)
 # Inserted in this order they make a balanced tree.
 _BALANCED = [7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6]
 
@@ -58,8 +71,12 @@ def table_of(root):
         nodes += [child for child in (node.left, node.right) if child is not None]
     rows = {id(node): row for row, node in enumerate(nodes)}
     rows[id(None)] = -1
-    return ([node.point for node in nodes], [rows[id(node.left)] for node in nodes],
-            [rows[id(node.right)] for node in nodes], [node.index for node in nodes])
+    return (
+        [node.point for node in nodes],
+        [rows[id(node.left)] for node in nodes],
+        [rows[id(node.right)] for node in nodes],
+        [node.index for node in nodes],
+    )
 
 
 def planted(KdTree, root):
@@ -97,51 +114,76 @@ def assert_tree(tree, points, indices=None):
         yours, node, place = waiting.pop()
         if node is None:
             if yours is not None:
-                raise CheckFailed(f"There is a node at {place}, where the tree ends.",
-                                  yours=_name(yours), expected="None",
-                                  draw=_side_by_side(tree, expected))
+                raise CheckFailed(
+                    f"There is a node at {place}, where the tree ends.",
+                    yours=_name(yours),
+                    expected="None",
+                    draw=_side_by_side(tree, expected),
+                )
             continue
         if yours is None:
             raise CheckFailed(
                 f"Nothing is at {place}, where the point {_point(node.point)} belongs.",
-                yours="None", expected=_name(node), draw=_side_by_side(tree, expected))
-        point, index, left, right = (_attribute(yours, attribute, place)
-                                     for attribute in ("point", "index", "left", "right"))
+                yours="None",
+                expected=_name(node),
+                draw=_side_by_side(tree, expected),
+            )
+        point, index, left, right = (
+            _attribute(yours, attribute, place) for attribute in ("point", "index", "left", "right")
+        )
         point = as_array(point, what="a point").ravel()
         if point.shape != np.shape(node.point) or not np.allclose(point, node.point, atol=1e-4):
-            raise CheckFailed(f"Another point than expected is at {place}.",
-                              yours=_name(yours), expected=_name(node),
-                              draw=_side_by_side(tree, expected))
+            raise CheckFailed(
+                f"Another point than expected is at {place}.",
+                yours=_name(yours),
+                expected=_name(node),
+                draw=_side_by_side(tree, expected),
+            )
         if index != node.index:
-            raise CheckFailed(f"The node at {place} has the right point and the wrong index.",
-                              yours=_name(yours), expected=_name(node))
-        waiting += [(right, node.right, f"the right of {_name(node)}"),
-                    (left, node.left, f"the left of {_name(node)}")]
+            raise CheckFailed(
+                f"The node at {place} has the right point and the wrong index.",
+                yours=_name(yours),
+                expected=_name(node),
+            )
+        waiting += [
+            (right, node.right, f"the right of {_name(node)}"),
+            (left, node.left, f"the left of {_name(node)}"),
+        ]
 
 
 def _attribute(node, name, place):
     try:
         return getattr(node, name)
     except Exception:
-        raise CheckFailed(f"What stands at {place} has no attribute {name!r}: hang a Node into "
-                          "the tree, as given in the lesson.", yours=brief(node)) from None
+        raise CheckFailed(
+            f"What stands at {place} has no attribute {name!r}: hang a Node into "
+            "the tree, as given in the lesson.",
+            yours=brief(node),
+        ) from None
 
 
 def as_indices(answer):
     """What a search returned as a sorted list of whole numbers."""
-    array = as_array(sorted(answer) if isinstance(answer, set) else answer,
-                     what="a list of indices")
+    array = as_array(
+        sorted(answer) if isinstance(answer, set) else answer, what="a list of indices"
+    )
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
-        raise CheckFailed("search returns the indices of the points it found, in one flat list.",
-                          yours=brief(answer), expected="whole numbers, such as [0, 3]")
+        raise CheckFailed(
+            "search returns the indices of the points it found, in one flat list.",
+            yours=brief(answer),
+            expected="whole numbers, such as [0, 3]",
+        )
     return sorted(array.tolist())
 
 
 def assert_found(tree, root, target, tolerance):
     """A search finds exactly the points of a right tree that lie within the tolerance."""
     points, _, _, indices = table_of(root)
-    expected = sorted(index for index, point in zip(indices, points, strict=True)
-                      if math.dist(point, target) <= tolerance)
+    expected = sorted(
+        index
+        for index, point in zip(indices, points, strict=True)
+        if math.dist(point, target) <= tolerance
+    )
     yours = as_indices(tree.search(target, tolerance))
     if yours == expected:
         return
@@ -153,9 +195,12 @@ def assert_found(tree, root, target, tolerance):
     if extra:
         parts.append(f"Found, but farther than {tolerance:g}: {_first(extra, where, target)}")
     message = ". ".join(parts) or "Some indices are there more than once"
-    raise CheckFailed(f"{message}.", yours=f"{len(yours)} indices",
-                      expected=f"{len(expected)} indices",
-                      draw=_missed(points, indices, root, target, tolerance, yours))
+    raise CheckFailed(
+        f"{message}.",
+        yours=f"{len(yours)} indices",
+        expected=f"{len(expected)} indices",
+        draw=_missed(points, indices, root, target, tolerance, yours),
+    )
 
 
 def assert_pruned(KdTree, root, trap, target, tolerance):
@@ -177,8 +222,11 @@ def assert_pruned(KdTree, root, trap, target, tolerance):
         return
     trapped = next(node for node in nodes if node.index == trap)
     assert trapped.left is None and trapped.right is None
-    expected = sorted(node.index for node in nodes if node is not trapped
-                      and math.dist(node.point, target) <= tolerance)
+    expected = sorted(
+        node.index
+        for node in nodes
+        if node is not trapped and math.dist(node.point, target) <= tolerance
+    )
     place, trapped.point = trapped.point, list(target)
     try:
         tree = planted(KdTree, root)
@@ -188,11 +236,17 @@ def assert_pruned(KdTree, root, trap, target, tolerance):
     if answer == expected:
         return
     if trap in answer:
-        raise CheckFailed("search looked into a region that lies entirely beyond the tolerance. "
-                          "It finds the right points, but it asks nodes that it could skip.",
-                          yours="looks there", expected="leaves the whole region out")
-    raise CheckFailed("Not all points within the tolerance were found.",
-                      yours=f"{len(answer)} indices", expected=f"{len(expected)} indices")
+        raise CheckFailed(
+            "search looked into a region that lies entirely beyond the tolerance. "
+            "It finds the right points, but it asks nodes that it could skip.",
+            yours="looks there",
+            expected="leaves the whole region out",
+        )
+    raise CheckFailed(
+        "Not all points within the tolerance were found.",
+        yours=f"{len(answer)} indices",
+        expected=f"{len(expected)} indices",
+    )
 
 
 def as_order(answer, n):
@@ -201,13 +255,18 @@ def as_order(answer, n):
     if order.size == 0:
         order = order.astype(int).ravel()
     if order.ndim != 1 or order.dtype.kind not in "iu":
-        raise CheckFailed("The order is a flat list of row numbers (whole numbers), not of "
-                          "points.", yours=brief(order), expected=f"the numbers 0 to {n - 1}")
+        raise CheckFailed(
+            "The order is a flat list of row numbers (whole numbers), not of points.",
+            yours=brief(order),
+            expected=f"the numbers 0 to {n - 1}",
+        )
     if sorted(order.tolist()) != list(range(n)):
         repeated = len(order) - len(np.unique(order))
-        raise CheckFailed("Each row number from 0 to n - 1 must occur exactly once.",
-                          yours=f"{len(order)} numbers, {repeated} of them repeated",
-                          expected=f"{n} different numbers")
+        raise CheckFailed(
+            "Each row number from 0 to n - 1 must occur exactly once.",
+            yours=f"{len(order)} numbers, {repeated} of them repeated",
+            expected=f"{n} different numbers",
+        )
     return order
 
 
@@ -217,10 +276,13 @@ def assert_shallow(answer, points):
     root = grown(points[order], order.tolist())
     depth, least = _depth(root), len(points).bit_length()
     if depth > least:
-        raise CheckFailed(f"Inserted in this order, {len(points)} points give a tree of depth "
-                          f"{depth}; medians give {least}.", yours=f"depth {depth}",
-                          expected=f"depth {least}", draw=lambda: _plots().kd_tree(
-                              root, title="The tree of your order"))
+        raise CheckFailed(
+            f"Inserted in this order, {len(points)} points give a tree of depth "
+            f"{depth}; medians give {least}.",
+            yours=f"depth {depth}",
+            expected=f"depth {least}",
+            draw=lambda: _plots().kd_tree(root, title="The tree of your order"),
+        )
 
 
 def assert_lower_medians(answer, points):
@@ -241,12 +303,15 @@ def assert_lower_medians(answer, points):
             raise CheckFailed(
                 f"At depth {depth}, among {len(rows)} points, the first to be inserted is not the "
                 f"lower median along {'xyz'[axis]}. Sorted they are {some}.",
-                yours=f"{'xyz'[axis]} = {first:.2f}", expected=f"{'xyz'[axis]} = {median:.2f}")
+                yours=f"{'xyz'[axis]} = {first:.2f}",
+                expected=f"{'xyz'[axis]} = {median:.2f}",
+            )
         smaller = values[1:] < first
         waiting += [(rows[1:][smaller], depth + 1), (rows[1:][~smaller], depth + 1)]
 
 
 # ---------------------------------------------------------------------------------- insert
+
 
 def _inserted(KdTree, points, indices=None):
     tree = KdTree()
@@ -255,10 +320,13 @@ def _inserted(KdTree, points, indices=None):
     return tree
 
 
-@visible("insert", weight=2,
-         title="The first point becomes the root",
-         why="Every search begins at the root: a tree without one is empty.",
-         hint="While tree.root is None there is nowhere to walk: tree.root = Node(point, index).")
+@visible(
+    "insert",
+    weight=2,
+    title="The first point becomes the root",
+    why="Every search begins at the root: a tree without one is empty.",
+    hint="While tree.root is None there is nowhere to walk: tree.root = Node(point, index).",
+)
 def first_is_root(KdTree):
     tree = KdTree()
     if tree.root is not None:
@@ -267,45 +335,67 @@ def first_is_root(KdTree):
     assert_tree(tree, [[3.0, 1.0]], [7])
 
 
-@visible("insert", weight=4,
-         title="Smaller goes left, greater goes right, first by x and then by y",
-         why="A search trusts this order when it leaves half of the street out.",
-         hint="Compare only one coordinate at each node: number depth % len(point), with depth 0 "
-              "at the root and one more at each step down.")
+@visible(
+    "insert",
+    weight=4,
+    title="Smaller goes left, greater goes right, first by x and then by y",
+    why="A search trusts this order when it leaves half of the street out.",
+    hint="Compare only one coordinate at each node: number depth % len(point), with depth 0 "
+    "at the root and one more at each step down.",
+)
 def axes_alternate(KdTree):
     # Comparing x again at the second level, or y at the first, puts the last three elsewhere.
-    assert_tree(_inserted(KdTree, [[5.0, 5.0], [2.0, 6.0], [8.0, 4.0], [1.0, 7.0], [3.0, 1.0],
-                                   [7.0, 9.0], [9.0, 2.0]]), [[5.0, 5.0], [2.0, 6.0], [8.0, 4.0],
-                [1.0, 7.0], [3.0, 1.0], [7.0, 9.0], [9.0, 2.0]])
+    assert_tree(
+        _inserted(
+            KdTree,
+            [[5.0, 5.0], [2.0, 6.0], [8.0, 4.0], [1.0, 7.0], [3.0, 1.0], [7.0, 9.0], [9.0, 2.0]],
+        ),
+        [[5.0, 5.0], [2.0, 6.0], [8.0, 4.0], [1.0, 7.0], [3.0, 1.0], [7.0, 9.0], [9.0, 2.0]],
+    )
 
 
-@visible("insert", weight=3,
-         title="Grows the tree of the eleven points of this lesson",
-         why="Every node must end up in the one place where a search will look for it.",
-         hint="Draw your tree beside the lesson's with plots.kd_tree(tree.root). At which node do "
-              "they part, and which coordinate was compared there?")
+@visible(
+    "insert",
+    weight=3,
+    title="Grows the tree of the eleven points of this lesson",
+    why="Every node must end up in the one place where a search will look for it.",
+    hint="Draw your tree beside the lesson's with plots.kd_tree(tree.root). At which node do "
+    "they part, and which coordinate was compared there?",
+)
 def grows_the_quiz(KdTree):
     assert_tree(_inserted(KdTree, QUIZ), QUIZ)
 
 
-@visible("insert", weight=2,
-         title="Equal goes right",
-         why="Walls and kerbs have many points with the very same coordinate. They need one rule, "
-             "and search relies on the same one.",
-         hint="Only strictly smaller (<) goes left; everything else goes right.")
+@visible(
+    "insert",
+    weight=2,
+    title="Equal goes right",
+    why="Walls and kerbs have many points with the very same coordinate. They need one rule, "
+    "and search relies on the same one.",
+    hint="Only strictly smaller (<) goes left; everything else goes right.",
+)
 def equal_goes_right(KdTree):
     points = [[2.0, 2.0], [2.0, 1.0], [2.0, 1.0], [1.0, 3.0], [1.0, 3.0], [2.0, 2.0]]
     assert_tree(_inserted(KdTree, points), points)
 
 
-@visible("insert", weight=2,
-         title="Takes points with three coordinates, in any notation, and keeps any index",
-         why="A street is three-dimensional, and the index says which row of the cloud was found.",
-         hint="Count the coordinates with len(point) and do not write 2 into the function. Pass "
-              "index on to Node as it is.")
+@visible(
+    "insert",
+    weight=2,
+    title="Takes points with three coordinates, in any notation, and keeps any index",
+    why="A street is three-dimensional, and the index says which row of the cloud was found.",
+    hint="Count the coordinates with len(point) and do not write 2 into the function. Pass "
+    "index on to Node as it is.",
+)
 def takes_three(KdTree):
-    points = [[5.0, 5.0, 5.0], [4.0, 1.0, 9.0], [3.0, 0.0, 9.0], [2.0, 0.0, 8.0],
-              [1.0, -1.0, 8.5], [4.5, 0.5, 1.0]]
+    points = [
+        [5.0, 5.0, 5.0],
+        [4.0, 1.0, 9.0],
+        [3.0, 0.0, 9.0],
+        [2.0, 0.0, 8.0],
+        [1.0, -1.0, 8.5],
+        [4.5, 0.5, 1.0],
+    ]
     indices = [30, 10, 50, 20, 0, 40]
     assert_tree(_inserted(KdTree, points, indices), points, indices)
     tree = KdTree()
@@ -314,12 +404,15 @@ def takes_three(KdTree):
     assert_tree(tree, points, indices)
 
 
-@visible("insert", weight=2,
-         title="Copes with a tree of a thousand levels",
-         why="Points that arrive in sorted order, as along a wall, make a tree as deep as it has "
-             "points, and Python ends a function that calls itself a thousand times.",
-         hint="Walk down with a loop: while there is a child on the right side, it becomes the "
-              "current node. No function needs to call itself.")
+@visible(
+    "insert",
+    weight=2,
+    title="Copes with a tree of a thousand levels",
+    why="Points that arrive in sorted order, as along a wall, make a tree as deep as it has "
+    "points, and Python ends a function that calls itself a thousand times.",
+    hint="Walk down with a loop: while there is a child on the right side, it becomes the "
+    "current node. No function needs to call itself.",
+)
 def copes_with_depth(KdTree):
     deep = grown([[0.0, 0.0]])
     last = deep
@@ -332,26 +425,32 @@ def copes_with_depth(KdTree):
 
 # ---------------------------------------------------------------------------------- search
 
+
 def _balanced():
     return grown(QUIZ[_BALANCED], _BALANCED)
 
 
-@visible("search", weight=4,
-         title="Finds the four points around (-6, 7)",
-         why="This is the question that clustering asks a hundred thousand times per scan: who "
-             "is near?",
-         hint="At each node do two things: compare the distance of its point with the tolerance, "
-              "and decide for each side whether to go on there.")
+@visible(
+    "search",
+    weight=4,
+    title="Finds the four points around (-6, 7)",
+    why="This is the question that clustering asks a hundred thousand times per scan: who is near?",
+    hint="At each node do two things: compare the distance of its point with the tolerance, "
+    "and decide for each side whether to go on there.",
+)
 def finds_the_quiz(KdTree):
     assert_found(planted(KdTree, _balanced()), _balanced(), [-6.0, 7.0], 3.0)
 
 
-@visible("search", weight=4,
-         title="Looks on both sides where the circle crosses the split",
-         why="A pedestrian may stand exactly where the tree was cut in two. Whoever looks only on "
-             "the target's own side sees half of them.",
-         hint="Left and right are two separate questions (two ifs, no else): does the box reach "
-              "below the split? Does it reach the split or beyond it?")
+@visible(
+    "search",
+    weight=4,
+    title="Looks on both sides where the circle crosses the split",
+    why="A pedestrian may stand exactly where the tree was cut in two. Whoever looks only on "
+    "the target's own side sees half of them.",
+    hint="Left and right are two separate questions (two ifs, no else): does the box reach "
+    "below the split? Does it reach the split or beyond it?",
+)
 def looks_on_both_sides(KdTree):
     root = _balanced()
     tree = planted(KdTree, root)
@@ -359,41 +458,72 @@ def looks_on_both_sides(KdTree):
         assert_found(tree, root, target, 2.5)
 
 
-@visible("search", weight=3,
-         title="Finds a point at exactly the tolerance",
-         why="Within means up to and including. The search of a well-known course loses these "
-             "points, and only in some directions.",
-         hint="A point with the coordinate of the split itself lies on the right. So go right when "
-              "target[axis] + tolerance >= split, with the equals sign, and compare the distance "
-              "with <=.")
+@visible(
+    "search",
+    weight=3,
+    title="Finds a point at exactly the tolerance",
+    why="Within means up to and including. The search of a well-known course loses these "
+    "points, and only in some directions.",
+    hint="A point with the coordinate of the split itself lies on the right. So go right when "
+    "target[axis] + tolerance >= split, with the equals sign, and compare the distance "
+    "with <=.",
+)
 def includes_the_border(KdTree):
     # Four points at a distance of exactly 3. The first two rows cut at their very coordinates.
-    points = np.array([[4.0, 9.0], [-5.0, 5.0], [4.0, 2.0], [1.0, 5.0], [-2.0, 2.0], [1.0, -1.0],
-                       [4.1, 2.0], [1.0, 5.1], [-2.1, 2.0], [1.0, -1.1]])
+    points = np.array(
+        [
+            [4.0, 9.0],
+            [-5.0, 5.0],
+            [4.0, 2.0],
+            [1.0, 5.0],
+            [-2.0, 2.0],
+            [1.0, -1.0],
+            [4.1, 2.0],
+            [1.0, 5.1],
+            [-2.1, 2.0],
+            [1.0, -1.1],
+        ]
+    )
     for order in (range(10), [1, 0, 4, 8, 5, 9, 2, 6, 3, 7], [5, 4, 0, 1, 3, 2, 9, 8, 7, 6]):
         root = grown(points[list(order)], list(order))
         assert_found(planted(KdTree, root), root, [1.0, 2.0], 3.0)
 
 
-@visible("search", weight=3,
-         title="Measures a circle, not a square, and the radius is tolerance itself",
-         why="The corner of a box is 1.4 times as far away as its side (1.7 times in space): "
-             "neighbours that are none join obstacles that are two.",
-         hint="The box only decides where to look. A point counts when its distance, the square "
-              "root of the sum of squares, is at most tolerance.")
+@visible(
+    "search",
+    weight=3,
+    title="Measures a circle, not a square, and the radius is tolerance itself",
+    why="The corner of a box is 1.4 times as far away as its side (1.7 times in space): "
+    "neighbours that are none join obstacles that are two.",
+    hint="The box only decides where to look. A point counts when its distance, the square "
+    "root of the sum of squares, is at most tolerance.",
+)
 def measures_a_circle(KdTree):
-    points = np.array([[0.0, 0.0], [1.9, 1.9], [-1.9, 1.9], [1.2, -1.2], [0.0, 1.9], [2.3, 0.0],
-                       [-1.2, 1.2], [-0.4, 0.2]])
+    points = np.array(
+        [
+            [0.0, 0.0],
+            [1.9, 1.9],
+            [-1.9, 1.9],
+            [1.2, -1.2],
+            [0.0, 1.9],
+            [2.3, 0.0],
+            [-1.2, 1.2],
+            [-0.4, 0.2],
+        ]
+    )
     root = grown(points)
     tree = planted(KdTree, root)
     for tolerance in (0.5, 1.5, 2.0, 3.0):
         assert_found(tree, root, [0.1, 0.1], tolerance)
 
 
-@visible("search", weight=2,
-         title="Takes three coordinates, lists and arrays",
-         why="Scans are three-dimensional: the axes go x, y, z, x, y, z, ... down the tree.",
-         hint="The axis is depth % len(target), as in insert.")
+@visible(
+    "search",
+    weight=2,
+    title="Takes three coordinates, lists and arrays",
+    why="Scans are three-dimensional: the axes go x, y, z, x, y, z, ... down the tree.",
+    hint="The axis is depth % len(target), as in insert.",
+)
 def searches_space(KdTree):
     rng = np.random.default_rng(4)
     root = grown(rng.uniform(-3, 3, (60, 3)).round(2))
@@ -402,22 +532,28 @@ def searches_space(KdTree):
     assert_found(tree, root, np.array([-1.203, 1.004, 0.702]), 2.0)
 
 
-@visible("search", weight=3,
-         title="Leaves regions out that cannot hold a neighbour",
-         why="This is what a tree is for. A search that asks every node is a slow way of "
-             "comparing with all.",
-         hint="Before you go on to a child, compare the split, node.point[axis], with the ends of "
-              "the box, target[axis] - tolerance and target[axis] + tolerance.")
+@visible(
+    "search",
+    weight=3,
+    title="Leaves regions out that cannot hold a neighbour",
+    why="This is what a tree is for. A search that asks every node is a slow way of "
+    "comparing with all.",
+    hint="Before you go on to a child, compare the split, node.point[axis], with the ends of "
+    "the box, target[axis] - tolerance and target[axis] + tolerance.",
+)
 def leaves_regions_out(KdTree):
     for trap, target in ((6, [-6.0, 7.0]), (10, [-6.0, 7.0]), (2, [7.0, 6.0]), (9, [7.0, 6.0])):
         assert_pruned(KdTree, _balanced(), trap, target, 2.0)
 
 
-@visible("search", weight=1,
-         title="Takes an empty tree, and finds nothing where nothing is",
-         why="After filtering, a scan may hold no point at all.",
-         hint="With root None the answer is an empty list. With a list of places still to visit, "
-              "skip those that are None.")
+@visible(
+    "search",
+    weight=1,
+    title="Takes an empty tree, and finds nothing where nothing is",
+    why="After filtering, a scan may hold no point at all.",
+    hint="With root None the answer is an empty list. With a list of places still to visit, "
+    "skip those that are None.",
+)
 def takes_an_empty_tree(KdTree):
     assert_found(planted(KdTree, None), None, [0.0, 0.0], 1.0)
     root = grown([[1.0, 2.0]])
@@ -427,19 +563,26 @@ def takes_an_empty_tree(KdTree):
 
 # ---------------------------------------------------------------------------- median_order
 
-@visible("median_order", weight=2,
-         title="Names every row exactly once",
-         why="A point that is left out is an obstacle that nobody will find.",
-         hint="The median comes first; then all smaller ones and all others, each part in the "
-              "same way. Nothing is left over, and nothing is added.")
+
+@visible(
+    "median_order",
+    weight=2,
+    title="Names every row exactly once",
+    why="A point that is left out is an obstacle that nobody will find.",
+    hint="The median comes first; then all smaller ones and all others, each part in the "
+    "same way. Nothing is left over, and nothing is added.",
+)
 def names_every_row(median_order):
     as_order(median_order(QUIZ.copy()), len(QUIZ))
 
 
-@visible("median_order", weight=3,
-         title="Starts with the lower median along x",
-         why="Only a median halves: any other first point leaves more on one side.",
-         hint="Sort the rows by x. Of m rows, the lower median stands at place (m - 1) // 2.")
+@visible(
+    "median_order",
+    weight=3,
+    title="Starts with the lower median along x",
+    why="Only a median halves: any other first point leaves more on one side.",
+    hint="Sort the rows by x. Of m rows, the lower median stands at place (m - 1) // 2.",
+)
 def starts_with_the_median(median_order):
     for points in (QUIZ, QUIZ[:4], np.array([[4.0, 0.0], [1.0, 9.0]]), QUIZ[[5, 0, 8]]):
         order = as_order(median_order(points.copy()), len(points))
@@ -449,15 +592,20 @@ def starts_with_the_median(median_order):
             raise CheckFailed(
                 "The first point of the order is not the lower median along x. Sorted by x: "
                 f"{', '.join(f'{value:g}' for value in x)}.",
-                yours=f"x = {points[order[0], 0]:g}", expected=f"x = {median:g}")
+                yours=f"x = {points[order[0], 0]:g}",
+                expected=f"x = {median:g}",
+            )
 
 
-@visible("median_order", weight=4,
-         title="Takes the lower median along y, then x again, in every part",
-         why="One bad split near the root doubles the work of every search below it.",
-         hint="The parts of one level are sorted along another axis: depth % points.shape[1]. Mind "
-              "that sorting a part gives places within the part: rows[np.argsort(...)] leads back "
-              "to rows of points.")
+@visible(
+    "median_order",
+    weight=4,
+    title="Takes the lower median along y, then x again, in every part",
+    why="One bad split near the root doubles the work of every search below it.",
+    hint="The parts of one level are sorted along another axis: depth % points.shape[1]. Mind "
+    "that sorting a part gives places within the part: rows[np.argsort(...)] leads back "
+    "to rows of points.",
+)
 def medians_everywhere(median_order):
     rng = np.random.default_rng(41)
     for n in (3, 4, 7, 20):
@@ -465,12 +613,15 @@ def medians_everywhere(median_order):
         assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible("median_order", weight=3,
-         title="The tree has the least depth possible, in the plane and in space",
-         why="Depth is the price of every insertion and every search: 17 levels for a hundred "
-             "thousand points, or a hundred thousand.",
-         hint="Print the depth of the tree of your order for 3, 7 and 15 points: it should be 2, 3 "
-              "and 4.")
+@visible(
+    "median_order",
+    weight=3,
+    title="The tree has the least depth possible, in the plane and in space",
+    why="Depth is the price of every insertion and every search: 17 levels for a hundred "
+    "thousand points, or a hundred thousand.",
+    hint="Print the depth of the tree of your order for 3, 7 and 15 points: it should be 2, 3 "
+    "and 4.",
+)
 def least_depth(median_order):
     rng = np.random.default_rng(42)
     for n, k in ((3, 2), (7, 2), (15, 2), (40, 2), (31, 3), (64, 3)):
@@ -478,11 +629,14 @@ def least_depth(median_order):
         assert_shallow(median_order(points.copy()), points)
 
 
-@visible("median_order", weight=1,
-         title="Takes no points, one point and equal points, and leaves its input untouched",
-         why="Filters leave nothing now and then, and recordings hold the same point twice.",
-         hint="A part without rows adds nothing to the order. Do not sort points itself: sort row "
-              "numbers.")
+@visible(
+    "median_order",
+    weight=1,
+    title="Takes no points, one point and equal points, and leaves its input untouched",
+    why="Filters leave nothing now and then, and recordings hold the same point twice.",
+    hint="A part without rows adds nothing to the order. Do not sort points itself: sort row "
+    "numbers.",
+)
 def takes_the_smallest(median_order):
     as_order(median_order(np.empty((0, 2))), 0)
     as_order(median_order(np.array([[1.0, 2.0, 3.0]])), 1)
@@ -537,10 +691,14 @@ def _missed(points, indices, root, target, tolerance, yours):
         return None
     rows = np.argsort(indices)
     known = set(yours) & set(indices)
-    return lambda: _plots().kd_search(np.array(points)[rows], root, target, tolerance,
-                                      found=[np.flatnonzero(np.sort(indices) == index)[0]
-                                             for index in known],
-                                      title="What your search found")
+    return lambda: _plots().kd_search(
+        np.array(points)[rows],
+        root,
+        target,
+        tolerance,
+        found=[np.flatnonzero(np.sort(indices) == index)[0] for index in known],
+        title="What your search found",
+    )
 
 
 def _plots():

@@ -18,20 +18,26 @@ _TWO_LABELS = np.array([1, 1, 1, 1, 2, 2, 2])
 _TIGHT_GROUPS = np.vstack([_line([2.0, 1.0, 0.0], 0.1, 4), _line([8.0, -2.0, 0.5], 0.1, 3)])
 
 
-@visible("euclidean_clustering", weight=4,
-         title="Two groups far apart are two clusters",
-         why="A cluster is an obstacle: two cars must not become one, nor one car two.",
-         hint="Take a point without a label, give it a new label, then give the same label to "
-              "everything that can be reached from it.")
+@visible(
+    "euclidean_clustering",
+    weight=4,
+    title="Two groups far apart are two clusters",
+    why="A cluster is an obstacle: two cars must not become one, nor one car two.",
+    hint="Take a point without a label, give it a new label, then give the same label to "
+    "everything that can be reached from it.",
+)
 def separates_groups(euclidean_clustering):
     assert_partition(euclidean_clustering(_TWO_GROUPS.copy(), 0.5), _TWO_LABELS, _TWO_GROUPS)
 
 
-@visible("euclidean_clustering", weight=6,
-         title="A chain of neighbours is one cluster, however long",
-         why="A wall is metres long and its ends are far apart, but it is one obstacle.",
-         hint="Each point that you label must itself be asked for its neighbours: put it into "
-              "the queue. Comparing with the first point only finds a ball.")
+@visible(
+    "euclidean_clustering",
+    weight=6,
+    title="A chain of neighbours is one cluster, however long",
+    why="A wall is metres long and its ends are far apart, but it is one obstacle.",
+    hint="Each point that you label must itself be asked for its neighbours: put it into "
+    "the queue. Comparing with the first point only finds a ball.",
+)
 def follows_chains(euclidean_clustering):
     wall = _line([0.0, 0.0, 0.0], 0.4, 30)
     shuffled = wall[np.random.default_rng(5).permutation(30)]
@@ -39,44 +45,61 @@ def follows_chains(euclidean_clustering):
     assert_partition(euclidean_clustering(cloud.copy(), 0.5), np.repeat([1, 2], 30), cloud)
 
 
-@visible("euclidean_clustering", weight=3,
-         title="Labels are the whole numbers 1 to N",
-         why="Later lessons use 0 for \"belongs to no obstacle\" and count obstacles by the "
-             "largest label.",
-         hint="The first cluster gets 1. The counter goes up when a new cluster begins, not at "
-              "each point.")
+@visible(
+    "euclidean_clustering",
+    weight=3,
+    title="Labels are the whole numbers 1 to N",
+    why='Later lessons use 0 for "belongs to no obstacle" and count obstacles by the '
+    "largest label.",
+    hint="The first cluster gets 1. The counter goes up when a new cluster begins, not at "
+    "each point.",
+)
 def counts_from_one(euclidean_clustering):
     labels = as_labels(euclidean_clustering(_TWO_GROUPS.copy(), 0.5), len(_TWO_GROUPS))
     found = np.unique(labels)
     assert_partition(labels, _TWO_LABELS, _TWO_GROUPS)
     if not np.array_equal(found, np.arange(1, len(found) + 1)):
-        raise CheckFailed("The labels in use are not 1 to N.", yours=str(found.tolist()),
-                          expected=str(list(range(1, len(found) + 1))))
+        raise CheckFailed(
+            "The labels in use are not 1 to N.",
+            yours=str(found.tolist()),
+            expected=str(list(range(1, len(found) + 1))),
+        )
 
 
-@visible("euclidean_clustering", weight=4,
-         title="Follows threshold, given by position, by name or left out",
-         why="The threshold decides what counts as one object: at half a metre parked cars stay "
-             "apart, at two metres a cyclist melts into the car beside.",
-         hint="Compare distances with the parameter threshold itself: not its square, not 0.5 "
-              "written into the function. Keep its default of 0.5.")
+@visible(
+    "euclidean_clustering",
+    weight=4,
+    title="Follows threshold, given by position, by name or left out",
+    why="The threshold decides what counts as one object: at half a metre parked cars stay "
+    "apart, at two metres a cyclist melts into the car beside.",
+    hint="Compare distances with the parameter threshold itself: not its square, not 0.5 "
+    "written into the function. Keep its default of 0.5.",
+)
 def follows_the_threshold(euclidean_clustering):
     # Gaps of 0.2, 0.45, 0.6 and 0.9 m: each threshold below joins a different number.
     x = np.cumsum([0.0, 0.2, 0.45, 0.6, 0.9])
     cloud = np.column_stack([x, 0 * x, 0 * x])
-    for threshold, labels in ((0.3, [1, 1, 2, 3, 4]), (0.5, [1, 1, 1, 2, 3]),
-                              (0.7, [1, 1, 1, 1, 2]), (1.0, [1, 1, 1, 1, 1])):
+    for threshold, labels in (
+        (0.3, [1, 1, 2, 3, 4]),
+        (0.5, [1, 1, 1, 2, 3]),
+        (0.7, [1, 1, 1, 1, 2]),
+        (1.0, [1, 1, 1, 1, 1]),
+    ):
         assert_partition(euclidean_clustering(cloud.copy(), threshold), np.array(labels), cloud)
-        assert_partition(euclidean_clustering(cloud=cloud.copy(), threshold=threshold),
-                         np.array(labels), cloud)
+        assert_partition(
+            euclidean_clustering(cloud=cloud.copy(), threshold=threshold), np.array(labels), cloud
+        )
     assert_partition(euclidean_clustering(cloud.copy()), np.array([1, 1, 1, 2, 3]), cloud)
 
 
-@visible("euclidean_clustering", weight=3,
-         title="Measures distance in x, y and z, and not in intensity",
-         why="A white stripe on a black bumper is bright, not far away; and a bridge is above "
-             "the road, not on it.",
-         hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.")
+@visible(
+    "euclidean_clustering",
+    weight=3,
+    title="Measures distance in x, y and z, and not in intensity",
+    why="A white stripe on a black bumper is bright, not far away; and a bridge is above "
+    "the road, not on it.",
+    hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
+)
 def ignores_intensity(euclidean_clustering):
     bright = np.column_stack([_TIGHT_GROUPS, [0.0, 0.9, 0.1, 0.8, 0.0, 0.9, 0.2]])
     assert_partition(euclidean_clustering(bright.copy(), 0.5), _TWO_LABELS, bright)
@@ -84,25 +107,34 @@ def ignores_intensity(euclidean_clustering):
     assert_partition(euclidean_clustering(above.copy(), 0.5), np.repeat([1, 2], 3), above)
 
 
-@visible("euclidean_clustering", weight=2,
-         title="Takes an empty cloud, one point and equal points",
-         why="After filtering nothing may be left, and recordings do hold the same point twice.",
-         hint="A loop over the points does nothing when there are none: an array of length 0 is "
-              "the answer. Equal points are at distance 0 and belong together.")
+@visible(
+    "euclidean_clustering",
+    weight=2,
+    title="Takes an empty cloud, one point and equal points",
+    why="After filtering nothing may be left, and recordings do hold the same point twice.",
+    hint="A loop over the points does nothing when there are none: an array of length 0 is "
+    "the answer. Equal points are at distance 0 and belong together.",
+)
 def takes_the_smallest(euclidean_clustering):
     for columns in (3, 4):
-        assert_partition(euclidean_clustering(np.empty((0, columns)), 0.5),
-                         np.empty(0, dtype=int), np.empty((0, columns)))
+        assert_partition(
+            euclidean_clustering(np.empty((0, columns)), 0.5),
+            np.empty(0, dtype=int),
+            np.empty((0, columns)),
+        )
     one = np.array([[1.0, 2.0, 3.0]])
     assert_partition(euclidean_clustering(one.copy(), 0.5), np.array([1]), one)
     equal = np.array([[1.0, 2.0, 3.0], [5.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
     assert_partition(euclidean_clustering(equal.copy(), 0.5), np.array([1, 2, 1]), equal)
 
 
-@visible("euclidean_clustering", weight=1,
-         title="Leaves its input untouched",
-         why="The next step of the pipeline still needs the cloud.",
-         hint="Keep labels in an array of their own; do not write into cloud.")
+@visible(
+    "euclidean_clustering",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next step of the pipeline still needs the cloud.",
+    hint="Keep labels in an array of their own; do not write into cloud.",
+)
 def leaves_its_input(euclidean_clustering):
     cloud = _TIGHT_GROUPS.copy()
     labels = euclidean_clustering(cloud, 0.5)

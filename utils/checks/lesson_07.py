@@ -17,61 +17,71 @@ from utils.checks.vocabulary import (
 
 # Near: ahead, behind on the right, left and right. Far: each coordinate below 10 and yet far,
 # ahead, behind, and to the right.
-_PLACES = np.array([
-    [6.0, 0.5, -1.5, 0.20],
-    [8.0, 8.0, -1.0, 0.40],
-    [-7.0, -6.0, -0.9, 0.90],
-    [12.0, 0.3, -1.1, 0.30],
-    [3.0, -9.2, -0.4, 0.50],
-    [-10.6, 0.2, -0.7, 0.10],
-    [1.5, 8.0, 0.3, 0.60],
-    [1.0, -15.0, 0.2, 0.80],
-])
+_PLACES = np.array(
+    [
+        [6.0, 0.5, -1.5, 0.20],
+        [8.0, 8.0, -1.0, 0.40],
+        [-7.0, -6.0, -0.9, 0.90],
+        [12.0, 0.3, -1.1, 0.30],
+        [3.0, -9.2, -0.4, 0.50],
+        [-10.6, 0.2, -0.7, 0.10],
+        [1.5, 8.0, 0.3, 0.60],
+        [1.0, -15.0, 0.2, 0.80],
+    ]
+)
 _NEAR = np.array([True, False, True, False, True, False, True, False])
 # A tree top and the road below a bridge are near; a low thing is far.
-_TALL = np.array([
-    [9.0, 2.0, 7.0, 0.1],
-    [11.0, 1.0, 0.0, 0.1],
-    [-6.0, 7.0, -8.0, 0.1],
-    [0.5, -10.8, -0.2, 0.1],
-])
+_TALL = np.array(
+    [
+        [9.0, 2.0, 7.0, 0.1],
+        [11.0, 1.0, 0.0, 0.1],
+        [-6.0, 7.0, -8.0, 0.1],
+        [0.5, -10.8, -0.2, 0.1],
+    ]
+)
 _TALL_NEAR = np.array([True, False, True, False])
 # As from a driver that reports intensities from 0 to 255.
-_BRIGHT = np.array([
-    [9.0, 0.5, 0.2, 255.0],
-    [10.5, 0.5, 0.2, 0.0],
-    [2.0, -7.0, 0.2, 40.0],
-    [-9.0, 6.0, 0.2, 3.0],
-])
+_BRIGHT = np.array(
+    [
+        [9.0, 0.5, 0.2, 255.0],
+        [10.5, 0.5, 0.2, 0.0],
+        [2.0, -7.0, 0.2, 40.0],
+        [-9.0, 6.0, 0.2, 3.0],
+    ]
+)
 _BRIGHT_NEAR = np.array([True, False, True, False])
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 # Two rows inside, then one beyond each of the six faces, then two more inside.
-_ROOM = np.array([
-    [1.0, 2.0, -1.0, 0.5],
-    [28.0, -4.0, 0.5, 0.1],
-    [-10.5, 2.0, -1.0, 0.2],
-    [31.0, 2.0, -1.0, 0.3],
-    [1.0, -5.5, -1.0, 0.4],
-    [1.0, 6.5, -1.0, 0.6],
-    [1.0, 2.0, -2.5, 0.7],
-    [1.0, 2.0, 1.5, 0.8],
-    [-9.0, 5.5, 0.9, 0.9],
-    [12.0, 0.0, -1.9, 0.4],
-])
+_ROOM = np.array(
+    [
+        [1.0, 2.0, -1.0, 0.5],
+        [28.0, -4.0, 0.5, 0.1],
+        [-10.5, 2.0, -1.0, 0.2],
+        [31.0, 2.0, -1.0, 0.3],
+        [1.0, -5.5, -1.0, 0.4],
+        [1.0, 6.5, -1.0, 0.6],
+        [1.0, 2.0, -2.5, 0.7],
+        [1.0, 2.0, 1.5, 0.8],
+        [-9.0, 5.5, 0.9, 0.9],
+        [12.0, 0.0, -1.9, 0.4],
+    ]
+)
 _INSIDE = np.array([True, True, False, False, False, False, False, False, True, True])
 _EGO = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 # Three returns of our own car; then others that share one or two coordinates with it.
-_AROUND = np.array([
-    [-1.3, 0.4, -0.6, 0.3],
-    [1.0, -1.0, -0.5, 0.5],
-    [5.0, 1.0, -0.6, 0.4],
-    [1.0, 2.4, -0.7, 0.2],
-    [0.9, 1.0, -0.6, 0.5],
-    [0.5, 0.5, 1.2, 0.1],
-    [-3.0, -8.0, -0.8, 0.9],
-    [12.0, 0.2, 2.0, 0.7],
-])
+_AROUND = np.array(
+    [
+        [-1.3, 0.4, -0.6, 0.3],
+        [1.0, -1.0, -0.5, 0.5],
+        [5.0, 1.0, -0.6, 0.4],
+        [1.0, 2.4, -0.7, 0.2],
+        [0.9, 1.0, -0.6, 0.5],
+        [0.5, 0.5, 1.2, 0.1],
+        [-3.0, -8.0, -0.8, 0.9],
+        [12.0, 0.2, 2.0, 0.7],
+    ]
+)
 _OURS = np.array([True, True, False, False, True, False, False, False])
 
 
@@ -89,12 +99,16 @@ def assert_near(answer, cloud, distance, near):
     squared = x**2 + y**2
     slips = {
         "These are the far points: the comparison is the wrong way round.": ~near,
-        "The height is counted in: that is the 3-D distance.":
-            squared + cloud[:, 2] ** 2 <= distance**2,
-        "Height and intensity are counted in: that is the length of the row.":
-            (cloud**2).sum(axis=1) <= distance**2,
-        "This is a square, not a circle: each coordinate is compared by itself.":
-            (np.abs(x) <= distance) & (np.abs(y) <= distance),
+        "The height is counted in: that is the 3-D distance.": squared + cloud[:, 2] ** 2
+        <= distance**2,
+        "Height and intensity are counted in: that is the length of the row.": (cloud**2).sum(
+            axis=1
+        )
+        <= distance**2,
+        "This is a square, not a circle: each coordinate is compared by itself.": (
+            np.abs(x) <= distance
+        )
+        & (np.abs(y) <= distance),
         "Only x is compared.": x <= distance,
         "Only x is compared, without its sign.": np.abs(x) <= distance,
         "x and y are added, not their squares.": np.abs(x) + np.abs(y) <= distance,
@@ -123,15 +137,17 @@ def assert_boxed(answer, cloud, minimum, maximum, keep):
         "Only x and y are compared: z decides, too.": flat,
         "Only minimum is compared.": above.all(axis=1),
         "Only maximum is compared.": below.all(axis=1),
-        "One coordinate within the box is enough here: all three must be.":
-            (above & below).any(axis=1),
+        "One coordinate within the box is enough here: all three must be.": (above & below).any(
+            axis=1
+        ),
     }
     if complement:
         slips = {
             "These are the rows inside the box: keep the others.": inside,
             "Only x and y are compared: what is above or below the box is no part of it.": ~flat,
-            "Only rows that are outside in x and in y and in z are left: one of them is enough.":
-                ~(above & below).any(axis=1),
+            "Only rows that are outside in x and in y and in z are left: one of them is enough.": ~(
+                above & below
+            ).any(axis=1),
         }
     _assert_rows(answer, cloud, keep, slips, lambda axes: _rectangle(axes, minimum, maximum))
 
@@ -143,10 +159,21 @@ def _assert_rows(answer, cloud, keep, slips, outline):
     except CheckFailed as failure:
         difference = failure.draw
         draw = difference and (lambda: outline(difference()))
-        name = next((name for name, rows in slips.items()
-                     if not np.array_equal(rows, keep) and _same(answer, cloud[rows])), "")
-        raise CheckFailed(f"{failure.message} {name}".strip(), yours=failure.yours,
-                          expected=failure.expected, draw=draw, tip=failure.tip) from None
+        name = next(
+            (
+                name
+                for name, rows in slips.items()
+                if not np.array_equal(rows, keep) and _same(answer, cloud[rows])
+            ),
+            "",
+        )
+        raise CheckFailed(
+            f"{failure.message} {name}".strip(),
+            yours=failure.yours,
+            expected=failure.expected,
+            draw=draw,
+            tip=failure.tip,
+        ) from None
 
 
 def _same(answer, rows):
@@ -170,40 +197,53 @@ def _rectangle(axes, minimum, maximum):
     from matplotlib.patches import Rectangle
 
     length, width = maximum[0] - minimum[0], maximum[1] - minimum[1]
-    axes.add_patch(Rectangle(minimum[:2], length, width, fill=False, edgecolor="black",
-                             linestyle="--"))
+    axes.add_patch(
+        Rectangle(minimum[:2], length, width, fill=False, edgecolor="black", linestyle="--")
+    )
 
 
-@visible("filter_by_distance", weight=4,
-         title="Keeps what is near and drops what is far, in every direction",
-         why="A car behind us is as real as one ahead, and a far wall only costs time.",
-         hint="Square x and y, add, take the root: one distance per point. Keep where it is at "
-              "most `distance`.")
+@visible(
+    "filter_by_distance",
+    weight=4,
+    title="Keeps what is near and drops what is far, in every direction",
+    why="A car behind us is as real as one ahead, and a far wall only costs time.",
+    hint="Square x and y, add, take the root: one distance per point. Keep where it is at "
+    "most `distance`.",
+)
 def keeps_what_is_near(filter_by_distance):
     assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
 
 
-@visible("filter_by_distance", weight=3,
-         title="Height does not count",
-         why="A child in front of a lorry is far below its sensor: the straight line to it is "
-             "longer than the way to it.",
-         hint="Use columns 0 and 1 only. Column 2 is the height.")
+@visible(
+    "filter_by_distance",
+    weight=3,
+    title="Height does not count",
+    why="A child in front of a lorry is far below its sensor: the straight line to it is "
+    "longer than the way to it.",
+    hint="Use columns 0 and 1 only. Column 2 is the height.",
+)
 def ignores_height(filter_by_distance):
     assert_near(filter_by_distance(_TALL.copy(), 10.0), _TALL, 10.0, _TALL_NEAR)
 
 
-@visible("filter_by_distance", weight=2,
-         title="Intensity does not count",
-         why="Another driver reports intensities up to 255, and every bright car would vanish.",
-         hint="A norm over whole rows counts column 3, too. Use columns 0 and 1 only.")
+@visible(
+    "filter_by_distance",
+    weight=2,
+    title="Intensity does not count",
+    why="Another driver reports intensities up to 255, and every bright car would vanish.",
+    hint="A norm over whole rows counts column 3, too. Use columns 0 and 1 only.",
+)
 def ignores_intensity(filter_by_distance):
     assert_near(filter_by_distance(_BRIGHT.copy(), 10.0), _BRIGHT, 10.0, _BRIGHT_NEAR)
 
 
-@visible("filter_by_distance", weight=3,
-         title="Follows distance, given by position, by name or left out",
-         why="A fast car must look farther than a slow one.",
-         hint="Use the parameter distance in the comparison, and keep its default of 10.0.")
+@visible(
+    "filter_by_distance",
+    weight=3,
+    title="Follows distance, given by position, by name or left out",
+    why="A fast car must look farther than a slow one.",
+    hint="Use the parameter distance in the comparison, and keep its default of 10.0.",
+)
 def follows_the_distance(filter_by_distance):
     close = np.array([True, False, False, False, False, False, True, False])
     assert_near(filter_by_distance(_PLACES.copy(), 8.5), _PLACES, 8.5, close)
@@ -211,10 +251,13 @@ def follows_the_distance(filter_by_distance):
     assert_near(filter_by_distance(_PLACES.copy()), _PLACES, 10.0, _NEAR)
 
 
-@visible("filter_by_distance", weight=2,
-         title="Takes three columns as well as four, and an empty cloud",
-         why="Some files hold no intensity, and after other filters nothing may be left.",
-         hint="Index rows with the mask, cloud[mask], and leave the columns alone.")
+@visible(
+    "filter_by_distance",
+    weight=2,
+    title="Takes three columns as well as four, and an empty cloud",
+    why="Some files hold no intensity, and after other filters nothing may be left.",
+    hint="Index rows with the mask, cloud[mask], and leave the columns alone.",
+)
 def takes_every_shape(filter_by_distance):
     xyz = _PLACES[:, :3]
     assert_near(filter_by_distance(xyz.copy(), 10.0), xyz, 10.0, _NEAR)
@@ -223,109 +266,169 @@ def takes_every_shape(filter_by_distance):
         assert_near(filter_by_distance(nothing.copy(), 10.0), nothing, 10.0, np.zeros(0, bool))
 
 
-@visible("filter_by_distance", weight=1,
-         title="Leaves its input untouched",
-         why="The next step of the pipeline may need the full cloud again.",
-         hint="cloud[mask] is already a new array. Do not assign into cloud.")
+@visible(
+    "filter_by_distance",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next step of the pipeline may need the full cloud again.",
+    hint="cloud[mask] is already a new array. Do not assign into cloud.",
+)
 def leaves_its_input(filter_by_distance):
     cloud = _PLACES.copy()
     assert_near(filter_by_distance(cloud, 10.0), _PLACES, 10.0, _NEAR)
     assert_untouched(_PLACES, cloud)
 
 
-@visible("crop_region", weight=4,
-         title="Keeps what is inside the box, seen from all six sides",
-         why="One side forgotten, and the region of interest reaches to the horizon.",
-         hint="Compare the first three columns with minimum and with maximum, join the tables "
-              "with &, then .all(axis=1).")
+@visible(
+    "crop_region",
+    weight=4,
+    title="Keeps what is inside the box, seen from all six sides",
+    why="One side forgotten, and the region of interest reaches to the horizon.",
+    hint="Compare the first three columns with minimum and with maximum, join the tables "
+    "with &, then .all(axis=1).",
+)
 def keeps_what_is_inside(crop_region):
-    assert_boxed(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _MINIMUM, _MAXIMUM,
-                 _INSIDE)
+    assert_boxed(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
-@visible("crop_region", weight=1,
-         title="The faces belong to the box",
-         why="Two boxes side by side shall leave no gap between them.",
-         hint="Use >= and <=, not > and <.")
+@visible(
+    "crop_region",
+    weight=1,
+    title="The faces belong to the box",
+    why="Two boxes side by side shall leave no gap between them.",
+    hint="Use >= and <=, not > and <.",
+)
 def faces_are_inside(crop_region):
-    edge = np.array([[-10.0, 0.0, 0.0], [30.0, 0.0, 0.0], [0.0, -5.0, 0.0], [0.0, 6.0, 0.0],
-                     [0.0, 0.0, -2.0], [0.0, 0.0, 1.0], [40.0, 0.0, 0.0]])
-    assert_boxed(crop_region(edge.copy(), _MINIMUM, _MAXIMUM), edge, _MINIMUM, _MAXIMUM,
-                 np.array([True] * 6 + [False]))
+    edge = np.array(
+        [
+            [-10.0, 0.0, 0.0],
+            [30.0, 0.0, 0.0],
+            [0.0, -5.0, 0.0],
+            [0.0, 6.0, 0.0],
+            [0.0, 0.0, -2.0],
+            [0.0, 0.0, 1.0],
+            [40.0, 0.0, 0.0],
+        ]
+    )
+    assert_boxed(
+        crop_region(edge.copy(), _MINIMUM, _MAXIMUM),
+        edge,
+        _MINIMUM,
+        _MAXIMUM,
+        np.array([True] * 6 + [False]),
+    )
 
 
-@visible("crop_region", weight=2,
-         title="Follows minimum and maximum, by name, as lists and as arrays",
-         why="The region changes with the road and with the speed.",
-         hint="Use the parameters minimum and maximum. Comparing an array with a tuple or a "
-              "list of three numbers works without more ado.")
+@visible(
+    "crop_region",
+    weight=2,
+    title="Follows minimum and maximum, by name, as lists and as arrays",
+    why="The region changes with the road and with the speed.",
+    hint="Use the parameters minimum and maximum. Comparing an array with a tuple or a "
+    "list of three numbers works without more ado.",
+)
 def follows_the_corners(crop_region):
     small = np.array([True] + [False] * 8 + [True])
     low, high = [0.0, -1.0, -1.95], [13.0, 3.0, 0.0]
-    assert_boxed(crop_region(cloud=_ROOM.copy(), minimum=low, maximum=high), _ROOM, low, high,
-                 small)
-    assert_boxed(crop_region(_ROOM.copy(), np.array(low), np.array(high)), _ROOM, low, high,
-                 small)
+    assert_boxed(
+        crop_region(cloud=_ROOM.copy(), minimum=low, maximum=high), _ROOM, low, high, small
+    )
+    assert_boxed(crop_region(_ROOM.copy(), np.array(low), np.array(high)), _ROOM, low, high, small)
 
 
-@visible("crop_region", weight=2,
-         title="Takes three or four columns and an empty cloud; leaves its input untouched",
-         why="Some files hold no intensity, and after other filters nothing may be left.",
-         hint="Compare cloud[:, :3], but index cloud itself.")
+@visible(
+    "crop_region",
+    weight=2,
+    title="Takes three or four columns and an empty cloud; leaves its input untouched",
+    why="Some files hold no intensity, and after other filters nothing may be left.",
+    hint="Compare cloud[:, :3], but index cloud itself.",
+)
 def crops_every_shape(crop_region):
     cloud = _ROOM[:, :3].copy()
-    assert_boxed(crop_region(cloud, _MINIMUM, _MAXIMUM), _ROOM[:, :3], _MINIMUM, _MAXIMUM,
-                 _INSIDE)
+    assert_boxed(crop_region(cloud, _MINIMUM, _MAXIMUM), _ROOM[:, :3], _MINIMUM, _MAXIMUM, _INSIDE)
     assert_untouched(_ROOM[:, :3], cloud)
     for columns in (3, 4):
         nothing = np.empty((0, columns))
-        assert_boxed(crop_region(nothing.copy(), _MINIMUM, _MAXIMUM), nothing, _MINIMUM,
-                     _MAXIMUM, np.zeros(0, bool))
+        assert_boxed(
+            crop_region(nothing.copy(), _MINIMUM, _MAXIMUM),
+            nothing,
+            _MINIMUM,
+            _MAXIMUM,
+            np.zeros(0, bool),
+        )
 
 
-@visible("remove_ego_returns", weight=4,
-         title="Removes what is inside the box, and nothing else",
-         why="A return of our own mirror is an obstacle that never goes away; a child beside "
-             "the door must stay.",
-         hint="Find the rows inside as in crop_region, then keep the others: ~inside.")
+@visible(
+    "remove_ego_returns",
+    weight=4,
+    title="Removes what is inside the box, and nothing else",
+    why="A return of our own mirror is an obstacle that never goes away; a child beside "
+    "the door must stay.",
+    hint="Find the rows inside as in crop_region, then keep the others: ~inside.",
+)
 def removes_our_own(remove_ego_returns):
     assert_boxed(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, *_EGO, ~_OURS)
 
 
-@visible("remove_ego_returns", weight=2,
-         title="What shares only x, y or z with our car stays",
-         why="The car ahead of us shares y and z with us. It is the last one to lose.",
-         hint="A row is outside when one coordinate is outside: not (a and b and c) is "
-              "(not a) or (not b) or (not c).")
+@visible(
+    "remove_ego_returns",
+    weight=2,
+    title="What shares only x, y or z with our car stays",
+    why="The car ahead of us shares y and z with us. It is the last one to lose.",
+    hint="A row is outside when one coordinate is outside: not (a and b and c) is "
+    "(not a) or (not b) or (not c).",
+)
 def keeps_what_shares_a_coordinate(remove_ego_returns):
-    cloud = np.array([[0.5, 0.0, -0.7], [9.0, 0.0, -0.7], [0.5, 6.0, -0.7], [0.5, 0.0, 2.0],
-                      [9.0, 6.0, -0.7], [9.0, 0.0, 2.0], [0.5, 6.0, 2.0], [9.0, 6.0, 2.0]])
-    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO,
-                 np.array([False] + [True] * 7))
+    cloud = np.array(
+        [
+            [0.5, 0.0, -0.7],
+            [9.0, 0.0, -0.7],
+            [0.5, 6.0, -0.7],
+            [0.5, 0.0, 2.0],
+            [9.0, 6.0, -0.7],
+            [9.0, 0.0, 2.0],
+            [0.5, 6.0, 2.0],
+            [9.0, 6.0, 2.0],
+        ]
+    )
+    assert_boxed(
+        remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, np.array([False] + [True] * 7)
+    )
 
 
-@visible("remove_ego_returns", weight=2,
-         title="Follows minimum and maximum, by name, as lists and as arrays",
-         why="A lorry is not a small car, and a roof rack is a part of ours.",
-         hint="Use the parameters minimum and maximum.")
+@visible(
+    "remove_ego_returns",
+    weight=2,
+    title="Follows minimum and maximum, by name, as lists and as arrays",
+    why="A lorry is not a small car, and a roof rack is a part of ours.",
+    hint="Use the parameters minimum and maximum.",
+)
 def follows_the_ego_box(remove_ego_returns):
     low, high = [0.8, 0.5, -1.0], [6.0, 3.0, -0.4]
     left = np.array([True, True, False, False, False, True, True, True])
-    assert_boxed(remove_ego_returns(cloud=_AROUND.copy(), minimum=low, maximum=high), _AROUND,
-                 low, high, left)
-    assert_boxed(remove_ego_returns(_AROUND.copy(), np.array(low), np.array(high)), _AROUND, low,
-                 high, left)
+    assert_boxed(
+        remove_ego_returns(cloud=_AROUND.copy(), minimum=low, maximum=high),
+        _AROUND,
+        low,
+        high,
+        left,
+    )
+    assert_boxed(
+        remove_ego_returns(_AROUND.copy(), np.array(low), np.array(high)), _AROUND, low, high, left
+    )
 
 
-@visible("remove_ego_returns", weight=2,
-         title="Takes three or four columns and an empty cloud; leaves its input untouched",
-         why="Some files hold no intensity, and after other filters nothing may be left.",
-         hint="Compare cloud[:, :3], but index cloud itself.")
+@visible(
+    "remove_ego_returns",
+    weight=2,
+    title="Takes three or four columns and an empty cloud; leaves its input untouched",
+    why="Some files hold no intensity, and after other filters nothing may be left.",
+    hint="Compare cloud[:, :3], but index cloud itself.",
+)
 def removes_from_every_shape(remove_ego_returns):
     cloud = _AROUND[:, :3].copy()
     assert_boxed(remove_ego_returns(cloud, *_EGO), _AROUND[:, :3], *_EGO, ~_OURS)
     assert_untouched(_AROUND[:, :3], cloud)
     for columns in (3, 4):
         nothing = np.empty((0, columns))
-        assert_boxed(remove_ego_returns(nothing.copy(), *_EGO), nothing, *_EGO,
-                     np.zeros(0, bool))
+        assert_boxed(remove_ego_returns(nothing.copy(), *_EGO), nothing, *_EGO, np.zeros(0, bool))

@@ -57,10 +57,14 @@ def square(seed):
 
     rng = np.random.default_rng((seed, 12))
     turned = rng.permutation(np.radians([40, 50, 45, -45])) + rng.uniform(-0.1, 0.1, 4)
-    things = [placed(some_car(rng), x * rng.uniform(6.4, 6.8), y * rng.uniform(2.7, 3.0), yaw)
-              for (x, y), yaw in zip(((1, 1), (1, -1), (-1, 1), (-1, -1)), turned, strict=True)]
-    things += [placed(some_walker(rng), x, y, speed=1.3)
-               for x, y in ((0.5, 4.5), (12.0, -0.5), (-12.0, 0.5))]
+    things = [
+        placed(some_car(rng), x * rng.uniform(6.4, 6.8), y * rng.uniform(2.7, 3.0), yaw)
+        for (x, y), yaw in zip(((1, 1), (1, -1), (-1, 1), (-1, -1)), turned, strict=True)
+    ]
+    things += [
+        placed(some_walker(rng), x, y, speed=1.3)
+        for x, y in ((0.5, 4.5), (12.0, -0.5), (-12.0, 0.5))
+    ]
     empty = float("inf")
     houses = Plan(((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0)
     ground = Ground(slope=0.02 * rng.uniform(-1, 1), width=10.0, crown=0.01, kerb=0.1)
@@ -84,12 +88,18 @@ def as_boxes(answer):
     if boxes.size == 0 and boxes.shape[:1] == (0,):
         return np.empty((0, 8, 3))
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
-        raise CheckFailed("The answer must hold N boxes of 8 corners (rows) of 3 coordinates.",
-                          yours=f"shape {boxes.shape}", expected="shape (N, 8, 3)")
+        raise CheckFailed(
+            "The answer must hold N boxes of 8 corners (rows) of 3 coordinates.",
+            yours=f"shape {boxes.shape}",
+            expected="shape (N, 8, 3)",
+        )
     if not np.isfinite(boxes).all():
         bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))[0]
-        raise CheckFailed("A box has a corner that is not finite. Did returns that are not a "
-                          "number stay in the cloud?", yours=brief(boxes[bad]))
+        raise CheckFailed(
+            "A box has a corner that is not finite. Did returns that are not a "
+            "number stay in the cloud?",
+            yours=brief(boxes[bad]),
+        )
     return boxes.astype(float)
 
 
@@ -137,12 +147,16 @@ def box_of(car, boxes, frame):
     returns = returns[returns[:, 2] > car.centre[2] - car.size[2] / 2 + 0.55]
     if len(_standing_on(car, boxes)) > PIECES:
         return None
-    holding = {int(number): _inside(returns, boxes[number], 0.2).mean()
-               for number in _covering(boxes, car.centre, 4.0)}
+    holding = {
+        int(number): _inside(returns, boxes[number], 0.2).mean()
+        for number in _covering(boxes, car.centre, 4.0)
+    }
     if any(share >= 0.9 and not _fits(boxes[number], car) for number, share in holding.items()):
         return None
-    return next((number for number, share in holding.items()
-                 if share >= 0.5 and _fits(boxes[number], car)), None)
+    return next(
+        (number for number, share in holding.items() if share >= 0.5 and _fits(boxes[number], car)),
+        None,
+    )
 
 
 def assert_cars_found(answers, frames):
@@ -169,24 +183,37 @@ def assert_cars_found(answers, frames):
     over = boxes[_covering(boxes, car.centre)]
     longest = max((max(_sides(box)) for box in over), default=0)
     pieces = len(_standing_on(car, boxes))
-    how = f"it is in {pieces} pieces" if pieces > PIECES else \
-        f"the box over it is {longest:.1f} m long, the car {car.size[0]:.1f} m" if longest else \
-        "no box is over it"
+    how = (
+        f"it is in {pieces} pieces"
+        if pieces > PIECES
+        else f"the box over it is {longest:.1f} m long, the car {car.size[0]:.1f} m"
+        if longest
+        else "no box is over it"
+    )
     raise CheckFailed(
         f"{len(missed)} of {count} cars that stand free near the sensor have no box of their own. "
         f"One is at x = {car.centre[0]:.1f} m, y = {car.centre[1]:.1f} m: {how}.",
         yours=f"{len(boxes)} boxes in that scan",
         expected="for each such car a box around most of its returns and not much else",
-        draw=lambda: _draw(frame, boxes, [item[0].corners for item in missed if item[2] is frame],
-                           "missed", "Each dashed car should have a box of its own"))
+        draw=lambda: _draw(
+            frame,
+            boxes,
+            [item[0].corners for item in missed if item[2] is frame],
+            "missed",
+            "Each dashed car should have a box of its own",
+        ),
+    )
 
 
 def assert_sees(answer, frame):
     """At least one clear car is found: who sees nothing is not praised for what they spare."""
     boxes = as_boxes(answer)
     if all(box_of(car, boxes, frame) is None for car in clear_cars(frame)):
-        raise CheckFailed("No car near by has a box of its own, so there is nothing to judge yet.",
-                          yours=f"{len(boxes)} boxes", expected="first of all, boxes around cars")
+        raise CheckFailed(
+            "No car near by has a box of its own, so there is nothing to judge yet.",
+            yours=f"{len(boxes)} boxes",
+            expected="first of all, boxes around cars",
+        )
 
 
 def assert_boxes_real(answers, frames):
@@ -196,10 +223,12 @@ def assert_boxes_real(answers, frames):
         boxes = as_boxes(answer)
         most = 2 * len(frame.boxes) + 20
         if len(boxes) > most:
-            raise CheckFailed("There are far more boxes than things in the street. Do obstacles "
-                              "fall to pieces?", yours=f"{len(boxes)} boxes",
-                              expected=f"fewer than {most}",
-                              draw=lambda frame=frame, boxes=boxes: _draw(frame, boxes))
+            raise CheckFailed(
+                "There are far more boxes than things in the street. Do obstacles fall to pieces?",
+                yours=f"{len(boxes)} boxes",
+                expected=f"fewer than {most}",
+                draw=lambda frame=frame, boxes=boxes: _draw(frame, boxes),
+            )
         total += len(boxes)
         ghosts += [(box, frame, boxes) for box in boxes if not _holds_obstacle(box, frame)]
     if len(ghosts) <= 0.4 * total:
@@ -212,8 +241,10 @@ def assert_boxes_real(answers, frames):
         f"for example the one at x = {x:.1f} m, y = {y:.1f} m.",
         yours=f"{held} returns in it" if held else "no return in it",
         expected="cars, people, poles, walls",
-        draw=lambda: _draw(frame, boxes, [ghost for ghost, of, _ in ghosts if of is frame],
-                           "nothing in it"))
+        draw=lambda: _draw(
+            frame, boxes, [ghost for ghost, of, _ in ghosts if of is frame], "nothing in it"
+        ),
+    )
 
 
 def assert_own_car_free(answer, frame):
@@ -224,10 +255,11 @@ def assert_own_car_free(answer, frame):
     if inside.any():
         raise CheckFailed(
             "A box stands where the own car is. Its roof, and returns at exactly (0, 0, 0), are "
-            "no obstacles.", yours=f"a box at x = {middles[inside][0, 0]:.1f} m, "
-            f"y = {middles[inside][0, 1]:.1f} m",
+            "no obstacles.",
+            yours=f"a box at x = {middles[inside][0, 0]:.1f} m, y = {middles[inside][0, 1]:.1f} m",
             expected="none between x = -1.5 and 2.6 m, y = -1.7 and 1.7 m",
-            draw=lambda: _draw(frame, boxes, boxes[inside], "own car"))
+            draw=lambda: _draw(frame, boxes, boxes[inside], "own car"),
+        )
 
 
 def assert_boxes_turned(answer, frame):
@@ -240,9 +272,11 @@ def assert_boxes_turned(answer, frame):
     if area > ROOMY * true_area:
         raise CheckFailed(
             "The boxes of cars that stand at an angle are much larger than the cars. Boxes must "
-            "be turned with them.", yours=f"{area / len(pairs):.1f} square metres on average",
+            "be turned with them.",
+            yours=f"{area / len(pairs):.1f} square metres on average",
             expected=f"about {true_area / len(pairs):.1f} square metres",
-            draw=lambda: _draw(frame, boxes, [car.corners for car, _ in pairs], "true"))
+            draw=lambda: _draw(frame, boxes, [car.corners for car, _ in pairs], "true"),
+        )
 
 
 ROOMY = 1.4
@@ -250,72 +284,95 @@ ROOMY = 1.4
 axes above 1.45."""
 
 
-@visible("detect_obstacles", weight=2,
-         title="Returns upright boxes: a level floor, right angles, a corner above each corner",
-         why="Whoever plans a path asks of each corner how high it stands and what lies between.",
-         hint="Let the last step be your get_oriented_boxes of lesson 11: it returns (N, 8, 3).")
+@visible(
+    "detect_obstacles",
+    weight=2,
+    title="Returns upright boxes: a level floor, right angles, a corner above each corner",
+    why="Whoever plans a path asks of each corner how high it stands and what lies between.",
+    hint="Let the last step be your get_oriented_boxes of lesson 11: it returns (N, 8, 3).",
+)
 def returns_boxes(detect_obstacles):
     boxes = as_boxes(detect_obstacles(street().cloud.copy()))
     if len(boxes) < 3:
-        raise CheckFailed("There are hardly any boxes, in a street full of cars.",
-                          yours=f"{len(boxes)} boxes",
-                          expected="about 10 to 80, by how far you look")
+        raise CheckFailed(
+            "There are hardly any boxes, in a street full of cars.",
+            yours=f"{len(boxes)} boxes",
+            expected="about 10 to 80, by how far you look",
+        )
     for box in boxes:
         heights = np.sort(box[:, 2])
         if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
-            raise CheckFailed("Not all boxes stand upright on a rectangle.", yours=brief(box),
-                              expected="four corners at one height and right angles, four above")
+            raise CheckFailed(
+                "Not all boxes stand upright on a rectangle.",
+                yours=brief(box),
+                expected="four corners at one height and right angles, four above",
+            )
 
 
-@visible("detect_obstacles", weight=5,
-         title="Each car that stands free near the sensor has a box of its own",
-         why="This is what the other eleven lessons were for.",
-         hint="Draw the clusters before the boxes. Is the road gone? Are neighbours one cluster "
-              "(threshold too large), is a car in pieces (too small), or too few points for "
-              "min_num_points?")
+@visible(
+    "detect_obstacles",
+    weight=5,
+    title="Each car that stands free near the sensor has a box of its own",
+    why="This is what the other eleven lessons were for.",
+    hint="Draw the clusters before the boxes. Is the road gone? Are neighbours one cluster "
+    "(threshold too large), is a car in pieces (too small), or too few points for "
+    "min_num_points?",
+)
 def finds_cars(detect_obstacles):
     assert_cars_found([detect_obstacles(street().cloud.copy())], [street()])
 
 
-@visible("detect_obstacles", weight=3,
-         title="Boxes are around obstacles, not around road or nothing",
-         why="A car that brakes for its own road will not be driven for long.",
-         hint="Look at the ghosts from the side: road that rises above the ground level? Pieces "
-              "of a few points, which filter_clusters should have removed?")
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="Boxes are around obstacles, not around road or nothing",
+    why="A car that brakes for its own road will not be driven for long.",
+    hint="Look at the ghosts from the side: road that rises above the ground level? Pieces "
+    "of a few points, which filter_clusters should have removed?",
+)
 def leaves_the_road(detect_obstacles):
     answer = detect_obstacles(street().cloud.copy())
     assert_boxes_real([answer], [street()])
     assert_sees(answer, street())
 
 
-@visible("detect_obstacles", weight=2,
-         title="Does not take its own car for an obstacle",
-         why="An obstacle at 0 m means full braking, for ever.",
-         hint="remove_ego_returns takes out the roof, drop_invalid the returns at (0, 0, 0): both "
-              "before anything is averaged or clustered.")
+@visible(
+    "detect_obstacles",
+    weight=2,
+    title="Does not take its own car for an obstacle",
+    why="An obstacle at 0 m means full braking, for ever.",
+    hint="remove_ego_returns takes out the roof, drop_invalid the returns at (0, 0, 0): both "
+    "before anything is averaged or clustered.",
+)
 def forgets_itself(detect_obstacles):
     answer = detect_obstacles(street().cloud.copy())
     assert_own_car_free(answer, street())
     assert_sees(answer, street())
 
 
-@visible("detect_obstacles", weight=3,
-         title="Boxes turn with the cars",
-         why="A car that pulls out of a parking space stands at an angle; a box along the axes "
-             "would close the lane beside it.",
-         hint="Fit the box along the main directions of the cluster, seen from above (lesson 11).")
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="Boxes turn with the cars",
+    why="A car that pulls out of a parking space stands at an angle; a box along the axes "
+    "would close the lane beside it.",
+    hint="Fit the box along the main directions of the cluster, seen from above (lesson 11).",
+)
 def turns_boxes(detect_obstacles):
     answer = detect_obstacles(square(5).cloud.copy())
     assert_cars_found([answer], [square(5)])
     assert_boxes_turned(answer, square(5))
 
 
-@visible("detect_obstacles", weight=3,
-         title="Takes an empty scan, three columns and returns that are not a number, and leaves "
-               "its input untouched",
-         why="A stream has no pause button: a bad frame must not stop it.",
-         hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
-              "leave nothing. Use cloud[:, :3].")
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="Takes an empty scan, three columns and returns that are not a number, and leaves "
+    "its input untouched",
+    why="A stream has no pause button: a bad frame must not stop it.",
+    hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
+    "leave nothing. Use cloud[:, :3].",
+)
 def takes_what_comes(detect_obstacles):
     for columns in (3, 4):
         boxes = as_boxes(detect_obstacles(np.empty((0, columns))))
@@ -363,13 +420,22 @@ def assert_matched(answer, expected, previous, current):
     if yours.size == 0 and not len(expected):
         return
     if yours.shape != expected.shape:
-        raise CheckFailed("There must be one index for each current box.",
-                          yours=f"shape {yours.shape}", expected=f"shape {expected.shape}")
+        raise CheckFailed(
+            "There must be one index for each current box.",
+            yours=f"shape {yours.shape}",
+            expected=f"shape {expected.shape}",
+        )
     draw = functools.partial(_draw_matches, previous, current, yours, expected)
-    if not np.array_equal(yours, np.round(yours)) or yours.min() < -1 \
-            or yours.max() >= len(previous):
-        raise CheckFailed("Each entry is the index of a previous box, or -1.", yours=brief(yours),
-                          expected=brief(expected))
+    if (
+        not np.array_equal(yours, np.round(yours))
+        or yours.min() < -1
+        or yours.max() >= len(previous)
+    ):
+        raise CheckFailed(
+            "Each entry is the index of a previous box, or -1.",
+            yours=brief(yours),
+            expected=brief(expected),
+        )
     if np.array_equal(yours, expected):
         return
     taken, times = np.unique(yours[yours >= 0], return_counts=True)
@@ -377,65 +443,83 @@ def assert_matched(answer, expected, previous, current):
         message = f"Previous box {taken[times > 1][0]:.0f} is given to several current boxes."
     else:
         first = np.flatnonzero(yours != expected)[0]
-        right = "is new and has no partner" if expected[first] < 0 else \
-            f"was previous box {expected[first]}"
+        right = (
+            "is new and has no partner"
+            if expected[first] < 0
+            else f"was previous box {expected[first]}"
+        )
         message = f"Current box {first} {right}."
     raise CheckFailed(message, yours=brief(yours), expected=brief(expected), draw=draw)
 
 
-@visible("match_boxes", weight=4,
-         title="Finds each box again after a small move, in whatever order the boxes come",
-         why="Clusters are numbered anew in every frame; without names nobody knows who moved "
-             "where.",
-         hint="The centre of a box is the mean of its corners. Make a table of all distances "
-              "between current and previous centres; the smallest entry is a pair.")
+@visible(
+    "match_boxes",
+    weight=4,
+    title="Finds each box again after a small move, in whatever order the boxes come",
+    why="Clusters are numbered anew in every frame; without names nobody knows who moved where.",
+    hint="The centre of a box is the mean of its corners. Make a table of all distances "
+    "between current and previous centres; the smallest entry is a pair.",
+)
 def finds_again(match_boxes):
     previous = cubes([[4, 1], [9, -3], [15, 2], [-6, -4]])
     order = [2, 0, 3, 1]
     current = previous[order] + [-0.5, 0.1, 0.0]
     assert_matched(match_boxes(previous.copy(), current.copy(), 1.5), order, previous, current)
-    assert_matched(match_boxes(previous=previous.copy(), current=current.copy(),
-                               max_distance=1.5), order, previous, current)
+    assert_matched(
+        match_boxes(previous=previous.copy(), current=current.copy(), max_distance=1.5),
+        order,
+        previous,
+        current,
+    )
 
 
-@visible("match_boxes", weight=3,
-         title="A box with no partner within max_distance is new: -1",
-         why="Somebody steps out from behind a lorry. They must not inherit the name of the "
-             "lorry.",
-         hint="Compare the distance with max_distance before you accept a pair, and start from "
-              "an array full of -1.")
+@visible(
+    "match_boxes",
+    weight=3,
+    title="A box with no partner within max_distance is new: -1",
+    why="Somebody steps out from behind a lorry. They must not inherit the name of the lorry.",
+    hint="Compare the distance with max_distance before you accept a pair, and start from "
+    "an array full of -1.",
+)
 def knows_new_ones(match_boxes):
     previous, current = cubes([[4, 1], [9, -3]]), cubes([[12, 5], [9.4, -3], [4, 3.5]])
-    assert_matched(match_boxes(previous.copy(), current.copy(), 1.0), [-1, 1, -1], previous,
-                   current)
-    assert_matched(match_boxes(previous.copy(), current.copy(), 3.0), [-1, 1, 0], previous,
-                   current)
+    assert_matched(
+        match_boxes(previous.copy(), current.copy(), 1.0), [-1, 1, -1], previous, current
+    )
+    assert_matched(match_boxes(previous.copy(), current.copy(), 3.0), [-1, 1, 0], previous, current)
 
 
-@visible("match_boxes", weight=4,
-         title="One to one: two boxes never get the same partner, and the nearer one gets it",
-         why="Two cars under one name are one car to the planner.",
-         hint="Take the closest of all pairs first, then strike out its row and its column. "
-              "Going through the current boxes in their order gives the partner to whoever comes "
-              "first.")
+@visible(
+    "match_boxes",
+    weight=4,
+    title="One to one: two boxes never get the same partner, and the nearer one gets it",
+    why="Two cars under one name are one car to the planner.",
+    hint="Take the closest of all pairs first, then strike out its row and its column. "
+    "Going through the current boxes in their order gives the partner to whoever comes "
+    "first.",
+)
 def is_one_to_one(match_boxes):
     previous, current = cubes([[5, 0], [20, 0]]), cubes([[6.2, 0], [5.2, 0], [20.3, 0]])
-    assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [-1, 0, 1], previous,
-                   current)
+    assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [-1, 0, 1], previous, current)
     current = current[::-1]
-    assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [1, 0, -1], previous,
-                   current)
+    assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [1, 0, -1], previous, current)
 
 
-@visible("match_boxes", weight=2,
-         title="Takes no boxes on either side, and leaves its input untouched",
-         why="The first frame has no frame before it, and an empty road has no boxes.",
-         hint="argmin of an empty table is an error: return early, an array of -1 as long as "
-              "current.")
+@visible(
+    "match_boxes",
+    weight=2,
+    title="Takes no boxes on either side, and leaves its input untouched",
+    why="The first frame has no frame before it, and an empty road has no boxes.",
+    hint="argmin of an empty table is an error: return early, an array of -1 as long as current.",
+)
 def takes_no_boxes(match_boxes):
     some, none = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
-    for previous, current, expected in ((none, some, [-1, -1]), (some, none, []),
-                                        (none, none, []), (some, some, [0, 1])):
+    for previous, current, expected in (
+        (none, some, [-1, -1]),
+        (some, none, []),
+        (none, none, []),
+        (some, some, [0, 1]),
+    ):
         given = previous.copy(), current.copy()
         assert_matched(match_boxes(*given, 2.0), expected, previous, current)
         assert_untouched(previous, given[0])
@@ -467,10 +551,12 @@ def _inside(points, box, margin):
     along = edges[lengths.argmax()] / max(lengths.max(), 1e-9)
     across = np.array([-along[1], along[0]])
     offsets = points[:, :2] - rectangle.mean(axis=0)
-    return ((np.abs(offsets @ along) <= lengths.max() / 2 + margin)
-            & (np.abs(offsets @ across) <= lengths.min() / 2 + margin)
-            & (points[:, 2] >= box[:, 2].min() - margin)
-            & (points[:, 2] <= box[:, 2].max() + margin))
+    return (
+        (np.abs(offsets @ along) <= lengths.max() / 2 + margin)
+        & (np.abs(offsets @ across) <= lengths.min() / 2 + margin)
+        & (points[:, 2] >= box[:, 2].min() - margin)
+        & (points[:, 2] <= box[:, 2].max() + margin)
+    )
 
 
 @functools.lru_cache(maxsize=64)
@@ -504,13 +590,21 @@ def _draw(frame, boxes, reference=(), label="", title=None):
     from utils import plots  # matplotlib is slow to import and the judge has no use for it
 
     above = frame.cloud[frame.scan.objects > 0]
-    axes = plots.boxes(boxes, cloud=above, label="yours", limits=((-15, 25), (-11, 11)),
-                       title=title)
+    axes = plots.boxes(
+        boxes, cloud=above, label="yours", limits=((-15, 25), (-11, 11)), title=title
+    )
     if len(reference):
         plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
         for corners in reference:
-            axes.plot(*corners[:, :2].mean(axis=0), "o", markersize=26, markerfacecolor="none",
-                      markeredgecolor="black", markeredgewidth=1.6, zorder=9)
+            axes.plot(
+                *corners[:, :2].mean(axis=0),
+                "o",
+                markersize=26,
+                markerfacecolor="none",
+                markeredgecolor="black",
+                markeredgewidth=1.6,
+                zorder=9,
+            )
 
 
 def _draw_matches(previous, current, yours, expected):
@@ -521,8 +615,13 @@ def _draw_matches(previous, current, yours, expected):
         middle = np.vstack([previous, current])[:, :, :2].reshape(-1, 2)
         axes.set_xlim(middle[:, 0].min() - 2, middle[:, 0].max() + 2)
         axes.set_ylim(middle[:, 1].min() - 2, middle[:, 1].max() + 2)
-        plots.boxes(current, names=True, label="current", axes=axes,
-                    title="Solid lines: your pairs; dotted: the right ones")
+        plots.boxes(
+            current,
+            names=True,
+            label="current",
+            axes=axes,
+            title="Solid lines: your pairs; dotted: the right ones",
+        )
     for pairs, line, wide in ((expected, ":", 4.0), (yours.astype(int), "-", 1.5)):
         for number, partner in enumerate(pairs):
             if 0 <= partner < len(previous):

@@ -62,8 +62,9 @@ def as_array(answer, columns=None, what="an array"):
     CheckFailed
     """
     if answer is None:
-        raise CheckFailed("The function returned None. Does it end with `return`?",
-                          yours="None", expected=what)
+        raise CheckFailed(
+            "The function returned None. Does it end with `return`?", yours="None", expected=what
+        )
     try:
         array = np.asarray(answer)
     except ValueError:  # rows of different lengths
@@ -71,8 +72,9 @@ def as_array(answer, columns=None, what="an array"):
     if array.dtype.kind not in "biuf":
         # In the judge an object of another kind arrives as a stand-in that knows its name.
         kind = getattr(answer, "type_name", type(answer).__name__)
-        raise CheckFailed(f"The function returned {kind}, expected {what}.",
-                          yours=brief(answer), expected=what)
+        raise CheckFailed(
+            f"The function returned {kind}, expected {what}.", yours=brief(answer), expected=what
+        )
     if columns is not None:
         if array.size == 0 and array.ndim == 1:
             array = array.reshape(0, columns)
@@ -80,7 +82,9 @@ def as_array(answer, columns=None, what="an array"):
             raise CheckFailed(
                 f"The shape is {array.shape}, expected {columns} columns: one row per point, "
                 "the columns of the input.",
-                yours=f"shape {array.shape}", expected=f"shape (n, {columns})")
+                yours=f"shape {array.shape}",
+                expected=f"shape (n, {columns})",
+            )
     return array
 
 
@@ -105,8 +109,11 @@ def assert_rows(answer, cloud, keep, view="side"):
         raise CheckFailed("There are more rows than the cloud has.", **sides)
     mine = _membership(cloud, yours)
     if mine is None:
-        raise CheckFailed("Some of the returned rows are not rows of the cloud: values changed.",
-                          yours=brief(yours), expected=brief(expected))
+        raise CheckFailed(
+            "Some of the returned rows are not rows of the cloud: values changed.",
+            yours=brief(yours),
+            expected=brief(expected),
+        )
     if len(yours) == len(expected) and np.array_equal(mine, keep):
         raise CheckFailed("These are the right rows in another order.", **sides)
     missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
@@ -116,16 +123,22 @@ def assert_rows(answer, cloud, keep, view="side"):
     if len(extra):
         parts.append(f"{_count(extra)} too many, for example {_point(cloud[extra[0]])}")
     message = "; ".join(parts) or "some rows are there more than once"
-    raise CheckFailed(message[0].upper() + message[1:] + ".", **sides,
-                      draw=lambda: _plots().difference(cloud, mine, keep, view=view))
+    raise CheckFailed(
+        message[0].upper() + message[1:] + ".",
+        **sides,
+        draw=lambda: _plots().difference(cloud, mine, keep, view=view),
+    )
 
 
 def assert_same_set_of_rows(answer, expected):
     """The answer holds the rows of `expected`, in any order."""
     yours = as_array(answer, columns=expected.shape[1], what="an array of points")
     if len(yours) != len(expected):
-        raise CheckFailed(f"There are {len(yours)} rows, expected {len(expected)}.",
-                          yours=f"{len(yours)} rows", expected=f"{len(expected)} rows")
+        raise CheckFailed(
+            f"There are {len(yours)} rows, expected {len(expected)}.",
+            yours=f"{len(yours)} rows",
+            expected=f"{len(expected)} rows",
+        )
     if len(expected) and not np.isfinite(yours).all():
         raise CheckFailed("Some values are not finite.", yours=brief(yours))
     if not len(expected):
@@ -136,8 +149,11 @@ def assert_same_set_of_rows(answer, expected):
     strangers = np.flatnonzero(distances > TOLERANCE)
     if len(strangers):
         row, partner = yours[strangers[0]], expected[partners[strangers[0]]]
-        raise CheckFailed(f"{_count(strangers)} should not be there; beside the nearest right "
-                          "one:", yours=brief(row), expected=brief(partner))
+        raise CheckFailed(
+            f"{_count(strangers)} should not be there; beside the nearest right one:",
+            yours=brief(row),
+            expected=brief(partner),
+        )
     if len(np.unique(partners)) < len(expected):
         raise CheckFailed("Some rows are there twice and others are missing.")
 
@@ -146,8 +162,11 @@ def as_labels(answer, n):
     """An answer as (n,) whole-numbered labels."""
     labels = as_array(answer, what="an array of labels")
     if labels.shape != (n,):
-        raise CheckFailed(f"There must be one label for each of the {n} points.",
-                          yours=f"shape {labels.shape}", expected=f"shape ({n},)")
+        raise CheckFailed(
+            f"There must be one label for each of the {n} points.",
+            yours=f"shape {labels.shape}",
+            expected=f"shape ({n},)",
+        )
     if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):
         raise CheckFailed("Labels are whole numbers.", yours=brief(labels))
     return labels.astype(np.int64)
@@ -169,12 +188,17 @@ def assert_partition(answer, expected, cloud):
         return
     split = pairs.shape[1] > number_expected
     merged = pairs.shape[1] > number_yours
-    what = {(True, True): "Some clusters are torn apart and others run together.",
-            (True, False): "Points that belong together have different labels.",
-            (False, True): "Points of different clusters have the same label."}[split, merged]
-    raise CheckFailed(what, yours=f"{number_yours} clusters",
-                      expected=f"{number_expected} clusters",
-                      draw=lambda: _plots().worst(cloud, yours, expected))
+    what = {
+        (True, True): "Some clusters are torn apart and others run together.",
+        (True, False): "Points that belong together have different labels.",
+        (False, True): "Points of different clusters have the same label.",
+    }[split, merged]
+    raise CheckFailed(
+        what,
+        yours=f"{number_yours} clusters",
+        expected=f"{number_expected} clusters",
+        draw=lambda: _plots().worst(cloud, yours, expected),
+    )
 
 
 def assert_close(answer, expected, what, tolerance=TOLERANCE):
@@ -191,20 +215,30 @@ def assert_close(answer, expected, what, tolerance=TOLERANCE):
     expected = np.asarray(expected)
     yours = as_array(answer, what=f"an array of {what}")
     if yours.shape != expected.shape:
-        raise CheckFailed(f"The {what} have another shape than expected.",
-                          yours=f"shape {yours.shape}", expected=f"shape {expected.shape}")
+        raise CheckFailed(
+            f"The {what} have another shape than expected.",
+            yours=f"shape {yours.shape}",
+            expected=f"shape {expected.shape}",
+        )
     if not np.allclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True):
-        wrong = np.count_nonzero(~np.isclose(yours, expected, rtol=0, atol=tolerance,
-                                             equal_nan=True))
-        raise CheckFailed(f"{wrong} of {expected.size} {what} are wrong.",
-                          yours=brief(yours), expected=brief(expected))
+        wrong = np.count_nonzero(
+            ~np.isclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True)
+        )
+        raise CheckFailed(
+            f"{wrong} of {expected.size} {what} are wrong.",
+            yours=brief(yours),
+            expected=brief(expected),
+        )
 
 
 def assert_untouched(before, after):
     """The function left its input as it was."""
     if not np.array_equal(before, after, equal_nan=True):
-        raise CheckFailed("The function changed its input. Work on a copy, or build a new array.",
-                          yours=brief(after), expected=brief(before))
+        raise CheckFailed(
+            "The function changed its input. Work on a copy, or build a new array.",
+            yours=brief(after),
+            expected=brief(before),
+        )
 
 
 def _plots():

@@ -22,7 +22,6 @@ ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 """Kinds whose true boxes are shown; houses and trees would hide the rest."""
 
 
-
 @dataclass(frozen=True, eq=False)
 class Sight:
     """One frame and what a detector made of it.
@@ -212,4 +211,3 @@ def _checked(found) -> np.ndarray:
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
         raise ValueError(f"A detector returns boxes (N, 8, 3); yours returned {boxes.shape}.")
     return boxes
-

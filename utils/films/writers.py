@@ -50,11 +50,14 @@ class Film:
             low, high = min(self.boxes), max(self.boxes)
             number = f"{low}" if low == high else f"{low} to {high}"
             middle, slowest = 1000 * statistics.median(self.seconds), 1000 * max(self.seconds)
-            words.append(f"{number} box{'' if high == 1 else 'es'} per frame; "
-                         f"detection took {middle:.0f} ms (median), at most {slowest:.0f} ms.")
+            words.append(
+                f"{number} box{'' if high == 1 else 'es'} per frame; "
+                f"detection took {middle:.0f} ms (median), at most {slowest:.0f} ms."
+            )
         if self.problems:
-            words.append(f"The detector failed in {len(self.problems)} of them; "
-                         f"first: {self.problems[0]}.")
+            words.append(
+                f"The detector failed in {len(self.problems)} of them; first: {self.problems[0]}."
+            )
         return " ".join(words)
 
     def _repr_html_(self) -> str:
@@ -63,12 +66,15 @@ class Film:
             return f"<p>{text} The film is in {html.escape(str(self.path))}.</p>"
         data = base64.b64encode(self.path.read_bytes()).decode()
         if self.path.suffix == ".mp4":
-            shown = (f'<video controls loop muted aria-label="{text}" style="max-width:100%" '
-                     f'src="data:video/mp4;base64,{data}"></video>')
+            shown = (
+                f'<video controls loop muted aria-label="{text}" style="max-width:100%" '
+                f'src="data:video/mp4;base64,{data}"></video>'
+            )
         else:
             kind = self.path.suffix[1:]
-            shown = (f'<img alt="{text}" style="max-width:100%" '
-                     f'src="data:image/{kind};base64,{data}">')
+            shown = (
+                f'<img alt="{text}" style="max-width:100%" src="data:image/{kind};base64,{data}">'
+            )
         return f"{shown}<p>{text}</p>"
 
 

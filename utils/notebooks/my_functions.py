@@ -66,21 +66,30 @@ def _find(wanted: Path) -> Path:
     if wanted.suffix != ".ipynb":
         wanted = wanted.with_name(wanted.name + ".ipynb")
     here = Path.cwd()
-    folders = [here, *sorted(path for path in here.parent.glob("*/") if path.is_dir()),
-               *sorted((_PROJECT / "notebooks").glob("*/"))]
+    folders = [
+        here,
+        *sorted(path for path in here.parent.glob("*/") if path.is_dir()),
+        *sorted((_PROJECT / "notebooks").glob("*/")),
+    ]
     for folder in folders:
         # Folders of other people may be closed to us.
         with contextlib.suppress(OSError):
             if (folder / wanted).is_file():
                 return folder / wanted
-    seen = sorted({path.name for folder in (here, *(_PROJECT / "notebooks").glob("*/"))
-                   for path in folder.glob("*.ipynb")})
+    seen = sorted(
+        {
+            path.name
+            for folder in (here, *(_PROJECT / "notebooks").glob("*/"))
+            for path in folder.glob("*.ipynb")
+        }
+    )
     similar = difflib.get_close_matches(wanted.name, seen, n=1, cutoff=0.4)
     advice = f" Did you mean {similar[0]}?" if similar else ""
     raise FileNotFoundError(
         f"There is no notebook {str(wanted)!r} in {here}, in the folders beside it or in the "
         f"course's notebooks.{advice} Save it there, or give its path. (The judge sees one "
-        "notebook only: paste what it needs into that notebook.)")
+        "notebook only: paste what it needs into that notebook.)"
+    )
 
 
 def _code_cells(path: Path) -> list[str]:
@@ -89,8 +98,10 @@ def _code_cells(path: Path) -> list[str]:
         cells = json.loads(path.read_bytes().decode("utf-8-sig"))["cells"]
         return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
     except (ValueError, KeyError, TypeError):
-        raise ValueError(f"{path} cannot be read as a notebook. Open it in Jupyter, save it "
-                         "there, and try again.") from None
+        raise ValueError(
+            f"{path} cannot be read as a notebook. Open it in Jupyter, save it "
+            "there, and try again."
+        ) from None
 
 
 def _parse(source: str) -> ast.Module:
@@ -104,8 +115,10 @@ def _parse(source: str) -> ast.Module:
                 return ast.Module([], [])
             lines[0] = ""
     # `%matplotlib inline`, `!pip list`, `?plot`, `plot?`: commands of the notebook, not Python.
-    plain = ["" if line.lstrip()[:1] in ("%", "!", "?") or line.rstrip().endswith("?") else line
-             for line in lines]
+    plain = [
+        "" if line.lstrip()[:1] in ("%", "!", "?") or line.rstrip().endswith("?") else line
+        for line in lines
+    ]
     try:
         return ast.parse("\n".join(plain))
     except (SyntaxError, ValueError):
@@ -115,16 +128,21 @@ def _parse(source: str) -> ast.Module:
 def _defines(node: ast.stmt) -> bool:
     if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
         # Sliders run what they decorate.
-        return not any("interact" in ast.unparse(decorator).split("(")[0]
-                       for decorator in node.decorator_list)
+        return not any(
+            "interact" in ast.unparse(decorator).split("(")[0] for decorator in node.decorator_list
+        )
     if isinstance(node, (ast.Import, ast.ImportFrom)):
         return True
     if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
         plain = all(isinstance(target, (ast.Name, ast.Tuple)) for target in targets)
-        return plain and (isinstance(node.value, ast.Lambda) or not any(
-            isinstance(part, (ast.Call, ast.Await, ast.NamedExpr, ast.Yield, ast.comprehension))
-            for part in ast.walk(node.value)))
+        return plain and (
+            isinstance(node.value, ast.Lambda)
+            or not any(
+                isinstance(part, (ast.Call, ast.Await, ast.NamedExpr, ast.Yield, ast.comprehension))
+                for part in ast.walk(node.value)
+            )
+        )
     return False
 
 
@@ -143,21 +161,30 @@ def _execute(node: ast.stmt, namespace: dict, notebook: str, filename: str) -> l
             return []
     if isinstance(node, (ast.Import, ast.ImportFrom)):
         return []
-    return [name for name, value in namespace.items() if value is not before.get(name)
-            and isinstance(value, (FunctionType, type)) or name == getattr(node, "name", None)]
+    return [
+        name
+        for name, value in namespace.items()
+        if value is not before.get(name)
+        and isinstance(value, (FunctionType, type))
+        or name == getattr(node, "name", None)
+    ]
 
 
 def _is_stub(function: ast.FunctionDef) -> bool:
     last = function.body[-1]
-    return isinstance(last, ast.Raise) and last.exc is not None and \
-        ast.unparse(last.exc).split("(")[0] == "NotImplementedError"
+    return (
+        isinstance(last, ast.Raise)
+        and last.exc is not None
+        and ast.unparse(last.exc).split("(")[0] == "NotImplementedError"
+    )
 
 
 def _stub(name: str, notebook: str) -> FunctionType:
     def stub(*arguments, **keywords):
         raise NotImplementedError(
             f"{name} in {notebook} is still a stub. Write it there, save the notebook, and run "
-            "load_my_functions again.")
+            "load_my_functions again."
+        )
 
     stub.__name__ = stub.__qualname__ = name
     stub.__doc__ = f"Still a stub in {notebook}."

@@ -65,11 +65,14 @@ def parse_notebook(cells):
             statements += [_describe(number, node, future) for node in nodes]
         except SyntaxError as error:
             line = (error.text or "").strip()
-            problems.append(f"Code cell {number} is not valid Python, so it was skipped: "
-                            f"{error.msg} (line {error.lineno}: {line[:80]!r}).")
+            problems.append(
+                f"Code cell {number} is not valid Python, so it was skipped: "
+                f"{error.msg} (line {error.lineno}: {line[:80]!r})."
+            )
         except Exception as error:  # strangers' text breaks parsers in ways of its own
-            problems.append(f"Code cell {number} could not be read ({type(error).__name__}), "
-                            "so it was skipped.")
+            problems.append(
+                f"Code cell {number} could not be read ({type(error).__name__}), so it was skipped."
+            )
     return statements, problems
 
 
@@ -94,9 +97,12 @@ def _needed_by(name, statements):
     # `sys.setrecursionlimit(...)` and its like work by what they do to the interpreter, so
     # they count even when no function names `sys`.
     needed, kept = {name, "sys"}, set()
-    modules = {name for statement in statements
-               if isinstance(statement.node, (ast.Import, ast.ImportFrom))
-               for name in statement.binds}
+    modules = {
+        name
+        for statement in statements
+        if isinstance(statement.node, (ast.Import, ast.ImportFrom))
+        for name in statement.binds
+    }
     end = _end_of_exercise(name, statements)
     early = frozenset().union(*(statement.binds for statement in statements[:end]))
     grown = True
@@ -116,8 +122,14 @@ def _needed_by(name, statements):
 
 def _end_of_exercise(name, statements):
     """Position of the `check(name)` that follows its last definition; the end without one."""
-    last = max((position for position, statement in enumerate(statements)
-                if name in statement.binds | statement.changes), default=0)
+    last = max(
+        (
+            position
+            for position, statement in enumerate(statements)
+            if name in statement.binds | statement.changes
+        ),
+        default=0,
+    )
     for position, statement in enumerate(statements[last:], start=last):
         if ast.unparse(statement.node).startswith((f"check({name})", f"check({name},")):
             return position
@@ -126,8 +138,9 @@ def _end_of_exercise(name, statements):
 
 def compile_statement(statement, filename):
     """Code object of a statement; `filename` is what tracebacks will say."""
-    return compile(ast.Module([statement.node], type_ignores=[]), filename, "exec",
-                   flags=statement.future)
+    return compile(
+        ast.Module([statement.node], type_ignores=[]), filename, "exec", flags=statement.future
+    )
 
 
 def imported_modules(statements):
@@ -138,8 +151,7 @@ def imported_modules(statements):
                 yield from ((statement.cell, alias.name) for alias in node.names)
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 yield statement.cell, node.module
-                yield from ((statement.cell, f"{node.module}.{alias.name}")
-                            for alias in node.names)
+                yield from ((statement.cell, f"{node.module}.{alias.name}") for alias in node.names)
 
 
 def _parse(source):
@@ -167,26 +179,46 @@ def _without_magics(source):
 
 def _future_flags(nodes):
     """Compiler flags that hold from a cell on; statements are compiled one by one."""
-    names = [alias.name for node in nodes if isinstance(node, ast.ImportFrom)
-             and node.module == "__future__" for alias in node.names]
-    return sum({getattr(__future__, name).compiler_flag for name in names
-                if name in __future__.all_feature_names})
+    names = [
+        alias.name
+        for node in nodes
+        if isinstance(node, ast.ImportFrom) and node.module == "__future__"
+        for alias in node.names
+    ]
+    return sum(
+        {
+            getattr(__future__, name).compiler_flag
+            for name in names
+            if name in __future__.all_feature_names
+        }
+    )
 
 
 def _describe(cell, node, future):
     table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
     symbols = table.get_symbols()
     uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
-    binds = {symbol.get_name() for symbol in symbols
-             if symbol.is_assigned() or symbol.is_imported()}
+    binds = {
+        symbol.get_name() for symbol in symbols if symbol.is_assigned() or symbol.is_imported()
+    }
     for inner in _inner_tables(table):
         uses |= {symbol.get_name() for symbol in inner.get_symbols() if symbol.is_global()}
-    binds |= {inner.target.id for inner in _walk_without_functions(node)
-              if isinstance(inner, ast.NamedExpr)}  # one in a comprehension binds outside of it
+    binds |= {
+        inner.target.id
+        for inner in _walk_without_functions(node)
+        if isinstance(inner, ast.NamedExpr)
+    }  # one in a comprehension binds outside of it
     if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
         binds.add("sys")  # it may bind anything, so it always stays
-    return Statement(cell, node, frozenset(binds), frozenset(uses),
-                     frozenset(_changed_names(node)), frozenset(_called_names(node)), future)
+    return Statement(
+        cell,
+        node,
+        frozenset(binds),
+        frozenset(uses),
+        frozenset(_changed_names(node)),
+        frozenset(_called_names(node)),
+        future,
+    )
 
 
 def _inner_tables(table):
@@ -202,11 +234,16 @@ def _changed_names(node):
     ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
     """
     for inner in _walk_without_functions(node):
-        if isinstance(inner, (ast.Attribute, ast.Subscript)) and \
-                isinstance(inner.ctx, (ast.Store, ast.Del)):
+        if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
+            inner.ctx, (ast.Store, ast.Del)
+        ):
             yield _root(inner)
-        elif isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name) and \
-                inner.func.id in ("setattr", "delattr") and inner.args:
+        elif (
+            isinstance(inner, ast.Call)
+            and isinstance(inner.func, ast.Name)
+            and inner.func.id in ("setattr", "delattr")
+            and inner.args
+        ):
             yield _root(inner.args[0])
         elif _is_bare_call(inner) and inner.value.func.attr.startswith(("set", "seed")):
             yield _root(inner.value.func)
@@ -214,13 +251,17 @@ def _changed_names(node):
 
 def _called_names(node):
     """Names of which a statement calls a method and drops the result: ``a.append(b)``."""
-    return (_root(inner.value.func) for inner in _walk_without_functions(node)
-            if _is_bare_call(inner))
+    return (
+        _root(inner.value.func) for inner in _walk_without_functions(node) if _is_bare_call(inner)
+    )
 
 
 def _is_bare_call(node):
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and \
-        isinstance(node.value.func, ast.Attribute)
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and isinstance(node.value.func, ast.Attribute)
+    )
 
 
 def _walk_without_functions(node):

@@ -142,9 +142,7 @@ def box_parts(corners, names, reference, name, layer) -> list[Part]:
 def ego_parts(minimum, maximum) -> list[Part]:
     """The box of the ego car in magenta."""
     corners = solids.upright_box(minimum, maximum)[None]
-    edges = Segments(
-        solids.edges_of(corners), MAGENTA, 2.5, "ego_car_box", LAYERS["ego_car_box"]
-    )
+    edges = Segments(solids.edges_of(corners), MAGENTA, 2.5, "ego_car_box", LAYERS["ego_car_box"])
     return [edges, _faces(solids.faces_of(corners), MAGENTA, "ego_car_box", 0.25)]
 
 

@@ -102,8 +102,9 @@ def _write_legend(draw, down, width, entries, font):
         if across > MARGIN and across + room > width - MARGIN:
             across, down = MARGIN, down + font.size + 8
         middle = down + font.size * 0.6
-        draw.rectangle((across - 4, down - 2, across + room, down + font.size + 4),
-                       (255, 255, 255, 215))
+        draw.rectangle(
+            (across - 4, down - 2, across + room, down + font.size + 4), (255, 255, 255, 215)
+        )
         if kind in ("line", "dashes"):
             for start in (0, 11) if kind == "dashes" else (0, 5.5, 11):
                 draw.line((across + start, middle, across + start + 5.5, middle), colour, 3)

@@ -42,9 +42,16 @@ def draw(scene, camera: str | Camera, axes=None):
     for label in labels:
         seen = camera.seen(label.at)
         if seen[2] > NEAREST:
-            axes.text(*camera.placed(seen, size), label.text, color=label.colour, ha="center",
-                      fontweight="bold", fontsize=9, clip_on=True,
-                      bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.8, "pad": 1})
+            axes.text(
+                *camera.placed(seen, size),
+                label.text,
+                color=label.colour,
+                ha="center",
+                fontweight="bold",
+                fontsize=9,
+                clip_on=True,
+                bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.8, "pad": 1},
+            )
     axes.set_title(scene.title, loc="left", fontsize=12, fontweight="bold")
     return axes
 
@@ -56,16 +63,26 @@ def _fill(axes, scene, camera, size) -> None:
     opaque = [part for part in parts if isinstance(part, Faces) and part.opacity == 1.0]
     glassy = [part for part in parts if isinstance(part, Faces) and part.opacity < 1.0]
     _add_faces(axes, opaque, camera, size, 1)
-    axes.imshow(_dotted(parts, camera, size), extent=(0, size[0], size[1], 0), zorder=2,
-                interpolation="nearest", aspect="auto")
+    axes.imshow(
+        _dotted(parts, camera, size),
+        extent=(0, size[0], size[1], 0),
+        zorder=2,
+        interpolation="nearest",
+        aspect="auto",
+    )
     _add_faces(axes, glassy, camera, size, 3)
     for part in parts:
         if isinstance(part, Segments) and len(part.ends):
             lines = camera.placed(cut_off(camera.seen(part.ends)), size)
             width = part.width * 72 / DOTS_PER_INCH
             axes.add_collection(
-                LineCollection(lines, colors=part.colour, linewidths=width, alpha=part.opacity,
-                               zorder=1.5 if part.layer == "scene" else 4),
+                LineCollection(
+                    lines,
+                    colors=part.colour,
+                    linewidths=width,
+                    alpha=part.opacity,
+                    zorder=1.5 if part.layer == "scene" else 4,
+                ),
                 autolim=False,
             )
     axes.set(xlim=(0, size[0]), ylim=(size[1], 0))
@@ -78,14 +95,21 @@ def _add_faces(axes, parts, camera, size, zorder) -> None:
         return
     triangles = camera.seen(np.concatenate([part.triangles for part in kept]))
     colours = np.concatenate(
-        [np.column_stack([part.colours / 255, np.full(len(part.colours), part.opacity)])
-         for part in kept]
+        [
+            np.column_stack([part.colours / 255, np.full(len(part.colours), part.opacity)])
+            for part in kept
+        ]
     )
     shown = np.flatnonzero((triangles[:, :, 2] > NEAREST).all(axis=1))
     shown = shown[np.argsort(-triangles[shown, :, 2].mean(axis=1))]
     axes.add_collection(
-        PolyCollection(camera.placed(triangles[shown], size), facecolors=colours[shown],
-                       edgecolors="none", antialiased=False, zorder=zorder),
+        PolyCollection(
+            camera.placed(triangles[shown], size),
+            facecolors=colours[shown],
+            edgecolors="none",
+            antialiased=False,
+            zorder=zorder,
+        ),
         autolim=False,
     )
 

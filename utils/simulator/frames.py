@@ -51,9 +51,7 @@ class Stream(Sequence):
         return Stream(self.render, chosen) if isinstance(index, slice) else self.render(chosen)
 
 
-def observe(
-    world: World, sensor: Sensor, seed: int | Sequence[int], time: float = 0.0
-) -> Frame:
+def observe(world: World, sensor: Sensor, seed: int | Sequence[int], time: float = 0.0) -> Frame:
     """Scan a world, given in the vehicle's frame, and box what was seen of it."""
     swept = scan(world, sensor, seed)
     echoes = np.bincount(swept.objects) if len(swept.objects) else np.zeros(1, dtype=int)

@@ -16,18 +16,58 @@ import sys
 
 # By machine: what the kernel calls it (linux/audit.h), and its numbers of system calls.
 MACHINES = {
-    "x86_64": (0xC000003E, {
-        "shmget": 29, "semget": 64, "msgget": 68, "memfd_create": 319, "memfd_secret": 447,
-        "ptrace": 101, "process_vm_readv": 310, "process_vm_writev": 311, "pidfd_getfd": 438,
-        "add_key": 248, "request_key": 249, "keyctl": 250, "bpf": 321, "perf_event_open": 298,
-        "userfaultfd": 323, "io_uring_setup": 425, "unshare": 272, "setns": 308,
-        "clone3": 435, "clone": 56, "socket": 41}),
-    "aarch64": (0xC00000B7, {
-        "shmget": 194, "semget": 190, "msgget": 186, "memfd_create": 279, "memfd_secret": 447,
-        "ptrace": 117, "process_vm_readv": 270, "process_vm_writev": 271, "pidfd_getfd": 438,
-        "add_key": 217, "request_key": 218, "keyctl": 219, "bpf": 280, "perf_event_open": 241,
-        "userfaultfd": 282, "io_uring_setup": 425, "unshare": 97, "setns": 268,
-        "clone3": 435, "clone": 220, "socket": 198}),
+    "x86_64": (
+        0xC000003E,
+        {
+            "shmget": 29,
+            "semget": 64,
+            "msgget": 68,
+            "memfd_create": 319,
+            "memfd_secret": 447,
+            "ptrace": 101,
+            "process_vm_readv": 310,
+            "process_vm_writev": 311,
+            "pidfd_getfd": 438,
+            "add_key": 248,
+            "request_key": 249,
+            "keyctl": 250,
+            "bpf": 321,
+            "perf_event_open": 298,
+            "userfaultfd": 323,
+            "io_uring_setup": 425,
+            "unshare": 272,
+            "setns": 308,
+            "clone3": 435,
+            "clone": 56,
+            "socket": 41,
+        },
+    ),
+    "aarch64": (
+        0xC00000B7,
+        {
+            "shmget": 194,
+            "semget": 190,
+            "msgget": 186,
+            "memfd_create": 279,
+            "memfd_secret": 447,
+            "ptrace": 117,
+            "process_vm_readv": 270,
+            "process_vm_writev": 271,
+            "pidfd_getfd": 438,
+            "add_key": 217,
+            "request_key": 218,
+            "keyctl": 219,
+            "bpf": 280,
+            "perf_event_open": 241,
+            "userfaultfd": 282,
+            "io_uring_setup": 425,
+            "unshare": 97,
+            "setns": 268,
+            "clone3": 435,
+            "clone": 220,
+            "socket": 198,
+        },
+    ),
 }
 # These two stay, with limits on their first argument.
 NEW_USER_NAMESPACE = 0x10000000
@@ -59,14 +99,16 @@ def deny():
     machine = os.uname().machine
     if sys.platform != "linux" or machine not in MACHINES:
         return
-    code = b"".join(operation.to_bytes(2, "little") + bytes((if_true, if_false))
-                    + value.to_bytes(4, "little")
-                    for operation, if_true, if_false, value in _filter(machine))
+    code = b"".join(
+        operation.to_bytes(2, "little") + bytes((if_true, if_false)) + value.to_bytes(4, "little")
+        for operation, if_true, if_false, value in _filter(machine)
+    )
     program = _Program(len(code) // 8, code)
     prctl = ctypes.CDLL(None, use_errno=True).prctl
     nothing = ctypes.c_ulong(0)
-    if prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), nothing, nothing, nothing) or \
-            prctl(_SET_SECCOMP, ctypes.c_ulong(_FILTER), ctypes.byref(program), nothing, nothing):
+    if prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), nothing, nothing, nothing) or prctl(
+        _SET_SECCOMP, ctypes.c_ulong(_FILTER), ctypes.byref(program), nothing, nothing
+    ):
         number = ctypes.get_errno()
         raise OSError(number, f"seccomp: {os.strerror(number)}")
 
@@ -80,8 +122,10 @@ def _filter(machine):
     yield _IF_EQUAL, 1, 0, name
     yield _DENY
     yield _LOAD, 0, 0, _NUMBER
-    for test, number in [(_IF_AT_LEAST, _FOREIGN_NUMBERS),
-                         *((_IF_EQUAL, number) for number in numbers.values())]:
+    for test, number in [
+        (_IF_AT_LEAST, _FOREIGN_NUMBERS),
+        *((_IF_EQUAL, number) for number in numbers.values()),
+    ]:
         yield test, 0, 1, number
         yield _DENY
     yield _IF_EQUAL, 0, 4, clone

@@ -99,8 +99,9 @@ def decode(tree, blob):
 
 def is_plain(value):
     """True for what crosses as it is; an object of a student's own class stays where it is."""
-    return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or \
-        hasattr(value, "__array__")
+    return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
+        value, "__array__"
+    )
 
 
 def _to_tree(value, blob, depth):
@@ -120,8 +121,11 @@ def _to_tree(value, blob, depth):
     if isinstance(value, float):
         return float(value)
     if isinstance(value, (list, tuple)):
-        return {"list" if isinstance(value, list) else "tuple":
-                [_to_tree(item, blob, depth + 1) for item in value]}
+        return {
+            "list" if isinstance(value, list) else "tuple": [
+                _to_tree(item, blob, depth + 1) for item in value
+            ]
+        }
     if isinstance(value, (set, frozenset, dict)):
         return _keyed_to_tree(value, blob, depth)
     if isinstance(value, Opaque):
@@ -141,8 +145,12 @@ def _keyed_to_tree(value, blob, depth):
         return {"opaque": f"a {name} of more than numbers and texts"}
     if name == "set":
         return {"set": [_to_tree(item, blob, depth + 1) for item in value]}
-    return {"dict": [[_to_tree(key, blob, depth + 1), _to_tree(item, blob, depth + 1)]
-                     for key, item in value.items()]}
+    return {
+        "dict": [
+            [_to_tree(key, blob, depth + 1), _to_tree(item, blob, depth + 1)]
+            for key, item in value.items()
+        ]
+    }
 
 
 def _array_to_tree(array, blob, depth):
@@ -181,15 +189,17 @@ def _from_tree(tree, blob, depth):
         return tree
     if not isinstance(tree, dict) or len(tree) != 1:
         raise WireError("unknown node")
-    (kind, content), = tree.items()
+    ((kind, content),) = tree.items()
     if kind in ("list", "tuple"):
         items = [_from_tree(item, blob, depth + 1) for item in content]
         return items if kind == "list" else tuple(items)
     if kind == "set":
         return {_key_from_tree(item, blob, depth) for item in content}
     if kind == "dict":
-        return {_key_from_tree(key, blob, depth): _from_tree(item, blob, depth + 1)
-                for key, item in content}
+        return {
+            _key_from_tree(key, blob, depth): _from_tree(item, blob, depth + 1)
+            for key, item in content
+        }
     if kind == "array":
         return _array_from_tree(content, blob)
     if kind == "opaque" and isinstance(content, str):
@@ -212,14 +222,16 @@ def _array_from_tree(content, blob):
     if not isinstance(shape, list) or not _is_possible(shape):
         raise WireError("array of impossible shape")
     dtype = np.dtype(dtype)
-    return np.frombuffer(bytearray(blob.take(math.prod(shape) * dtype.itemsize)),
-                         dtype).reshape(shape)
+    return np.frombuffer(bytearray(blob.take(math.prod(shape) * dtype.itemsize)), dtype).reshape(
+        shape
+    )
 
 
 def _is_possible(shape):
     # Every single length counts: an array without elements can claim any other length for free.
-    return len(shape) <= MAXIMUM_DIMENSIONS and \
-        all(type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape)
+    return len(shape) <= MAXIMUM_DIMENSIONS and all(
+        type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
+    )
 
 
 def _is_small(value):
@@ -250,7 +262,7 @@ def send(descriptor, value, deadline=None):
     while view:
         _wait(descriptor, deadline, select.POLLOUT)
         try:
-            view = view[os.write(descriptor, view):]
+            view = view[os.write(descriptor, view) :]
         except BlockingIOError:
             continue
         except BrokenPipeError:

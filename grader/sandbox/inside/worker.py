@@ -35,8 +35,9 @@ class ForbiddenImports(importlib.abc.MetaPathFinder):
 
     def find_spec(self, fullname, path=None, target=None):
         if is_forbidden(fullname, self.modules):
-            raise ImportError(f"{fullname} is not allowed in this lesson: it does the exercise "
-                              "for you")
+            raise ImportError(
+                f"{fullname} is not allowed in this lesson: it does the exercise for you"
+            )
         return None
 
 
@@ -59,16 +60,22 @@ def main(read_end, write_end):
     statements, problems = slicing.parse_notebook(start["cells"])
     for cell, module in dict.fromkeys(slicing.imported_modules(statements)):
         if is_forbidden(module, rules["forbidden"]):
-            problems.append(f"Code cell {cell} imports {module}, which is not allowed in this "
-                            "lesson: it does the exercise for you.")
+            problems.append(
+                f"Code cell {cell} imports {module}, which is not allowed in this "
+                "lesson: it does the exercise for you."
+            )
     needed = slicing.slice_for(start["names"], statements)
     wire.send(write_end, {"problems": problems})
 
     namespace = make_namespace()
     failures = run(needed, namespace)
-    wire.send(write_end, {"problems": failures,
-                          "missing": [name for name in start["names"]
-                                      if name not in namespace]})
+    wire.send(
+        write_end,
+        {
+            "problems": failures,
+            "missing": [name for name in start["names"] if name not in namespace],
+        },
+    )
     objects = {}
     while True:
         try:
@@ -125,8 +132,10 @@ def run(statements, namespace):
             exec(code, namespace)
         except BaseException as error:  # SystemExit too: nothing a cell does ends the judging
             text = describe(error)
-            failures.append(f"Code cell {statement.cell}, line {statement.node.lineno}, failed: "
-                            f"{text['type']}: {text['message']}")
+            failures.append(
+                f"Code cell {statement.cell}, line {statement.node.lineno}, failed: "
+                f"{text['type']}: {text['message']}"
+            )
     return failures
 
 
@@ -148,11 +157,17 @@ def answer(request, namespace, objects):
         return {"error": describe(error)}
     if not wire.is_plain(result):
         objects[len(objects)] = result
-        return {"object": len(objects) - 1, "callable": callable(result),
-                "type": type(result).__name__[:100]}
+        return {
+            "object": len(objects) - 1,
+            "callable": callable(result),
+            "type": type(result).__name__[:100],
+        }
     # The judge passes changes of an argument on to its own copy, as a real call would.
-    changed = {position: argument for position, argument in enumerate(arguments)
-               if wire.encode(argument) != before[position]}
+    changed = {
+        position: argument
+        for position, argument in enumerate(arguments)
+        if wire.encode(argument) != before[position]
+    }
     return {"result": result, "changed": changed}
 
 
@@ -163,8 +178,16 @@ def reply(write_end, number, content):
     except wire.WireClosed:
         raise
     except wire.TooLarge:
-        wire.send(write_end, {"id": number, "error": {
-            "type": "MemoryError", "message": "it returned more data than any answer needs"}})
+        wire.send(
+            write_end,
+            {
+                "id": number,
+                "error": {
+                    "type": "MemoryError",
+                    "message": "it returned more data than any answer needs",
+                },
+            },
+        )
     except Exception as error:  # an object that cannot be turned into an array, or read
         wire.send(write_end, {"id": number, "error": describe(error)})
 
@@ -180,8 +203,7 @@ def describe(error):
         message = str(error)
     except BaseException:
         message = ""
-    return {"type": type(error).__name__[:100], "message": message[:LONGEST_TEXT],
-            "place": place}
+    return {"type": type(error).__name__[:100], "message": message[:LONGEST_TEXT], "place": place}
 
 
 if __name__ == "__main__":
