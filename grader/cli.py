@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader import commands
+from grader.lms.exporters import EXPORTERS
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
 
@@ -66,6 +67,12 @@ def parser() -> argparse.ArgumentParser:
 
     report = kinds.add_parser("report", help="write the report on what has been graded")
     report.set_defaults(run=commands.run_report)
+
+    export = kinds.add_parser("export", help="write the scores of the gradebook to a file")
+    export.add_argument(
+        "--format", choices=tuple(EXPORTERS), default=next(iter(EXPORTERS)), help="of the file"
+    )
+    export.set_defaults(run=commands.run_export)
 
     demo = kinds.add_parser("demo", help="grade a pretend class, end to end, in demo/")
     demo.add_argument(

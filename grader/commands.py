@@ -92,6 +92,22 @@ def run_report(options):
     return GOOD
 
 
+def run_export(options):
+    """``export``"""
+    from grader.lms.exporters import EXPORTERS
+    from grader.lms.gradebook import class_results
+
+    course = Course()
+    results = class_results(course)
+    if not results.notebooks:
+        print("The gradebook is empty. Run: python -m grader grade", file=sys.stderr)
+        return WRONG_CALL
+    path = course.root / f"scores.{options.format}"
+    path.write_text(EXPORTERS[options.format](results), "utf-8", errors="replace")
+    print(f"Scores: {path}")
+    return GOOD
+
+
 def run_demo(options):
     """``demo``"""
     from grader.classroom.demo import make_class
@@ -114,14 +130,15 @@ def run_demo(options):
 
 def grade_course(course, wanted, seed, sandbox, workers, warning=""):
     """Judge, enter, report: what `grade` and `demo` do."""
+    from grader.classroom.executors import EXECUTORS
     from grader.classroom.grade import judge_class
     from grader.classroom.report import write_report
     from grader.lms.gradebook import GradebookTrouble, enter
 
     warning = warning or sandbox.warning
     begin = time.perf_counter()
-    with console.progress_bar("Judging") as advance:
-        judged = judge_class(course, wanted, seed, sandbox, workers, advance)
+    with EXECUTORS["processes"](workers) as executor, console.progress_bar("Judging") as advance:
+        judged = judge_class(course, wanted, seed, sandbox, executor, advance)
     seconds = time.perf_counter() - begin
     if not judged:
         print(

@@ -13,6 +13,7 @@ import pytest
 from grader import cli
 from grader.classroom import demo, grade
 from grader.classroom.demo import make_class
+from grader.classroom.executors import EXECUTORS
 from grader.classroom.report import write_report
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
@@ -100,8 +101,15 @@ def scores_by_verdict(judged):
     }
 
 
+def entered(course):
+    """Score by student, stage and notebook, as the gradebook holds them."""
+    results = gradebook.class_results(course).notebooks
+    return {(result.student, result.stage, result.lesson): result.score for result in results}
+
+
 def judge_it(course, sandbox, workers=2):
-    return grade.judge_class(course, (), SEED, sandbox, workers, quiet)
+    with EXECUTORS["processes"](workers) as executor:
+        return grade.judge_class(course, (), SEED, sandbox, executor, quiet)
 
 
 def nbgrader(course, *words):
@@ -118,7 +126,7 @@ def test_scores_reach_the_gradebook(course, sandbox):
     judged = judge_it(course, sandbox)
     gradebook.enter(course, judged, SEED, sandbox, quiet)
     expected = scores_by_verdict(judged)
-    assert gradebook.scores(course) == expected
+    assert entered(course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
     assert 0 < expected["half", LESSON.stage, LESSON.name] < 20
     assert expected["untouched", LESSON.stage, LESSON.name] == 0
@@ -134,7 +142,7 @@ def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(cou
     ).read_bytes().strip() == LESSON.released.read_bytes().strip()
     done = nbgrader(course, "autograde", LESSON.stage)
     assert done.returncode == 0, done.stderr
-    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, sandbox))
+    assert entered(course) == scores_by_verdict(judge_it(course, sandbox))
 
     feedback = nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
@@ -196,7 +204,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
             }
 
     autograde()
-    assert gradebook.scores(course) == scores_by_verdict(judge_it(course, sandbox))
+    assert entered(course) == scores_by_verdict(judge_it(course, sandbox))
     assert grades("writer") == {
         "test_detect_obstacles": (0, None, False),
         "test_match_boxes": (5, None, False),
@@ -210,7 +218,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         book.db.commit()
     autograde()
     assert grades("writer")["second_data_set"][1] == 4
-    assert gradebook.scores(course)["writer", lesson.stage, lesson.name] == 9
+    assert entered(course)["writer", lesson.stage, lesson.name] == 9
 
 
 def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
@@ -232,7 +240,7 @@ def test_gradebook_follows_a_new_submission(course, sandbox):
     path.write_text(answer(), "utf-8")
     judged = judge_it(course, sandbox)
     gradebook.enter(course, judged, SEED, sandbox, quiet)
-    assert gradebook.scores(course) == scores_by_verdict(judged)
+    assert entered(course) == scores_by_verdict(judged)
 
 
 def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox):
@@ -251,7 +259,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox
     path.write_text(json.dumps(notebook))
     judged = judge_it(course, sandbox)
     gradebook.enter(course, judged, SEED, sandbox, quiet)
-    assert gradebook.scores(course) == scores_by_verdict(judged)
+    assert entered(course) == scores_by_verdict(judged)
 
 
 @pytest.mark.slow
@@ -261,10 +269,11 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
         path.parent.mkdir(parents=True)
         path.write_text(answer(), "utf-8")
     code = (
-        "from pathlib import Path; from grader.classroom import grade;"
+        "from concurrent.futures import ProcessPoolExecutor; from pathlib import Path;"
+        "from grader.classroom import grade;"
         "from grader.course.paths import Course; from grader.sandbox import SANDBOXES;"
         f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, "
-        f"SANDBOXES[{sandbox.name!r}], 2, lambda *a: None)"
+        f"SANDBOXES[{sandbox.name!r}], ProcessPoolExecutor(2), lambda *a: None)"
     )
     running = subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT, start_new_session=True)
     deadline = time.monotonic() + 60
@@ -386,7 +395,7 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     shown = capsys.readouterr().out
     assert "Report: " in shown
     course = Course(tmp_path / "demo")
-    scores = gradebook.scores(course)
+    scores = entered(course)
     whole = sum(
         exercise.points
         for lesson in all_lessons()

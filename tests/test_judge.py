@@ -89,7 +89,9 @@ def faults_on_other_seeds(path, lesson, sandbox):
 
     One process of the student answers them all: starting it would take longest.
     """
-    student = Student(read_notebook(path).cells, lesson.names, sandbox, LIMITS, lesson.forbidden)
+    student = Student(
+        read_notebook(path).cells, lesson.names, sandbox, LIMITS, lesson.header.forbidden
+    )
     with student:
         return [
             (seed, name, str(error))

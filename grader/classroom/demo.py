@@ -133,8 +133,8 @@ def pretend_students(count, hostile):
                     lesson: fill_in(
                         lesson,
                         {
-                            exercise: HOSTILE.format(name=exercise)
-                            for exercise in machine_graded(lesson)
+                            exercise.name: HOSTILE.format(name=exercise.name)
+                            for exercise in lesson.machine_graded
                         },
                     )
                     for lesson in lessons
@@ -150,24 +150,19 @@ def pretend_students(count, hostile):
         yield special.pop(0) if position % 4 == 3 and special else next(pupils)
 
 
-def machine_graded(lesson):
-    """Names of the exercises of a lesson that tests grade."""
-    return [exercise.name for exercise in lesson.exercises if not exercise.by_hand]
-
-
 def answers(lesson, number):
     """The number-th student's answers: two in three right, each in another style."""
     chosen = {}
-    for exercise in machine_graded(lesson):
+    for exercise in lesson.machine_graded:
         right = number % 3 != 2
-        pool = [variant for variant in variants_of(exercise) if variant.right == right]
-        chosen[exercise] = pool[(number // 3 if not right else number) % len(pool)].source
+        pool = [variant for variant in variants_of(exercise.name) if variant.right == right]
+        chosen[exercise.name] = pool[(number // 3 if not right else number) % len(pool)].source
     return chosen
 
 
 def best_answers(lesson):
     """A right answer to every exercise."""
     return {
-        exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
-        for exercise in machine_graded(lesson)
+        exercise.name: next(one.source for one in variants_of(exercise.name) if one.right)
+        for exercise in lesson.machine_graded
     }

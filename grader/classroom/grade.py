@@ -4,7 +4,7 @@ A verdict is a file that names all it depends on. Whoever needs one looks there 
 that was broken off goes on where it stopped, and `nbgrader autograde` finds what `grade` judged.
 """
 
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -90,8 +90,7 @@ def failed_verdict(submission, seed, error):
     """
     exercises = tuple(
         ExerciseResult(exercise.name, 0.0, exercise.points, ())
-        for exercise in submission.lesson.exercises
-        if not exercise.by_hand
+        for exercise in submission.lesson.machine_graded
     )
     sentence = (
         "The judge failed on this notebook; this is not the student's fault. Judge it "
@@ -110,7 +109,7 @@ def failed_verdict(submission, seed, error):
     )
 
 
-def judge_class(course, stages, seed, sandbox, workers, progress):
+def judge_class(course, stages, seed, sandbox, executor, progress):
     """Judge what has no verdict yet.
 
     Parameters
@@ -119,7 +118,9 @@ def judge_class(course, stages, seed, sandbox, workers, progress):
     stages : iterable of str
     seed : int
     sandbox : grader.sandbox.Sandbox
-    workers : int
+    executor : concurrent.futures.Executor
+        Runs the judging, as one of `grader.classroom.executors` does; it is not closed, unless
+        judging is broken off.
     progress : callable
         Called with (done, total, submission) after each notebook.
 
@@ -132,18 +133,17 @@ def judge_class(course, stages, seed, sandbox, workers, progress):
     open_ones = [submission for submission, verdict in verdicts.items() if verdict is None]
     done = len(submissions) - len(open_ones)
     progress(done, len(submissions), None)
-    with ProcessPoolExecutor(workers) as pool:
-        running = {
-            pool.submit(judge_and_store, course, submission, seed, sandbox): submission
-            for submission in open_ones
-        }
-        try:
-            for future in as_completed(running):
-                submission = running[future]
-                verdicts[submission] = _result(future, course, submission, seed)
-                done += 1
-                progress(done, len(submissions), submission)
-        except BaseException:
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+    running = {
+        executor.submit(judge_and_store, course, submission, seed, sandbox): submission
+        for submission in open_ones
+    }
+    try:
+        for future in as_completed(running):
+            submission = running[future]
+            verdicts[submission] = _result(future, course, submission, seed)
+            done += 1
+            progress(done, len(submissions), submission)
+    except BaseException:
+        executor.shutdown(wait=True, cancel_futures=True)
+        raise
     return [(submission, verdicts[submission]) for submission in submissions]

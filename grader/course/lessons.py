@@ -1,7 +1,7 @@
-"""What the course consists of: stages, lessons, exercises and their points.
+"""The registry: stages, lessons, exercises and their points, each read from where it is written.
 
-Points come from the nbgrader metadata of the released notebooks, the reference solutions from
-the lessons' sources: neither is written down a second time.
+A lesson registers itself: by the name of its source, by what the source's header says, and by
+the nbgrader metadata of its cells. Nothing about a lesson is written down a second time.
 """
 
 import functools
@@ -9,19 +9,11 @@ import json
 import re
 import types
 from dataclasses import dataclass
+from pathlib import Path
 
+from grader.course.header import Header, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
-
-# Modules that do a lesson's exercise. Looking up neighbours is allowed; clustering is not.
-CLUSTERING = ("sklearn.cluster", "scipy.cluster", "hdbscan", "dbscan", "open3d", "pcl")
-FORBIDDEN = {
-    "04_kd_tree": ("scipy.spatial", "sklearn.neighbors"),
-    "05_euclidean_clustering": CLUSTERING,
-    "10_accelerated_clustering": CLUSTERING,
-}
-# Classes that the judge makes objects of, beside the functions that are exercises.
-CLASSES = {"04_kd_tree": ("KdTree",)}
 
 
 @dataclass(frozen=True)
@@ -53,81 +45,74 @@ class Lesson:
     stage: str
 
     @property
-    def source(self):
+    def number(self) -> str:
+        """Two digits: its place in the course."""
+        return self.name[:2]
+
+    @property
+    def source(self) -> Path:
         """The one file in which the lesson is written."""
         return PROJECT / "solutions" / self.stage / f"{self.name}.py"
 
     @property
-    def released(self):
+    def released(self) -> Path:
         """The student's notebook."""
         return PROJECT / "notebooks" / self.stage / f"{self.name}.ipynb"
 
     @property
-    def solved(self):
+    def solved(self) -> Path:
         """The instructor's notebook."""
         return self.source.with_suffix(".ipynb")
 
     @property
-    def tests(self):
+    def tests(self) -> Path:
         """The judge's tests."""
         return PROJECT / "grader" / "tests" / f"test_{self.name}.py"
 
-    @property
-    def forbidden(self):
-        """Modules that may not be used."""
-        return FORBIDDEN.get(self.name, ())
+    @functools.cached_property
+    def header(self) -> Header:
+        """What the source says about the lesson as a whole."""
+        return read_header(self.source)
 
     @property
-    def names(self):
+    def names(self) -> tuple[str, ...]:
         """Functions and classes of the notebook that the judge uses."""
-        return (
-            *(exercise.name for exercise in self.exercises if not exercise.by_hand),
-            *CLASSES.get(self.name, ()),
-        )
+        return (*(exercise.name for exercise in self.machine_graded), *self.header.given)
+
+    @property
+    def machine_graded(self) -> tuple[Exercise, ...]:
+        """The exercises that tests grade; a person grades the others."""
+        return tuple(exercise for exercise in self.exercises if not exercise.by_hand)
 
     @functools.cached_property
-    def exercises(self):
-        """Tuple of `Exercise`, in the order of the notebook."""
+    def exercises(self) -> tuple[Exercise, ...]:
+        """All exercises, in the order of the notebook."""
         found = []
         for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
             grading = cell["metadata"].get("nbgrader", {})
             if grading.get("grade"):
                 name = grading["grade_id"].removeprefix("test_")
-                found.append(
-                    Exercise(
-                        name,
-                        float(grading["points"]),
-                        grading["grade_id"],
-                        bool(grading.get("solution")),
-                    )
-                )
+                points, by_hand = float(grading["points"]), bool(grading.get("solution"))
+                found.append(Exercise(name, points, grading["grade_id"], by_hand))
         return tuple(found)
 
 
 @functools.cache
-def all_lessons():
-    """Tuple of every `Lesson`, in the order of the course."""
+def all_lessons() -> tuple[Lesson, ...]:
+    """Every lesson, in the order of the course."""
     sources = sorted((PROJECT / "solutions").glob("stage*/[0-9][0-9]_*.py"))
     return tuple(Lesson(source.stem, source.parent.name) for source in sources)
 
 
-def stages():
+def stages() -> tuple[str, ...]:
     """Names of the stages, in order."""
     return tuple(dict.fromkeys(lesson.stage for lesson in all_lessons()))
 
 
-def find_lesson(text):
-    """The lesson whose name occurs in a text, such as a file name.
+def find_lesson(text: str) -> Lesson | None:
+    """The lesson whose name occurs in a text, such as a file name; None if there is none.
 
     Browsers and editors rename files ("Copy of 06_filter_ground (1).ipynb").
-
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    Lesson or None
     """
     for lesson in all_lessons():
         if re.search(rf"(?<![0-9]){re.escape(lesson.name)}(?![a-z_])", text):
@@ -135,18 +120,23 @@ def find_lesson(text):
     return None
 
 
-@functools.cache
-def load_reference(lesson_name):
-    """The reference functions of a lesson, as attributes of a namespace.
+def lesson_of(exercise: str) -> Lesson:
+    """The lesson that asks for an exercise.
 
-    Parameters
-    ----------
-    lesson_name : str
-
-    Returns
-    -------
-    types.SimpleNamespace
+    Raises
+    ------
+    LookupError
+        If none does.
     """
+    for lesson in all_lessons():
+        if exercise in (one.name for one in lesson.exercises):
+            return lesson
+    raise LookupError(f"No lesson asks for {exercise!r}.")
+
+
+@functools.cache
+def load_reference(lesson_name: str) -> types.SimpleNamespace:
+    """The reference functions of a lesson, as attributes of a namespace."""
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
     text = lesson.source.read_text("utf-8")
     statements, problems = slicing.parse_notebook([text])

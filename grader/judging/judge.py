@@ -86,12 +86,12 @@ def judge(path, seed, sandbox, lesson=None, student="", limits=None):
                 f"{path.name}: cannot tell which lesson this is. Give the file the name it was "
                 "released under, such as 06_filter_ground.ipynb."
             )
-        with Student(notebook.cells, lesson.names, sandbox, limits, lesson.forbidden) as proxy:
+        with Student(
+            notebook.cells, lesson.names, sandbox, limits, lesson.header.forbidden
+        ) as proxy:
             results = run_tests(lesson, proxy, seed)
             problems = proxy.problems
-    exercises = tuple(
-        _score(exercise, results) for exercise in lesson.exercises if not exercise.by_hand
-    )
+    exercises = tuple(_score(exercise, results) for exercise in lesson.machine_graded)
     return Verdict(
         lesson.name,
         student,

@@ -12,7 +12,9 @@ from nbgrader.converters import Autograde, GenerateAssignment
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
+from grader.course.paths import Course
 from grader.lms.nbgrader_settings import configure
+from grader.lms.results import ClassResults, NotebookResult
 
 
 class GradebookTrouble(Exception):
@@ -129,18 +131,30 @@ def is_entered(course, student, stage, wanted):
     return True
 
 
-def scores(course):
-    """What the gradebook holds.
-
-    Returns
-    -------
-    dict of (str, str, str) to float
-        Score by student, stage and notebook.
-    """
+def class_results(course: Course) -> ClassResults:
+    """Read the gradebook of a course."""
     with open_gradebook(course) as gradebook:
-        return {
-            (submission.student.id, submission.assignment.name, notebook.name): notebook.score
+        submissions = [
+            submission
             for assignment in gradebook.assignments
             for submission in assignment.submissions
+        ]
+        notebooks = [
+            NotebookResult(
+                submission.student.id,
+                submission.assignment.name,
+                notebook.name,
+                notebook.score,
+                notebook.max_score,
+                notebook.needs_manual_grade,
+            )
+            for submission in submissions
             for notebook in submission.notebooks
+        ]
+        penalties = {
+            (submission.student.id, submission.assignment.name): submission.late_submission_penalty
+            for submission in submissions
+            if submission.late_submission_penalty
         }
+    notebooks.sort(key=lambda result: (result.student, result.lesson))
+    return ClassResults(tuple(notebooks), penalties)

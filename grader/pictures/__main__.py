@@ -18,7 +18,7 @@ DOTS_PER_INCH = 110
 def main(numbers):
     """Draw the previews of the lessons with these numbers; or of all, and the README's film."""
     for lesson in all_lessons():
-        number = lesson.name[:2]
+        number = lesson.number
         if numbers and number not in numbers:
             continue
         figure = importlib.import_module(f"grader.pictures.lesson_{number}").draw()

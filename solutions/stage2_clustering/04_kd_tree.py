@@ -4,6 +4,9 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     forbidden: [scipy.spatial, sklearn.neighbors]
+#     given: [KdTree]
 # ---
 
 # %% [markdown]

@@ -14,6 +14,7 @@ from pathlib import Path
 from nbgrader.converters import Autograde
 from nbgrader.preprocessors import AssignLatePenalties, Execute, LimitOutput, SaveAutoGrades
 
+from grader.classroom.executors import EXECUTORS
 from grader.classroom.grade import judge_class
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT, Course
@@ -50,7 +51,8 @@ def time_ours(lessons, folder):
     course = make_course(folder / "ours", STUDENTS, lessons)
     sandbox = choose_sandbox()
     begin = time.perf_counter()
-    judged = judge_class(course, (), SEED, sandbox, os.cpu_count(), lambda *news: None)
+    with EXECUTORS["processes"](os.cpu_count()) as executor:
+        judged = judge_class(course, (), SEED, sandbox, executor, lambda *news: None)
     middle = time.perf_counter()
     enter(course, judged, SEED, sandbox, lambda *news: None)
     return middle - begin, time.perf_counter() - middle, len(judged)

@@ -1,34 +1,14 @@
 """What a check is, how it is declared, and how a notebook runs it."""
 
 import importlib
+import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from utils.checks.tips import tip_for
 from utils.checks.vocabulary import CheckFailed
 
-# The lesson that asks for each exercise; `utils.checks.lesson_NN` declares its checks.
-_LESSONS = {
-    "01": ("horizontal_distance", "drop_invalid"),
-    "02": ("line_through", "point_line_distance", "ransac_line"),
-    "03": (
-        "plane_through",
-        "point_plane_distance",
-        "ransac_plane",
-        "fit_plane",
-        "iterations_needed",
-    ),
-    "04": ("insert", "search", "median_order"),
-    "05": ("euclidean_clustering",),
-    "06": ("filter_ground", "voxel_grid"),
-    "07": ("filter_by_distance", "crop_region", "remove_ego_returns"),
-    "08": ("get_bounding_boxes",),
-    "09": ("filter_clusters",),
-    "10": ("euclidean_clustering_accelerated",),
-    "11": ("principal_axes", "get_oriented_boxes"),
-    "12": ("detect_obstacles", "match_boxes"),
-}
-_LESSON_OF = {exercise: number for number, exercises in _LESSONS.items() for exercise in exercises}
+# Every module `lesson_NN` of this package declares the checks of its exercises here.
 _CHECKS: dict[str, list["Check"]] = {}
 
 
@@ -107,14 +87,22 @@ def checks_of(exercise):
     LookupError
         If the course has no such exercise.
     """
-    if exercise not in _LESSON_OF:
-        known = ", ".join(_LESSON_OF)
+    modules = _modules_of_lessons()
+    while exercise not in _CHECKS and modules:
+        importlib.import_module(modules.pop(0))
+    if exercise not in _CHECKS:
         raise LookupError(
             f"There are no checks for {exercise!r}. Pass the function itself, "
-            f"under the name it was given: one of {known}."
+            f"under the name it was given: one of {', '.join(_CHECKS)}."
         )
-    importlib.import_module(f"utils.checks.lesson_{_LESSON_OF[exercise]}")
     return tuple(_CHECKS[exercise])
+
+
+def _modules_of_lessons():
+    """Full names of the modules that declare checks, in the order of the course."""
+    package = importlib.import_module("utils.checks")
+    names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
+    return [f"{package.__name__}.{name}" for name in names if name.startswith("lesson_")]
 
 
 def run_check(one_check, function):

@@ -1,0 +1,65 @@
+"""What a lesson's source says at its head about the lesson as a whole.
+
+It is YAML in comments, where jupytext keeps the metadata of a notebook:
+
+    # ---
+    # jupyter:
+    #   kernelspec: ...
+    #   lidar_obstacle_lab:
+    #     forbidden: [scipy.spatial]
+    #     given: [KdTree]
+    # ---
+"""
+
+import re
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import yaml
+
+
+@dataclass(frozen=True)
+class Header:
+    """The settings of a lesson; all may be left out.
+
+    Attributes
+    ----------
+    forbidden : tuple of str
+        Modules that may not be used because they do the exercise.
+    given : tuple of str
+        Functions and classes that the lesson's own code defines and the judge calls, beside the
+        exercises.
+    """
+
+    forbidden: tuple[str, ...] = ()
+    given: tuple[str, ...] = ()
+
+
+def read_header(source: Path) -> Header:
+    """Read the header of a lesson.
+
+    Parameters
+    ----------
+    source : pathlib.Path
+        The lesson's .py file.
+
+    Raises
+    ------
+    ValueError
+        If there is no header, or something in it is unknown or no list of names.
+    """
+    found = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", source.read_text("utf-8"))
+    if not found:
+        raise ValueError(
+            f"{source.name} has no header: it begins with a line `# ---`; see solutions/README.md."
+        )
+    content = yaml.safe_load(re.sub(r"^# ?", "", found[1], flags=re.M))
+    settings = content["jupyter"].get("lidar_obstacle_lab", {})
+    known = [field.name for field in fields(Header)]
+    for name, value in settings.items():
+        if name not in known or not isinstance(value, list):
+            raise ValueError(
+                f"{source.name}: the header says `{name}: {value}`. Below lidar_obstacle_lab "
+                f"stand lists of names: {' and '.join(known)}."
+            )
+    return Header(**{name: tuple(value) for name, value in settings.items()})

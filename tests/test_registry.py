@@ -1,0 +1,289 @@
+"""Lessons register themselves: by their file name, their header and their cells."""
+
+import dataclasses
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import jupytext
+import pytest
+
+from grader.course.header import Header, read_header
+from grader.course.lessons import all_lessons, find_lesson, lesson_of
+from grader.course.paths import PROJECT
+from utils.checks import checks_of
+
+HEAD = """\
+# ---
+# jupyter:
+#   kernelspec:
+#     display_name: Python 3 (ipykernel)
+#     language: python
+#     name: python3
+{settings}# ---
+
+# %% [markdown]
+# # A lesson
+"""
+
+SOLUTION = {
+    "grade": False,
+    "grade_id": "highest",
+    "locked": False,
+    "schema_version": 3,
+    "solution": True,
+    "task": False,
+}
+TEST = {
+    **SOLUTION,
+    "grade": True,
+    "grade_id": "test_highest",
+    "locked": True,
+    "points": 7,
+    "solution": False,
+}
+# What the author guide asks for: five files and no list.
+TOY = {
+    "solutions/stage4_realtime/13_toy.py": """\
+# ---
+# jupyter:
+#   kernelspec:
+#     display_name: Python 3 (ipykernel)
+#     language: python
+#     name: python3
+#   lidar_obstacle_lab:
+#     forbidden: [statistics]
+#     given: [Highest]
+# ---
+
+# %% [markdown]
+# # 13 · The highest point
+#
+# ![Two points, the higher one circled.](pictures/13_preview.png)
+
+# %% [markdown] tags=["badge"]
+# (where to run this notebook)
+
+# %% tags=["setup"]
+# (setup)
+
+# %%
+from utils import check
+
+
+class Highest:
+    def __init__(self):
+        self.z = None
+
+    def see(self, cloud):
+        self.z = highest(cloud)
+
+
+# %% nbgrader={SOLUTION}
+def highest(cloud):
+    \"\"\"Height of the highest point.\"\"\"
+    # Take the largest z.
+    # roughly 1 line
+    ### BEGIN SOLUTION
+    return max(z for _, _, z, *_ in cloud)
+    ### END SOLUTION
+
+# %% nbgrader={TEST}
+check(highest)
+
+# %% [markdown] tags=["footer"]
+# (footer)
+""",
+    "utils/checks/lesson_13.py": """\
+from utils.checks.core import visible
+from utils.checks.vocabulary import CheckFailed
+
+
+@visible("highest", title="Finds it", why="Bridges are low.", hint="Look at z.")
+def finds_it(highest):
+    if highest([[0.0, 0.0, 1.0], [0.0, 0.0, 3.0]]) != 3.0:
+        raise CheckFailed("That is not the highest.")
+""",
+    "grader/tests/test_13_toy.py": """\
+from grader.judging.marks import hidden, visible
+
+
+@visible("highest")
+def test_visible(student, check):
+    check.run(student.highest)
+
+
+@hidden("highest", title="An object sees the same", hint="Read `Highest`.")
+def test_object(student):
+    one = student.Highest()
+    one.see([[0.0, 0.0, -2.0], [0.0, 0.0, -1.0]])
+    assert one.z == -1.0
+""",
+    "tests/variants/highest.py": """\
+# %% right: a loop
+def highest(cloud):
+    z = cloud[0][2]
+    for row in cloud:
+        z = max(z, row[2])
+    return z
+
+# %% wrong: the lowest
+# loses: Finds it
+# says: not the highest
+def highest(cloud):
+    return min(row[2] for row in cloud)
+
+# %% wrong: a library
+# loses: Finds it
+# says: not allowed
+def highest(cloud):
+    import statistics
+    return statistics.quantiles([row[2] for row in cloud])[-1]
+""",
+    "grader/pictures/lesson_13.py": """\
+import matplotlib.pyplot as plt
+
+
+def draw():
+    figure, axes = plt.subplots(figsize=(2, 1))
+    axes.plot([0, 1], "o")
+    return figure
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The project with a thirteenth lesson in it."""
+    root = tmp_path_factory.mktemp("project") / "lab"
+    for folder in ("grader", "utils", "solutions", "notebooks", "data", "tests/variants"):
+        shutil.copytree(
+            PROJECT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__")
+        )
+    shutil.copy(PROJECT / "pyproject.toml", root)
+    for path, text in TOY.items():
+        assert not (root / path).exists()
+        (root / path).write_text(
+            text.replace("{SOLUTION}", json.dumps(SOLUTION)).replace("{TEST}", json.dumps(TEST)),
+            "utf-8",
+        )
+    return root
+
+
+def run(root, *arguments):
+    done = subprocess.run(
+        [sys.executable, "-m", *map(str, arguments)],
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.slow
+def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
+    guide = (PROJECT / "solutions" / "README.md").read_text("utf-8")
+    places = {
+        path.replace("stage4_realtime", "<stage>")
+        .replace("13_toy", "<NN_name>")
+        .replace("lesson_13", "lesson_<NN>")
+        .replace("highest", "<exercise>")
+        for path in TOY
+    }
+    assert all(f"| `{place}` |" in guide for place in places)
+
+    assert "13_preview.png" in run(copy, "grader.pictures", 13)
+    written = run(copy, "grader", "build").splitlines()
+    assert sorted(written) == [
+        "wrote notebooks/stage4_realtime/13_toy.ipynb",
+        "wrote solutions/stage4_realtime/13_toy.ipynb",
+    ]
+    assert "is what its source says" in run(copy, "grader", "build", "--check")
+
+    def judge(path):
+        options = ("--json", "--seed", 1, "--sandbox", sandbox.name)
+        verdict = json.loads(run(copy, "grader", "judge", path, *options))
+        return verdict["score"], verdict["max_score"], verdict
+
+    assert judge("solutions/stage4_realtime/13_toy.ipynb")[:2] == (7, 7)
+    assert judge("notebooks/stage4_realtime/13_toy.ipynb")[:2] == (0, 7)
+    program = (
+        "from grader.course.lessons import find_lesson\n"
+        "from grader.course.variants import fill_in, variants_of\n"
+        "lesson = find_lesson('13_toy')\n"
+        "for number, variant in enumerate(variants_of('highest')):\n"
+        "    with open(f'{number} 13_toy.ipynb', 'w') as file:\n"
+        "        file.write(fill_in(lesson, {'highest': variant.source}))\n"
+    )
+    subprocess.run([sys.executable, "-c", program], cwd=copy, check=True)
+    assert judge("0 13_toy.ipynb")[0] == 7
+    for name, word in (("1 13_toy.ipynb", "not the highest"), ("2 13_toy.ipynb", "not allowed")):
+        score, _, verdict = judge(name)
+        tests = verdict["exercises"][0]["tests"]
+        assert score < 7 and word in " ".join(test["message"] for test in tests)
+
+
+def test_every_lesson_has_its_files(lesson):
+    assert lesson.tests.is_file()
+    assert (PROJECT / "utils" / "checks" / f"lesson_{lesson.number}.py").is_file()
+    assert (PROJECT / "grader" / "pictures" / f"lesson_{lesson.number}.py").is_file()
+    for exercise in lesson.machine_graded:
+        assert (PROJECT / "tests" / "variants" / f"{exercise.name}.py").is_file()
+        assert checks_of(exercise.name)
+        assert lesson_of(exercise.name) == lesson
+
+
+def test_no_list_names_a_lesson():
+    """A lesson's number or name stands in its own files, and in texts; in no other code."""
+    names = {lesson.name for lesson in all_lessons()}
+    own = ("lesson_", "test_0", "test_1")
+    for path in [*(PROJECT / "grader").rglob("*.py"), *(PROJECT / "utils").rglob("*.py")]:
+        if path.name.startswith(own) or path.parent.name == "pictures":
+            continue
+        code = path.read_text("utf-8")
+        listed = {name for name in names if f'"{name}"' in code}
+        assert not listed, path
+
+
+def test_the_header_is_the_policy():
+    assert find_lesson("04_kd_tree").header == Header(
+        forbidden=("scipy.spatial", "sklearn.neighbors"), given=("KdTree",)
+    )
+    assert find_lesson("06_filter_ground").header == Header()
+
+
+def test_jupyterlab_keeps_the_header(tmp_path):
+    """JupyterLab opens a lesson's source through jupytext, and saves it through jupytext."""
+    source = find_lesson("04_kd_tree").source
+    shutil.copy(PROJECT / "pyproject.toml", tmp_path)
+    copy = tmp_path / source.name
+    jupytext.write(jupytext.read(source), copy, fmt="py:percent")
+    assert read_header(copy) == read_header(source)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        "#   lidar_obstacle_lab:\n#     forbiden: [scipy]\n",
+        "#   lidar_obstacle_lab:\n#     forbidden: scipy\n",
+    ],
+)
+def test_a_slip_in_the_header_is_named(tmp_path, settings):
+    path = tmp_path / "14_slip.py"
+    path.write_text(HEAD.format(settings=settings), "utf-8")
+    with pytest.raises(ValueError, match="14_slip.py: the header says `forb"):
+        read_header(path)
+
+
+def test_a_lesson_without_a_header_is_named(tmp_path):
+    path = tmp_path / "14_slip.py"
+    path.write_text("# %%\n1\n", "utf-8")
+    with pytest.raises(ValueError, match="solutions/README.md"):
+        read_header(path)
+    path.write_text(HEAD.format(settings=""), "utf-8")
+    assert read_header(path) == Header()
+    assert {field.name for field in dataclasses.fields(Header)} == {"forbidden", "given"}
