@@ -3,20 +3,22 @@
 What a command needs is imported when it runs, so that ``--help`` is quick.
 """
 
+import argparse
 import json
 import sys
 import time
+from collections.abc import Iterable
 
 from grader import console
 from grader.course.lessons import stages
 from grader.course.paths import PROJECT, Course
-from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
+from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable, choose_sandbox
 
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
 
 
-def run_build(options):
-    """``build [--check]``"""
+def run_build(options: argparse.Namespace) -> int:
+    """Run ``build [--check]``."""
     from grader.course import build
 
     if options.check:
@@ -31,8 +33,8 @@ def run_build(options):
     return GOOD
 
 
-def run_judge(options):
-    """``judge NOTEBOOK``"""
+def run_judge(options: argparse.Namespace) -> int:
+    """Run ``judge NOTEBOOK``."""
     from grader.course.seed import course_seed
     from grader.judging.judge import UnknownLesson, judge
 
@@ -53,8 +55,8 @@ def run_judge(options):
     return GOOD
 
 
-def run_grade(options):
-    """``grade [STAGE ...]``"""
+def run_grade(options: argparse.Namespace) -> int:
+    """Run ``grade [STAGE ...]``."""
     from grader.course.seed import course_seed
 
     unknown = set(options.stages) - set(stages())
@@ -73,8 +75,8 @@ def run_grade(options):
     )
 
 
-def run_report(options):
-    """``report``"""
+def run_report(options: argparse.Namespace) -> int:
+    """Run ``report``."""
     from grader.classroom.grade import find_submissions
     from grader.classroom.report import write_report
     from grader.judging.verdict import read_verdict
@@ -92,8 +94,8 @@ def run_report(options):
     return GOOD
 
 
-def run_export(options):
-    """``export``"""
+def run_export(options: argparse.Namespace) -> int:
+    """Run ``export``."""
     from grader.lms.exporters import EXPORTERS
     from grader.lms.gradebook import class_results
 
@@ -108,8 +110,8 @@ def run_export(options):
     return GOOD
 
 
-def run_demo(options):
-    """``demo``"""
+def run_demo(options: argparse.Namespace) -> int:
+    """Run ``demo``."""
     from grader.classroom.demo import make_class
 
     try:
@@ -128,7 +130,14 @@ def run_demo(options):
     return grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
 
 
-def grade_course(course, wanted, seed, sandbox, workers, warning=""):
+def grade_course(
+    course: Course,
+    wanted: Iterable[str],
+    seed: int,
+    sandbox: Sandbox,
+    workers: int,
+    warning: str = "",
+) -> int:
     """Judge, enter, report: what `grade` and `demo` do."""
     from grader.classroom.executors import EXECUTORS
     from grader.classroom.grade import judge_class

@@ -1,7 +1,11 @@
 """What a person sees on the terminal: progress, verdicts, the scores of a class."""
 
+from __future__ import annotations
+
 import contextlib
 import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -9,9 +13,14 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+if TYPE_CHECKING:
+    from grader.classroom.grade import Submission
+    from grader.judging.verdict import Verdict
+    from grader.sandbox import Sandbox
+
 
 @contextlib.contextmanager
-def progress_bar(title):
+def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     """A progress bar on stderr; yields a function (done, total, what)."""
     columns = (
         TextColumn("{task.description}"),
@@ -24,13 +33,13 @@ def progress_bar(title):
         yield lambda done, total, what: progress.update(task, completed=done, total=total)
 
 
-def warn_if_unprotected(sandbox):
+def warn_if_unprotected(sandbox: Sandbox) -> None:
     """Say loudly what a missing sandbox means."""
     if sandbox.warning:
         Console(stderr=True).print(sandbox.warning, style="bold red", highlight=False)
 
 
-def print_verdict(verdict):
+def print_verdict(verdict: Verdict) -> None:
     """Print one verdict for a person."""
     console = Console(highlight=False)
     for sentence in verdict.problems:
@@ -54,7 +63,7 @@ def print_verdict(verdict):
     )
 
 
-def print_class(judged):
+def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
     """Print a table of scores, one line a student."""
     lessons = sorted({verdict.lesson for _, verdict in judged})
     students = {}
@@ -82,7 +91,7 @@ def print_class(judged):
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 
-def _first_fault(verdicts):
+def _first_fault(verdicts: Iterable[Verdict]) -> str:
     faults = [
         test.message.splitlines()[0]
         for verdict in verdicts

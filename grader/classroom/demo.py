@@ -2,9 +2,10 @@
 
 import itertools
 import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from grader.course.lessons import all_lessons
+from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
 
@@ -79,7 +80,7 @@ class Pupil:
     notebooks: dict
 
 
-def make_class(count, hostile):
+def make_class(count: int, hostile: bool) -> Course:
     """Make ``demo/`` with the submissions of a class.
 
     Parameters
@@ -112,7 +113,7 @@ def make_class(count, hostile):
     return course
 
 
-def pretend_students(count, hostile):
+def pretend_students(count: int, hostile: bool) -> Iterator[Pupil]:
     """Yield `count` of `Pupil`: the special ones first, then right and wrong answers in turn."""
     names = (
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
@@ -150,7 +151,7 @@ def pretend_students(count, hostile):
         yield special.pop(0) if position % 4 == 3 and special else next(pupils)
 
 
-def answers(lesson, number):
+def answers(lesson: Lesson, number: int) -> dict[str, str]:
     """The number-th student's answers: two in three right, each in another style."""
     chosen = {}
     for exercise in lesson.machine_graded:
@@ -160,7 +161,7 @@ def answers(lesson, number):
     return chosen
 
 
-def best_answers(lesson):
+def best_answers(lesson: Lesson) -> dict[str, str]:
     """A right answer to every exercise."""
     return {
         exercise.name: next(one.source for one in variants_of(exercise.name) if one.right)

@@ -4,14 +4,16 @@ A verdict is a file that names all it depends on. Whoever needs one looks there 
 that was broken off goes on where it stopped, and `nbgrader autograde` finds what `grade` judged.
 """
 
-from concurrent.futures import as_completed
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor, Future, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.lessons import Lesson, all_lessons
+from grader.course.paths import Course
 from grader.judging.judge import judge, verdict_key
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict, write_verdict
-from grader.sandbox import SandboxUnavailable
+from grader.sandbox import Sandbox, SandboxUnavailable
 
 
 @dataclass(frozen=True)
@@ -22,12 +24,12 @@ class Submission:
     lesson: Lesson
     path: Path
 
-    def verdict_path(self, course):
+    def verdict_path(self, course: Course) -> Path:
         """Where its verdict is kept."""
         return course.verdicts / self.student / self.lesson.stage / f"{self.lesson.name}.json"
 
 
-def find_submissions(course, stages=()):
+def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:
     """Everything under ``submitted/<student>/<stage>/`` that is a lesson of the course.
 
     Parameters
@@ -50,28 +52,28 @@ def find_submissions(course, stages=()):
     return sorted(found, key=lambda submission: (submission.student, submission.lesson.name))
 
 
-def stored_verdict(course, submission, seed):
+def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
     """The verdict on disk, if it is about this very file, these tests and this seed."""
     verdict = read_verdict(submission.verdict_path(course))
     key = verdict_key(submission.path, submission.lesson, seed, submission.student)
     return verdict if verdict and verdict.key == key else None
 
 
-def judge_and_store(course, submission, seed, sandbox):
+def judge_and_store(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
     """Judge one submission and keep the verdict."""
     verdict = judge(submission.path, seed, sandbox, submission.lesson, submission.student)
     write_verdict(verdict, submission.verdict_path(course))
     return verdict
 
 
-def current_verdict(course, submission, seed, sandbox):
+def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
     """The verdict on disk, or a fresh one."""
     return stored_verdict(course, submission, seed) or judge_and_store(
         course, submission, seed, sandbox
     )
 
 
-def _result(future, course, submission, seed):
+def _result(future: Future, course: Course, submission: Submission, seed: int) -> Verdict:
     """The verdict of a finished future; one that says so where the judge itself failed."""
     try:
         return future.result()
@@ -83,7 +85,7 @@ def _result(future, course, submission, seed):
         return verdict
 
 
-def failed_verdict(submission, seed, error):
+def failed_verdict(submission: Submission, seed: int, error: Exception) -> Verdict:
     """A verdict without points for a notebook on which the judge itself failed.
 
     Its key fits nothing, so the next run tries again.
@@ -109,7 +111,14 @@ def failed_verdict(submission, seed, error):
     )
 
 
-def judge_class(course, stages, seed, sandbox, executor, progress):
+def judge_class(
+    course: Course,
+    stages: Iterable[str],
+    seed: int,
+    sandbox: Sandbox,
+    executor: Executor,
+    progress: Callable[[int, int, object], None],
+) -> list[tuple[Submission, Verdict]]:
     """Judge what has no verdict yet.
 
     Parameters

@@ -1,15 +1,24 @@
 """The report on a class: one HTML page that needs nothing beside it."""
 
+from __future__ import annotations
+
 import re
 import statistics
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import jinja2
 
-from grader.course.lessons import all_lessons
+from grader.course.lessons import Lesson, all_lessons
+from grader.course.paths import Course
+from grader.judging.verdict import Verdict
+
+if TYPE_CHECKING:
+    from grader.classroom.grade import Submission
 
 BINS = 10
 
@@ -40,7 +49,12 @@ class CheckSummary:
     tried: int
 
 
-def write_report(course, judged, seconds=None, warning=""):
+def write_report(
+    course: Course,
+    judged: Sequence[tuple[Submission, Verdict]],
+    seconds: float | None = None,
+    warning: str = "",
+) -> Path:
     """Write the report.
 
     Parameters
@@ -92,7 +106,7 @@ def write_report(course, judged, seconds=None, warning=""):
     return path
 
 
-def summarise_lesson(lesson, verdicts):
+def summarise_lesson(lesson: Lesson, verdicts: Sequence[Verdict]) -> LessonSummary:
     """`LessonSummary` of the verdicts on one lesson."""
     mine = [verdict for verdict in verdicts if verdict.lesson == lesson.name]
     scores = [verdict.score for verdict in mine]
@@ -112,7 +126,7 @@ def summarise_lesson(lesson, verdicts):
     )
 
 
-def hardest_checks(verdicts, most=10):
+def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSummary]:
     """`CheckSummary` of the checks that most students failed, hardest first."""
     tried, failed = Counter(), Counter()
     for verdict in verdicts:
@@ -125,7 +139,7 @@ def hardest_checks(verdicts, most=10):
     return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
 
 
-def common_messages(verdicts, most=8):
+def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[str, str, int]]:
     """(exercise, what is wrong, number of students), most frequent first."""
     students = {}
     for verdict in verdicts:
@@ -138,7 +152,7 @@ def common_messages(verdicts, most=8):
     return sorted(found, key=lambda mistake: -mistake[2])[:most]
 
 
-def _without_numbers(message):
+def _without_numbers(message: str) -> str:
     """A message without what differs from cloud to cloud, so that equal mistakes count as one."""
     message = re.sub(r", for example \([^)]*\)", "", message)
     message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(?!\w)", "…", message)

@@ -5,6 +5,8 @@ jupytext, and that the student's notebook in ``notebooks/`` through nbgrader's o
 GenerateAssignment. The same source gives the same bytes each time.
 """
 
+from __future__ import annotations
+
 import base64
 import hashlib
 import json
@@ -13,9 +15,13 @@ import tempfile
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from grader.course.lessons import all_lessons
+from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT
+
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
 
 # Cells that are the same in every lesson; a lesson marks their place with a tag. Between two
 # variants stands a line `---`: the first is for a course with a public address.
@@ -29,7 +35,7 @@ REVISION = re.compile(r"\w[\w./-]*")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
-def build():
+def build() -> list[tuple[str, Path]]:
     """Write every notebook and remove those that have no source.
 
     Returns
@@ -49,7 +55,7 @@ def build():
     return done
 
 
-def check():
+def check() -> list[str]:
     """Compare what is on disk with its source.
 
     Returns
@@ -77,14 +83,14 @@ def check():
     return faults
 
 
-def build_all(origin=None):
+def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
     """Bytes of every generated notebook by path; `origin` is pyproject.toml's unless given."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in all_lessons()}
     return {**solved, **_released(solved)}
 
 
-def solved_notebook(lesson, origin):
+def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
     """The instructor's notebook of a lesson, as nbformat's NotebookNode."""
     import jupytext
 
@@ -105,7 +111,7 @@ def solved_notebook(lesson, origin):
     return notebook
 
 
-def to_bytes(notebook):
+def to_bytes(notebook: NotebookNode) -> bytes:
     """A notebook as the bytes of its file."""
     import nbformat
 
@@ -113,7 +119,7 @@ def to_bytes(notebook):
     return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
 
 
-def leaks(solved, released):
+def leaks(solved: bytes, released: bytes) -> list[str]:
     """Lines of a solution that also stand in the student's notebook.
 
     Parameters
@@ -160,7 +166,7 @@ class Origin:
     repository: str
     revision: str
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.repository and not ADDRESS.fullmatch(self.repository):
             raise ValueError(
                 f"`repository` in pyproject.toml is {self.repository!r}. It should "
@@ -173,12 +179,12 @@ class Origin:
             )
 
     @property
-    def owner_and_name(self):
+    def owner_and_name(self) -> str:
         """``OWNER/NAME``."""
         return ADDRESS.fullmatch(self.repository)[1]
 
 
-def read_origin():
+def read_origin() -> Origin:
     """The `Origin` that pyproject.toml names.
 
     The git remote of whoever builds has no say: every clone builds the same bytes.
@@ -188,7 +194,7 @@ def read_origin():
     return Origin(chosen["repository"].removesuffix("/").removesuffix(".git"), chosen["revision"])
 
 
-def _released(solved):
+def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
     """Student notebooks made by nbgrader in a folder of their own."""
     from nbgrader.converters import GenerateAssignment
     from nbgrader.preprocessors import SaveCells
@@ -217,13 +223,13 @@ def _released(solved):
         }
 
 
-def _strays():
+def _strays() -> list[Path]:
     known = {path for lesson in all_lessons() for path in (lesson.solved, lesson.released)}
     found = [*(PROJECT / "solutions").glob("*/*.ipynb"), *(PROJECT / "notebooks").glob("*/*.ipynb")]
     return sorted(set(found) - known)
 
 
-def common_cell(tag, lesson, origin):
+def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
     """Text of a cell that every lesson has.
 
     Parameters
@@ -252,7 +258,7 @@ def common_cell(tag, lesson, origin):
     )
 
 
-def _attach_pictures(cell, folder):
+def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
     """Put pictures into the notebook itself, so that it can travel alone."""
     for name in dict.fromkeys(re.findall(r"\]\(pictures/([\w.-]+\.png)\)", cell.source)):
         if not (folder / "pictures" / name).exists():
@@ -262,7 +268,7 @@ def _attach_pictures(cell, folder):
         cell.source = cell.source.replace(f"(pictures/{name})", f"(attachment:{name})")
 
 
-def _stable_id(cell, seen):
+def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:
     """An id that depends on the cell alone: nbgrader's name for it, or its text."""
     grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
     name = grade_id or hashlib.sha256(cell.source.encode()).hexdigest()[:12]
@@ -270,5 +276,5 @@ def _stable_id(cell, seen):
     return name if seen[name] == 1 else f"{name}-{seen[name]}"
 
 
-def _text(source):
+def _text(source: str | list[str]) -> str:
     return source if isinstance(source, str) else "".join(source)

@@ -13,21 +13,21 @@ class Course:
     root: Path = PROJECT
 
     @property
-    def submitted(self):
+    def submitted(self) -> Path:
         """``submitted/<student>/<stage>/<NN_name>.ipynb``, as nbgrader collects them."""
         return self.root / "submitted"
 
     @property
-    def verdicts(self):
+    def verdicts(self) -> Path:
         """``verdicts/<student>/<stage>/<NN_name>.json``."""
         return self.root / "verdicts"
 
     @property
-    def report(self):
+    def report(self) -> Path:
         """The report on the whole class."""
         return self.root / "report"
 
     @property
-    def seed_file(self):
+    def seed_file(self) -> Path:
         """The secret that hidden tests draw their scenes from."""
         return self.root / ".course_seed"

@@ -5,8 +5,10 @@ import os
 import secrets
 import tempfile
 
+from grader.course.paths import Course
 
-def course_seed(course, given=None):
+
+def course_seed(course: Course, given: int | None = None) -> int:
     """The seed to grade with.
 
     Parameters

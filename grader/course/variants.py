@@ -10,6 +10,7 @@ import json
 import re
 from dataclasses import dataclass
 
+from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
 
 ANOTHER_CELL = "# ---- another cell ----\n"
@@ -27,7 +28,7 @@ class Variant:
     says: str
 
 
-def variants_of(exercise):
+def variants_of(exercise: str) -> tuple[Variant, ...]:
     """All variants of an exercise.
 
     Parameters
@@ -46,14 +47,14 @@ def variants_of(exercise):
     )
 
 
-def _variant(exercise, right, name, body):
+def _variant(exercise: str, right: bool, name: str, body: str) -> Variant:
     notes = dict(re.findall(r"^# (loses|says): (.+)\n", body, flags=re.M))
     source = re.sub(r"^# (loses|says): .+\n", "", body, flags=re.M).strip() + "\n"
     loses = tuple(part.strip() for part in notes.get("loses", "").split(",") if part.strip())
     return Variant(exercise, name.strip(), right, source, loses, notes.get("says", ""))
 
 
-def fill_in(lesson, answers):
+def fill_in(lesson: Lesson, answers: dict[str, str]) -> str:
     """The student's notebook with answers typed in.
 
     Parameters

@@ -58,14 +58,14 @@ class Verdict:
     seconds: float
     key: str
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """The published form: one JSON object."""
         content = dataclasses.asdict(self)
         del content["key"]
         return content
 
 
-def write_verdict(verdict, path):
+def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
     """Write a verdict so that a reader finds a whole one or none."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -77,7 +77,7 @@ def write_verdict(verdict, path):
     os.replace(file.name, path)
 
 
-def read_verdict(path):
+def read_verdict(path: str | os.PathLike) -> Verdict | None:
     """The verdict in a file; None where there is none or it is damaged."""
     try:
         content = json.loads(Path(path).read_text("utf-8"))

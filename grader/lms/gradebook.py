@@ -6,22 +6,28 @@ One process writes: nbgrader's database is SQLite by default.
 import contextlib
 import json
 import logging
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 
 from nbgrader.api import Gradebook, MissingEntry
 from nbgrader.converters import Autograde, GenerateAssignment
+from nbgrader.converters.base import BaseConverter
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
+from grader.classroom.grade import Submission
 from grader.course.paths import Course
+from grader.judging.verdict import Verdict
 from grader.lms.nbgrader_settings import configure
 from grader.lms.results import ClassResults, NotebookResult
+from grader.sandbox import Sandbox
 
 
 class GradebookTrouble(Exception):
     """nbgrader could not enter something; `str()` is the sentence to show."""
 
 
-def converter(kind, root, stage, **settings):
+def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dict) -> BaseConverter:
     """One of nbgrader's converters on a course folder.
 
     Parameters
@@ -50,13 +56,13 @@ def converter(kind, root, stage, **settings):
     return made
 
 
-def open_gradebook(course):
-    """nbgrader's gradebook of a course, made where there is none; a context manager."""
+def open_gradebook(course: Course) -> Gradebook:
+    """Open nbgrader's gradebook of a course, made where there is none; a context manager."""
     directory = CourseDirectory(config=configure(Config(), course.root))
     return Gradebook(directory.db_url, directory.course_id)
 
 
-def register(course, stages):
+def register(course: Course, stages: Iterable[str]) -> None:
     """Make sure that the gradebook knows the stages, with the points of their cells.
 
     Parameters
@@ -71,7 +77,13 @@ def register(course, stages):
         converter(GenerateAssignment, course.root, stage).start()
 
 
-def enter(course, judged, seed, sandbox, progress):
+def enter(
+    course: Course,
+    judged: Sequence[tuple[Submission, Verdict]],
+    seed: int,
+    sandbox: Sandbox,
+    progress: Callable[[int, int, object], None],
+) -> None:
     """Enter the scores of a class.
 
     Parameters
@@ -112,7 +124,7 @@ def enter(course, judged, seed, sandbox, progress):
         )
 
 
-def is_entered(course, student, stage, wanted):
+def is_entered(course: Course, student: str, stage: str, wanted: dict[str, str]) -> bool:
     """True if the autograded notebooks carry exactly these verdicts.
 
     Parameters

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import nbformat
 from nbconvert.exporters import NotebookExporter
+from nbformat import NotebookNode
 from nbgrader.preprocessors import NbGraderPreprocessor
 from nbgrader.utils import is_grade, is_solution
 from traitlets import Enum, Integer
@@ -21,6 +22,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.notebook import UnreadableNotebook, read_notebook
+from grader.judging.verdict import ExerciseResult, Verdict
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -38,7 +40,7 @@ class Judge(NbGraderPreprocessor):
         help="Where student code runs; see `python -m grader grade --help`.",
     ).tag(config=True)
 
-    def preprocess(self, nb, resources):
+    def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
         """Replace the outputs of all cells by what the judge says.
 
         Parameters
@@ -72,7 +74,9 @@ class MendingExporter(NotebookExporter):
     such a file its verdict, so nbgrader only needs something to write that verdict into.
     """
 
-    def from_filename(self, filename, resources=None, **options):
+    def from_filename(
+        self, filename: str, resources: dict | None = None, **options: object
+    ) -> tuple[NotebookNode, dict]:
         """Convert a notebook file; see nbconvert."""
         path = Path(filename)
         lesson = find_lesson(path.stem)
@@ -95,7 +99,7 @@ class MendingExporter(NotebookExporter):
         return self.from_notebook_node(notebook, resources=resources, **options)
 
 
-def restore_metadata(notebook, released):
+def restore_metadata(notebook: NotebookNode, released: NotebookNode) -> None:
     """Give nbgrader's cells the metadata they were released with, whatever became of it."""
     original = {
         cell.metadata.nbgrader.grade_id: cell.metadata.nbgrader
@@ -110,7 +114,7 @@ def restore_metadata(notebook, released):
             cell.metadata.pop("nbgrader", None)
 
 
-def write_into(notebook, verdict):
+def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
     """Write a verdict under the graded cells of a notebook, in place of all outputs."""
     results = {exercise.name: exercise for exercise in verdict.exercises}
     for cell in notebook.cells:
@@ -134,7 +138,7 @@ def write_into(notebook, verdict):
     notebook.metadata["verdict_key"] = verdict.key
 
 
-def score_output(exercise):
+def score_output(exercise: ExerciseResult) -> NotebookNode:
     """An output from which nbgrader reads the score and people read the reasons.
 
     Parameters

@@ -1,9 +1,15 @@
 """The one place that says how nbgrader works on this course."""
 
+from __future__ import annotations
+
 import os
 import sys
 import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from traitlets.config import Config
 
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
@@ -11,7 +17,7 @@ STUB = "raise NotImplementedError"
 IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py", "pictures"]
 
 
-def configure(c, root):
+def configure(c: Config, root: Path) -> Config:
     """Fill a traitlets configuration.
 
     Parameters
@@ -48,8 +54,8 @@ def configure(c, root):
     return c
 
 
-def make_alembic_reachable():
-    """nbgrader starts ``alembic`` by name: put this Python's programs on the PATH."""
+def make_alembic_reachable() -> None:
+    """Put this Python's programs on the PATH: nbgrader starts ``alembic`` by name."""
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")

@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from collections.abc import Sequence
 
 import matplotlib
 
@@ -15,7 +16,7 @@ from grader.pictures import hero  # noqa: E402
 DOTS_PER_INCH = 110
 
 
-def main(numbers):
+def main(numbers: Sequence[str]) -> None:
     """Draw the previews of the lessons with these numbers; or of all, and the README's film."""
     for lesson in all_lessons():
         number = lesson.number

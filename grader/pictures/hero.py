@@ -2,6 +2,7 @@
 
 from grader.course.lessons import find_lesson, load_reference
 from utils import scenes
+from utils.films import Film, Sight
 from utils.films.filming import record
 from utils.scene3d import Scene
 
@@ -11,7 +12,7 @@ PATH = find_lesson(LESSON).source.parent / "pictures" / "hero.gif"
 FRAMES, EVERY = 64, 2  # at 10 Hz; every second one makes a smaller film of a quicker drive
 
 
-def film():
+def film() -> Film:
     """Record the film; returns `utils.films.writers.Film`."""
     return record(
         scenes.city_block(frames=FRAMES)[::EVERY],
@@ -22,7 +23,7 @@ def film():
     )
 
 
-def compose(sight):
+def compose(sight: Sight) -> Scene:
     """Only what the detector saw: no timing, so that the same film is the same file."""
     return (
         Scene()

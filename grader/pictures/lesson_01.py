@@ -2,13 +2,14 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.plots.style import COLOURS
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     lesson = load_reference("01_point_clouds")
     cloud = lesson.drop_invalid(load_cloud("cloud.txt"))

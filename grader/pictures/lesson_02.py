@@ -2,12 +2,13 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import plots
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     rng = np.random.default_rng(18)
     steps = np.arange(-5, 5)

@@ -2,13 +2,14 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from utils import load_cloud, plots
 from utils.checks.lesson_03 import best_plane
 from utils.datasets import DATA
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     cloud = load_cloud("cloud.txt")
     truth = np.load(DATA / "cloud_truth.npz")

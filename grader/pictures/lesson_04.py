@@ -2,13 +2,14 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.visits import watched
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     cloud = load_cloud("cloud.txt")
     inside = (cloud[:, 2] > -1.2) & (np.abs(cloud[:, 0] - 8) < 20) & (np.abs(cloud[:, 1]) < 10)

@@ -2,6 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import load_cloud, plots
@@ -9,7 +10,7 @@ from utils import load_cloud, plots
 LIMITS = ((-5, 14), (-10, 8))
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     ground = load_reference("06_filter_ground")
     obstacles = ground.voxel_grid(ground.filter_ground(load_cloud("cloud.txt")), 0.2)

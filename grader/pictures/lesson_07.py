@@ -2,11 +2,12 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from utils import load_cloud, plots
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     cloud = load_cloud("cloud.txt")
     standing = cloud[cloud[:, 2] >= -1.2]

@@ -2,6 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import load_cloud, plots
@@ -9,7 +10,7 @@ from utils.boxes import Box
 from utils.datasets import DATA
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     cloud = load_cloud("cloud.txt")
     truth = np.load(DATA / "cloud_truth.npz")

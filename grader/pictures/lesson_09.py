@@ -2,13 +2,14 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.datasets import DATA
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     scan, objects = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")["objects"]
     standing = (scan[:, 2] >= -1.2) & (objects > 0) & (np.hypot(scan[:, 0], scan[:, 1]) < 30)

@@ -2,12 +2,13 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
 from utils import load_cloud, plots
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     cloud = load_cloud("cloud.txt")
     x, y, z = cloud[:, 0], cloud[:, 1], cloud[:, 2]

@@ -2,13 +2,14 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.datasets import DATA
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     cloud = load_cloud("cloud.txt")
     objects = np.load(DATA / "cloud_truth.npz")["objects"]

@@ -2,12 +2,13 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
 from grader.course.lessons import load_reference
 from utils import plots, scenes
 
 
-def draw():
+def draw() -> Figure:
     """Return the figure."""
     lesson = load_reference("12_streaming_obstacles")
     frames = list(scenes.city_block(1, 12))

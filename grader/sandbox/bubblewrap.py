@@ -52,7 +52,7 @@ class Bubblewrap:
 
 
 @functools.cache
-def _complaint():
+def _complaint() -> str:
     """Why bubblewrap does not work here; empty where it does."""
     if not sys.platform.startswith("linux"):
         return "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
@@ -73,23 +73,23 @@ def _complaint():
     return ""
 
 
-def _is_root():
+def _is_root() -> bool:
     """True for a root who can become other users; in some containers it is the only one."""
     return os.geteuid() == 0 and _number_of_users() >= 2**16
 
 
-def _unused_user():
+def _unused_user() -> int:
     """A user of its own for each worker: limits are counted by user and do not bind root."""
     count = _number_of_users()
     return count // 2 + secrets.randbelow(count // 2 - 2)
 
 
-def _number_of_users():
+def _number_of_users() -> int:
     first, _, count = map(int, Path("/proc/self/uid_map").read_text().splitlines()[0].split())
     return count if first == 0 else 0
 
 
-def _walls(limits):
+def _walls(limits: Limits) -> list[str]:
     """The bubblewrap command up to what is seen through it."""
     options = [
         "--unshare-net",
@@ -143,7 +143,7 @@ def _walls(limits):
     ]
 
 
-def _windows(forbidden):
+def _windows(forbidden: Iterable[str]) -> list[str]:
     """Options that show Python and what the boundary lets through, less what is forbidden."""
     shown = [sys.base_prefix, sys.prefix, *map(str, SHOWN)]
     parents = {str(parent) for path in shown for parent in Path(path).parents}
@@ -159,7 +159,7 @@ def _windows(forbidden):
 
 
 @functools.cache
-def _folders_of(module):
+def _folders_of(module: str) -> tuple[str, ...]:
     """Every folder of a module that can be seen inside; the system's Python may have it too."""
     libraries = [
         Path(root, name)

@@ -13,7 +13,7 @@ MEBIBYTE = 2**20
 
 
 class SandboxUnavailable(Exception):
-    """This machine cannot build the sandbox that was asked for."""
+    """The sandbox that was asked for cannot be built on this machine."""
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,16 @@
 Everything that comes back is a claim by a stranger: plain data or an exception, no more.
 """
 
+from __future__ import annotations
+
 import contextlib
 import subprocess
 import time
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
+from grader.sandbox import Sandbox
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import Limits
 from grader.sandbox.workers import Worker
@@ -20,7 +25,7 @@ MOST_PROBLEMS = 20
 class StudentError(Exception):
     """A student's function raised; `str()` is the sentence to show."""
 
-    def __init__(self, function, type_name, message, place):
+    def __init__(self, function: str, type_name: str, message: str, place: str | None) -> None:
         self.type_name, self.message = type_name, message
         where = f" ({place})" if place else ""
         super().__init__(f"{function} raised {type_name}: {message}{where}")
@@ -36,14 +41,14 @@ class RemoteObject:
     ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
     """
 
-    def __init__(self, student, number, worker, type_name):
+    def __init__(self, student: Student, number: int, worker: Worker, type_name: str) -> None:
         self._student, self._held = student, _Held(number, worker)
         self.type_name = type_name
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<{self.type_name} of the student>"
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> object:
         if name.startswith("_"):
             raise AttributeError(name)
         return self._student._ask(name, held=self._held, call=False)
@@ -77,36 +82,50 @@ class Student:
         What was wrong with the notebook's own cells, one sentence each.
     """
 
-    def __init__(self, cells, names, sandbox, limits=None, forbidden=()):
+    def __init__(
+        self,
+        cells: Iterable[str],
+        names: Iterable[str],
+        sandbox: Sandbox,
+        limits: Limits | None = None,
+        forbidden: Iterable[str] = (),
+    ) -> None:
         self._cells, self._names, self._sandbox = list(cells), tuple(names), sandbox
         self._limits, self._forbidden = limits or Limits(), tuple(forbidden)
         self._worker, self._missing, self._stops, self._calls = None, set(), [], 0
         self._time_left = self._limits.total_seconds
         self.problems = []
 
-    def __enter__(self):
+    def __enter__(self) -> Student:
         return self
 
-    def __exit__(self, *error):
+    def __exit__(self, *error: object) -> None:
         self.close()
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> object:
         if name.startswith("_") or name not in self._names:
             raise AttributeError(name)
 
-        def function(*arguments, **keywords):
+        def function(*arguments: object, **keywords: object) -> object:
             return self._ask(name, arguments, keywords)
 
         function.__name__ = name
         return function
 
-    def close(self):
+    def close(self) -> None:
         """Stop the sandbox."""
         if self._worker:
             self._worker.stop()
             self._worker = None
 
-    def _ask(self, name, arguments=(), keywords=None, held=None, call=True):
+    def _ask(
+        self,
+        name: str,
+        arguments: Sequence = (),
+        keywords: dict | None = None,
+        held: _Held | None = None,
+        call: bool = True,
+    ) -> object:
         """Call a function, or a method or an attribute of an object that is held inside."""
         if held is not None and held.worker is not self._worker:
             raise StudentStopped(
@@ -148,7 +167,7 @@ class Student:
         _apply_changes(reply.get("changed"), arguments)
         return reply.get("result")
 
-    def _ensure_running(self):
+    def _ensure_running(self) -> None:
         if self._worker:
             return
         if len(self._stops) > self._limits.restarts:
@@ -174,7 +193,7 @@ class Student:
         if first_time:
             self.problems += _texts(found.get("problems")) + _texts(failed.get("problems"))
 
-    def _exchange(self, too_slow, seconds, message=None):
+    def _exchange(self, too_slow: str, seconds: float, message: dict | None = None) -> object:
         """Send a message, if any, and return the next one."""
         begin = time.monotonic()
         deadline = begin + min(seconds, max(self._time_left, 0.1))
@@ -194,7 +213,7 @@ class Student:
         finally:
             self._time_left -= time.monotonic() - begin
 
-    def _stop(self, sentence):
+    def _stop(self, sentence: str | None) -> NoReturn:
         """Kill the worker, remember why, and say so."""
         worker, self._worker = self._worker, None
         if sentence is None:
@@ -206,7 +225,7 @@ class Student:
         raise StudentStopped(sentence) from None
 
 
-def _why_it_ended(code):
+def _why_it_ended(code: int | None) -> str:
     if code in (137, -9):
         return (
             "The system stopped the notebook's process: it asked for too much memory, or "
@@ -222,14 +241,14 @@ def _why_it_ended(code):
     )
 
 
-def _read_error(error):
+def _read_error(error: object) -> tuple[str, str, str | None]:
     if not isinstance(error, dict):
         return "Exception", "", None
     texts = [_readable(error.get(key) or "") for key in ("type", "message", "place")]
     return texts[0] or "Exception", texts[1], texts[2] or None
 
 
-def _apply_changes(changed, arguments):
+def _apply_changes(changed: object, arguments: Sequence) -> None:
     """Write what the student changed in an argument into ours, as a local call would."""
     for position, value in (changed or {}).items() if isinstance(changed, dict) else ():
         if not isinstance(position, int) or not 0 <= position < len(arguments):
@@ -242,14 +261,14 @@ def _apply_changes(changed, arguments):
             ours[:] = value
 
 
-def _texts(values):
+def _texts(values: object) -> list[str]:
     """A stranger's list of sentences, of which the first few are enough."""
     return (
         [_readable(value) for value in values[:MOST_PROBLEMS]] if isinstance(values, list) else []
     )
 
 
-def _readable(value):
+def _readable(value: object) -> str:
     """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
     text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())

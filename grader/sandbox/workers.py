@@ -39,7 +39,7 @@ class Worker:
     write_end: int
     _stopped: threading.Event = field(default_factory=threading.Event)
 
-    def stop(self):
+    def stop(self) -> int:
         """Kill the worker and all it started; return its exit code."""
         self._stopped.set()
         with contextlib.suppress(ProcessLookupError):
@@ -50,10 +50,10 @@ class Worker:
             os.close(end)
         return code
 
-    def watch_memory(self, limit):
+    def watch_memory(self, limit: int) -> None:
         """Kill the worker when all its processes together take more than `limit` bytes."""
 
-        def watch():
+        def watch() -> None:
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
                 if memory_of_tree(self.process.pid) > limit:
                     self.process.kill()
@@ -113,7 +113,7 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
     return worker
 
 
-def memory_of_tree(pid):
+def memory_of_tree(pid: int) -> int:
     """Bytes that a process and its descendants have mapped.
 
     Mapped and not used, because used memory can hide: pages shared by two processes may be

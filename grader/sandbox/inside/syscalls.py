@@ -13,6 +13,7 @@ import ctypes
 import errno
 import os
 import sys
+from collections.abc import Iterator
 
 # By machine: what the kernel calls it (linux/audit.h), and its numbers of system calls.
 MACHINES = {
@@ -86,7 +87,7 @@ class _Program(ctypes.Structure):
     _fields_ = [("length", ctypes.c_ushort), ("instructions", ctypes.c_char_p)]
 
 
-def deny():
+def deny() -> None:
     """Deny them to this process and its children, for good.
 
     Other processors than those of `MACHINES` go without: this wall stands behind others.
@@ -113,7 +114,7 @@ def deny():
         raise OSError(number, f"seccomp: {os.strerror(number)}")
 
 
-def _filter(machine):
+def _filter(machine: str) -> Iterator[tuple[int, int, int, int]]:
     """Instructions (operation, how many to skip if true, if false, value)."""
     name, numbers = MACHINES[machine]
     numbers = dict(numbers)

@@ -49,7 +49,7 @@ class Opaque:
     type_name: str
 
 
-def encode(value):
+def encode(value: object) -> bytes:
     """Bytes of a message.
 
     Parameters
@@ -72,7 +72,7 @@ def encode(value):
     return b"".join((_HEADER.pack(len(tree), len(blob)), tree, blob))
 
 
-def decode(tree, blob):
+def decode(tree: bytes, blob: bytes) -> object:
     """Value of a message; every claim in it is checked.
 
     Parameters
@@ -97,14 +97,14 @@ def decode(tree, blob):
         raise WireError(f"not a message: {type(error).__name__}") from None
 
 
-def is_plain(value):
+def is_plain(value: object) -> bool:
     """True for what crosses as it is; an object of a student's own class stays where it is."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
 
 
-def _to_tree(value, blob, depth):
+def _to_tree(value: object, blob: bytearray, depth: int) -> object:
     if depth > MAXIMUM_DEPTH:
         return {"opaque": "a very deeply nested value"}
     if value is None or isinstance(value, (bool, str)):
@@ -137,7 +137,7 @@ def _to_tree(value, blob, depth):
     return {"opaque": type(value).__name__[:100]}
 
 
-def _keyed_to_tree(value, blob, depth):
+def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
     # Scalars only: a stranger can make a million tuples with one hash, and a set of those
     # would take the other end hours to build.
     name = "dict" if isinstance(value, dict) else "set"
@@ -153,7 +153,7 @@ def _keyed_to_tree(value, blob, depth):
     }
 
 
-def _array_to_tree(array, blob, depth):
+def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
     if array.dtype == np.longdouble:
         array = array.astype(float)
     little = array.dtype.newbyteorder("<")
@@ -170,17 +170,17 @@ def _array_to_tree(array, blob, depth):
 class _Blob:
     """Bytes of arrays, taken from the front: a few bytes cannot stand for many arrays."""
 
-    def __init__(self, data):
+    def __init__(self, data: bytes) -> None:
         self.rest = memoryview(data)
 
-    def take(self, size):
+    def take(self, size: int) -> memoryview:
         if size > len(self.rest):
             raise WireError("array outside its message")
         taken, self.rest = self.rest[:size], self.rest[size:]
         return taken
 
 
-def _from_tree(tree, blob, depth):
+def _from_tree(tree: object, blob: _Blob, depth: int) -> object:
     if depth > MAXIMUM_DEPTH + 5:
         raise WireError("nested too deeply")
     if isinstance(tree, str):
@@ -207,14 +207,14 @@ def _from_tree(tree, blob, depth):
     raise WireError("unknown kind of value")
 
 
-def _key_from_tree(tree, blob, depth):
+def _key_from_tree(tree: object, blob: _Blob, depth: int) -> object:
     key = _from_tree(tree, blob, depth + 1)
     if not isinstance(key, (*_SCALARS, Opaque)):
         raise WireError("unknown kind of key")
     return key
 
 
-def _array_from_tree(content, blob):
+def _array_from_tree(content: list, blob: _Blob) -> np.ndarray:
     dtype, shape = content
     # A list, because numpy reads types out of the strangest texts.
     if dtype not in PLAIN_TYPES:
@@ -227,23 +227,23 @@ def _array_from_tree(content, blob):
     )
 
 
-def _is_possible(shape):
+def _is_possible(shape: Sequence[int]) -> bool:
     # Every single length counts: an array without elements can claim any other length for free.
     return len(shape) <= MAXIMUM_DIMENSIONS and all(
         type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
     )
 
 
-def _is_small(value):
+def _is_small(value: object) -> bool:
     return isinstance(value, int) and -(2**63) <= value < 2**63
 
 
-def _writable_text(text):
+def _writable_text(text: str) -> str:
     """The text without half characters, which no file could hold."""
     return text.encode("utf-8", "replace").decode()
 
 
-def send(descriptor, value, deadline=None):
+def send(descriptor: int, value: object, deadline: float | None = None) -> None:
     """Write one message.
 
     Parameters
@@ -269,7 +269,7 @@ def send(descriptor, value, deadline=None):
             raise WireClosed from None
 
 
-def receive(descriptor, deadline=None):
+def receive(descriptor: int, deadline: float | None = None) -> object:
     """Read one message.
 
     Parameters
@@ -290,7 +290,7 @@ def receive(descriptor, deadline=None):
     return decode(tree, _read(descriptor, blob_size, deadline))
 
 
-def _read(descriptor, size, deadline):
+def _read(descriptor: int, size: int, deadline: float | None) -> bytearray:
     data = bytearray(size)
     missing = memoryview(data)
     while missing:
@@ -305,7 +305,7 @@ def _read(descriptor, size, deadline):
     return data
 
 
-def _wait(descriptor, deadline, event):
+def _wait(descriptor: int, deadline: float | None, event: int) -> None:
     if deadline is None:
         return
     left = deadline - time.monotonic()

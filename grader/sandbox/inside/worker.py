@@ -14,6 +14,7 @@ import os
 import resource
 import sys
 import types
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 _HERE = Path(__file__).resolve().parent
@@ -30,10 +31,11 @@ LONGEST_TEXT = 400
 class ForbiddenImports(importlib.abc.MetaPathFinder):
     """Answers the import of a library that would do the exercise with a clear sentence."""
 
-    def __init__(self, modules):
+    def __init__(self, modules: Iterable[str]) -> None:
         self.modules = tuple(modules)
 
-    def find_spec(self, fullname, path=None, target=None):
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:
+        """Refuse what is forbidden; leave everything else to other finders."""
         if is_forbidden(fullname, self.modules):
             raise ImportError(
                 f"{fullname} is not allowed in this lesson: it does the exercise for you"
@@ -41,12 +43,12 @@ class ForbiddenImports(importlib.abc.MetaPathFinder):
         return None
 
 
-def is_forbidden(name, modules):
+def is_forbidden(name: str, modules: Iterable[str]) -> bool:
     """True where `name` is one of `modules` or lies inside one."""
     return any(name == module or name.startswith(module + ".") for module in modules)
 
 
-def main(read_end, write_end):
+def main(read_end: int, write_end: int) -> None:
     """Serve one notebook."""
     rules = wire.receive(read_end)
     volunteer_for_the_memory_killer()
@@ -85,13 +87,13 @@ def main(read_end, write_end):
         reply(write_end, request["id"], answer(request, namespace, objects))
 
 
-def volunteer_for_the_memory_killer():
+def volunteer_for_the_memory_killer() -> None:
     """Ask Linux to end this process, and not the grader, when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
 
-def become_nobody(user):
+def become_nobody(user: int | None) -> None:
     """Leave root for good: limits on processes do not bind root."""
     if user is not None:
         os.setgroups([])
@@ -99,7 +101,7 @@ def become_nobody(user):
         os.setuid(user)
 
 
-def set_limits(limits):
+def set_limits(limits: dict[str, int]) -> None:
     """Set resource limits that cannot be raised again."""
     for name, value in limits.items():
         which = getattr(resource, name)
@@ -109,7 +111,7 @@ def set_limits(limits):
         resource.setrlimit(which, (value, value))
 
 
-def make_namespace():
+def make_namespace() -> dict:
     """A fresh `__main__`, with an IPython that agrees to everything and does nothing."""
     main_module = types.ModuleType("__main__")
     sys.modules["__main__"] = main_module
@@ -119,11 +121,11 @@ def make_namespace():
 
 
 class _Agreeable:
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Callable[..., None]:
         return lambda *values, **options: None
 
 
-def run(statements, namespace):
+def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[str]:
     """Execute statements one by one; return a sentence for each that failed."""
     failures = []
     for statement in statements:
@@ -139,7 +141,7 @@ def run(statements, namespace):
     return failures
 
 
-def answer(request, namespace, objects):
+def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Do what a request asks for; the result, or what went wrong.
 
     A request names a function of the notebook, or a method or an attribute of an object that
@@ -171,7 +173,7 @@ def answer(request, namespace, objects):
     return {"result": result, "changed": changed}
 
 
-def reply(write_end, number, content):
+def reply(write_end: int, number: int, content: dict) -> None:
     """Send an answer, or say why it cannot be sent."""
     try:
         wire.send(write_end, {"id": number, **content})
@@ -192,7 +194,7 @@ def reply(write_end, number, content):
         wire.send(write_end, {"id": number, "error": describe(error)})
 
 
-def describe(error):
+def describe(error: BaseException) -> dict:
     """Plain data about an exception: type, message and the last line of the notebook in it."""
     place, trace = None, error.__traceback__
     while trace is not None:
