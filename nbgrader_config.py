@@ -6,6 +6,6 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))  # so that nbgrader's own commands find `grader`
 
-from grader.lms.nbgrader_settings import configure  # noqa: E402
+from grader.course.nbgrader_settings import configure  # noqa: E402
 
 configure(get_config(), HERE)  # noqa: F821 (traitlets defines get_config)

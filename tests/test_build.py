@@ -11,9 +11,9 @@ from traitlets.config import Config
 
 from grader.course import build
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
+from grader.course.nbgrader_settings import STUB, configure
 from grader.course.paths import PROJECT
 from grader.judging.marks import checks_of
-from grader.lms.nbgrader_settings import STUB, configure
 
 
 @pytest.fixture(scope="module")

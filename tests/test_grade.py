@@ -27,7 +27,7 @@ CONFIGURATION = """\
 import sys
 from pathlib import Path
 sys.path.insert(0, {project!r})
-from grader.lms.nbgrader_settings import configure
+from grader.course.nbgrader_settings import configure
 configure(get_config(), Path({root!r}))
 c = get_config()
 c.Judge.seed = {seed}

@@ -48,7 +48,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, {project!r})
 
-from grader.lms.nbgrader_settings import configure  # noqa: E402
+from grader.course.nbgrader_settings import configure  # noqa: E402
 
 configure(get_config(), HERE)  # noqa: F821
 """

@@ -199,7 +199,7 @@ def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
     from nbgrader.converters import GenerateAssignment
     from nbgrader.preprocessors import SaveCells
 
-    from grader.lms.gradebook import converter
+    from grader.course.nbgrader_settings import converter
 
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder).resolve()

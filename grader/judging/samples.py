@@ -21,7 +21,7 @@ def course_cloud():
 
 @functools.lru_cache(maxsize=256)
 def patch_of_course_cloud(seed, n):
-    """n random rows of the course's cloud within 25 m, in random order, read-only."""
+    """N random rows of the course's cloud within 25 m, in random order, read-only."""
     cloud = course_cloud()
     rng = np.random.default_rng(seed)
     rows = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 25)
@@ -38,7 +38,7 @@ def fresh_street(seed):
 
 @functools.lru_cache(maxsize=256)
 def obstacles_of_street(seed, n):
-    """n points that stand above the road of a fresh street, within 20 m, read-only."""
+    """N points that stand above the road of a fresh street, within 20 m, read-only."""
     cloud = fresh_street(seed)
     near = np.hypot(cloud[:, 0], cloud[:, 1]) < 20
     rows = np.flatnonzero(near & (cloud[:, 2] > -1.0))

@@ -5,55 +5,23 @@ One process writes: nbgrader's database is SQLite by default.
 
 import contextlib
 import json
-import logging
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 
 from nbgrader.api import Gradebook, MissingEntry
 from nbgrader.converters import Autograde, GenerateAssignment
-from nbgrader.converters.base import BaseConverter
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
 from grader.classroom.grade import Submission
+from grader.course.nbgrader_settings import configure, converter
 from grader.course.paths import Course
 from grader.judging.verdict import Verdict
-from grader.lms.nbgrader_settings import configure
 from grader.lms.results import ClassResults, NotebookResult
 from grader.sandbox import Sandbox
 
 
 class GradebookTrouble(Exception):
     """nbgrader could not enter something; `str()` is the sentence to show."""
-
-
-def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dict) -> BaseConverter:
-    """One of nbgrader's converters on a course folder.
-
-    Parameters
-    ----------
-    kind : type
-        Such as `nbgrader.converters.Autograde`.
-    root : pathlib.Path
-        The course folder.
-    stage : str
-        nbgrader's assignment.
-    **settings : dict
-        Traits to configure, by class name.
-
-    Returns
-    -------
-    nbgrader.converters.BaseConverter
-    """
-    config = configure(Config(), root)
-    config[kind.__name__].force = True
-    for name, traits in settings.items():
-        config[name].update(traits)
-    made = kind(coursedir=CourseDirectory(config=config), config=config)
-    made.coursedir.assignment_id = stage
-    made.log = logging.getLogger("grader.nbgrader")
-    made.log.setLevel(logging.CRITICAL)
-    return made
 
 
 def open_gradebook(course: Course) -> Gradebook:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from traitlets.config import Config
+
 if TYPE_CHECKING:
-    from traitlets.config import Config
+    from nbgrader.converters.base import BaseConverter
 
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
@@ -59,3 +62,34 @@ def make_alembic_reachable() -> None:
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
+
+
+def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dict) -> BaseConverter:
+    """One of nbgrader's converters on a course folder.
+
+    Parameters
+    ----------
+    kind : type
+        Such as `nbgrader.converters.Autograde`.
+    root : pathlib.Path
+        The course folder.
+    stage : str
+        nbgrader's assignment.
+    **settings : dict
+        Traits to configure, by class name.
+
+    Returns
+    -------
+    nbgrader.converters.BaseConverter
+    """
+    from nbgrader.coursedir import CourseDirectory
+
+    config = configure(Config(), root)
+    config[kind.__name__].force = True
+    for name, traits in settings.items():
+        config[name].update(traits)
+    made = kind(coursedir=CourseDirectory(config=config), config=config)
+    made.coursedir.assignment_id = stage
+    made.log = logging.getLogger("grader.nbgrader")
+    made.log.setLevel(logging.CRITICAL)
+    return made

@@ -1,0 +1,40 @@
+"""The structure of the project itself."""
+
+import ast
+
+import pytest
+
+from grader.course.paths import PROJECT
+from grader.sandbox import SANDBOXES
+
+# From the ground up: a room imports from its own floor and from those below.
+FLOORS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
+
+
+def imported_by(path):
+    """Dotted names of all that a file imports."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+@pytest.mark.parametrize("room", FLOORS)
+def test_no_room_of_the_grader_imports_upwards(room):
+    above = FLOORS[FLOORS.index(room) + 1 :]
+    files = list((PROJECT / "grader" / room).rglob("*.py"))
+    assert files
+    for path in files:
+        for name in imported_by(path):
+            assert not any(name.startswith(f"grader.{other}") for other in above), (path, name)
+
+
+def test_sandboxes_are_objects_and_not_names():
+    """Which sandbox it is makes no difference to whoever uses one."""
+    for path in (PROJECT / "grader").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Compare):
+                values = [getattr(part, "value", None) for part in (node.left, *node.comparators)]
+                assert not set(SANDBOXES) & {value for value in values if isinstance(value, str)}
