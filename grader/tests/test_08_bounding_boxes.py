@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.boxes import as_boxes, assert_box_corners
 
 
-@visible("get_bounding_boxes")
+@visible_checks("get_bounding_boxes")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

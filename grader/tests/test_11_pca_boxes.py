@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.boxes import ROOMY, as_boxes, assert_turned_boxes
 from utils.checks.lesson_11 import as_axes, assert_axes
 from utils.checks.vocabulary import CheckFailed
 
 
-@visible("principal_axes", "get_oriented_boxes")
+@visible_checks("principal_axes", "get_oriented_boxes")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
