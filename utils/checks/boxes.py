@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from utils.checks.vocabulary import TOLERANCE, CheckFailed, as_array, brief
+import utils
+from utils.checks.vocabulary import TOLERANCE, CheckFailed, as_array, brief, point_text
 
 # A point may stick out this far (m): less than any scanner measures, more than rounding does.
 _SLACK = 2 * TOLERANCE
@@ -78,12 +79,12 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
         corner_text = f"{len(np.unique(yours[box].round(3), axis=0))} different corners"
     else:
         message = f"has no corner at {_corner_name(corner)}"
-        corner_text = f"the nearest is {_point(nearest)}"
+        corner_text = f"the nearest is {point_text(nearest)}"
     side = np.abs(nearest - place).argmax() == 2
     raise CheckFailed(
         f"{_box(box, cluster_labels)} {message} ({len(wrong)} of {len(expected)} boxes are wrong).",
         yours=corner_text,
-        expected=_point(place),
+        expected=point_text(place),
         draw=lambda: _draw(
             cloud,
             yours,
@@ -244,7 +245,7 @@ def _assert_inside(points, rectangle, name, cloud, boxes):
     raise CheckFailed(
         f"{name} does not contain all of its points: {np.count_nonzero(outside > _SLACK)} of "
         f"{len(points)} are outside.",
-        yours=f"{_point(farthest)} is {outside.max():.2f} m outside",
+        yours=f"{point_text(farthest)} is {outside.max():.2f} m outside",
         expected="every point of the cluster inside",
         draw=lambda: _draw(
             cloud, boxes, circles=[farthest], title="The circled point is outside its box"
@@ -313,13 +314,7 @@ def _corner_name(corner):
     return f"({', '.join(parts)})"
 
 
-def _point(place):
-    return "(" + ", ".join(f"{value:.2f}" for value in place) + ")"
-
-
 def _draw(cloud, yours, expected=None, circles=(), view="above", title=None):
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
     columns = [0, 1] if view == "above" else [0, 2]
     shown = [yours] if expected is None else [yours, expected]
     seen = np.vstack([corners.reshape(-1, 3) for corners in shown] + list(circles))[:, columns]
@@ -327,10 +322,10 @@ def _draw(cloud, yours, expected=None, circles=(), view="above", title=None):
     limits = tuple(zip(seen.min(axis=0) - spare, seen.max(axis=0) + spare, strict=True))
     axes = None
     if expected is not None:
-        axes = plots.boxes(
+        axes = utils.plots.boxes(
             expected, cloud=cloud, view=view, label="expected", reference=True, limits=limits
         )
-    axes = plots.boxes(
+    axes = utils.plots.boxes(
         yours,
         cloud=cloud if axes is None else None,
         view=view,

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import (
     TOLERANCE,
@@ -10,14 +11,8 @@ from utils.checks.vocabulary import (
     assert_close,
     assert_untouched,
     brief,
+    point_text,
 )
-
-
-def _plots():
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
-    return plots
-
 
 # ---- lines -------------------------------------------------------------------------------------
 
@@ -54,14 +49,14 @@ def assert_line_through(answer, p, q):
         )
 
     def draw():
-        _plots().line_model(np.array([p, q]), line, title="your line, and its two points")
+        utils.plots.line_model(np.array([p, q]), line, title="your line, and its two points")
 
     values = [line[:2] @ point + line[2] for point in (p, q)]
     for point, value in zip((p, q), values, strict=True):
         if abs(value) > TOLERANCE * length:
             raise CheckFailed(
-                f"The line through {_point(p)} and {_point(q)} misses {_point(point)} by "
-                f"{abs(value) / length:.2f} m.",
+                f"The line through {point_text(p)} and {point_text(q)} misses "
+                f"{point_text(point)} by {abs(value) / length:.2f} m.",
                 draw=draw,
                 yours=f"a x + b y + c is {values[0]:.2f} and {values[1]:.2f} at the two points",
                 expected="0 and 0",
@@ -72,10 +67,6 @@ def assert_line_through(answer, p, q):
             yours=f"length {length:.3f}",
             expected="length 1",
         )
-
-
-def _point(point):
-    return f"({point[0]:.2f}, {point[1]:.2f})"
 
 
 @visible(
@@ -141,7 +132,7 @@ def refuses_equal_points(line_through):
         answer = line_through(np.array(point), np.array(point))
         if answer is not None:
             raise CheckFailed(
-                f"Through {_point(point)} and {_point(point)} run many lines, so "
+                f"Through {point_text(point)} and {point_text(point)} run many lines, so "
                 "there is no answer but None.",
                 yours=brief(answer),
                 expected="None",
@@ -372,7 +363,7 @@ def assert_own_inliers(answer, points, tolerance):
         "The mask does not belong to the line. Points " + ", and ".join(parts) + ".",
         yours=f"{mask.sum()} inliers",
         expected=f"{(distance <= tolerance).sum()} inliers",
-        draw=lambda: _plots().line_model(
+        draw=lambda: utils.plots.line_model(
             flat, line, mask, tolerance, title="your line, its band, and your inliers"
         ),
     )
@@ -417,7 +408,7 @@ def assert_finds(ransac_line, runs, needed, max_iterations, tolerance):
             "kept, the one with the most inliers?",
             yours=f"{len(runs) - len(missed)} of {len(runs)}",
             expected=f"at least {needed}",
-            draw=lambda: _plots().line_model(
+            draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
         )

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
 
@@ -123,7 +124,7 @@ def assert_tree(tree, points, indices=None):
             continue
         if yours is None:
             raise CheckFailed(
-                f"Nothing is at {place}, where the point {_point(node.point)} belongs.",
+                f"Nothing is at {place}, where the point {_exactly(node.point)} belongs.",
                 yours="None",
                 expected=_name(node),
                 draw=_side_by_side(tree, expected),
@@ -281,7 +282,7 @@ def assert_shallow(answer, points):
             f"{depth}; medians give {least}.",
             yours=f"depth {depth}",
             expected=f"depth {least}",
-            draw=lambda: _plots().kd_tree(root, title="The tree of your order"),
+            draw=lambda: utils.plots.kd_tree(root, title="The tree of your order"),
         )
 
 
@@ -655,13 +656,14 @@ def _depth(root):
     return depth
 
 
-def _point(point):
+def _exactly(point):
+    """A point of any length, with all the digits that it was written with."""
     return "(" + ", ".join(f"{float(value):g}" for value in np.ravel(point)) + ")"
 
 
 def _name(node):
     try:
-        return f"point {node.index} {_point(node.point)}"
+        return f"point {node.index} {_exactly(node.point)}"
     except Exception:
         return brief(node)
 
@@ -671,7 +673,7 @@ def _first(indices, where, target):
     text = f"{len(indices)} points, for example " if len(indices) > 1 else "point "
     if one not in where:
         return f"index {one}, which the tree does not hold"
-    return f"{text}{one} at {_point(where[one])}, {math.dist(where[one], target):g} away"
+    return f"{text}{one} at {_exactly(where[one])}, {math.dist(where[one], target):g} away"
 
 
 def _side_by_side(tree, expected):
@@ -679,8 +681,8 @@ def _side_by_side(tree, expected):
         import matplotlib.pyplot as plt
 
         _, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
-        _plots().kd_tree(tree.root, title="yours", axes=left)
-        _plots().kd_tree(expected, title="expected", axes=right)
+        utils.plots.kd_tree(tree.root, title="yours", axes=left)
+        utils.plots.kd_tree(expected, title="expected", axes=right)
 
     return draw
 
@@ -691,7 +693,7 @@ def _missed(points, indices, root, target, tolerance, yours):
         return None
     rows = np.argsort(indices)
     known = set(yours) & set(indices)
-    return lambda: _plots().kd_search(
+    return lambda: utils.plots.kd_search(
         np.array(points)[rows],
         root,
         target,
@@ -699,9 +701,3 @@ def _missed(points, indices, root, target, tolerance, yours):
         found=[np.flatnonzero(np.sort(indices) == index)[0] for index in known],
         title="What your search found",
     )
-
-
-def _plots():
-    from utils import plots
-
-    return plots

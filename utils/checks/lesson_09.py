@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_labels, assert_untouched
 
@@ -52,12 +53,10 @@ def assert_filtered(answer, labels, expected):
 
 def _draw(labels, yours, expected):
     """Draw each cluster as a row of points, the label as its height."""
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
     place = np.array([np.count_nonzero(labels[:i] == label) for i, label in enumerate(labels)])
     names, row = np.unique(labels, return_inverse=True)
     limits = ((-1, place.max() + 1), (-1, len(names)))
-    panels = plots.worst(
+    panels = utils.plots.worst(
         np.column_stack([place, row.ravel()]),
         yours,
         expected,

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+import utils
 from utils.checks.boxes import footprint
 from utils.checks.core import visible
 from utils.checks.vocabulary import (
@@ -587,14 +588,12 @@ def _covering(boxes, centre, margin=0.0):
 
 
 def _draw(frame, boxes, reference=(), label="", title=None):
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
     above = frame.cloud[frame.scan.objects > 0]
-    axes = plots.boxes(
+    axes = utils.plots.boxes(
         boxes, cloud=above, label="yours", limits=((-15, 25), (-11, 11)), title=title
     )
     if len(reference):
-        plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
+        utils.plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
         for corners in reference:
             axes.plot(
                 *corners[:, :2].mean(axis=0),
@@ -608,14 +607,12 @@ def _draw(frame, boxes, reference=(), label="", title=None):
 
 
 def _draw_matches(previous, current, yours, expected):
-    from utils import plots
-
-    axes = plots.boxes(previous, reference=True, names=True, label="previous")
+    axes = utils.plots.boxes(previous, reference=True, names=True, label="previous")
     if len(current):
         middle = np.vstack([previous, current])[:, :, :2].reshape(-1, 2)
         axes.set_xlim(middle[:, 0].min() - 2, middle[:, 0].max() + 2)
         axes.set_ylim(middle[:, 1].min() - 2, middle[:, 1].max() + 2)
-        plots.boxes(
+        utils.plots.boxes(
             current,
             names=True,
             label="current",

@@ -3,9 +3,14 @@
 Each compares an answer with what is expected and fails with a sentence about the answer:
 what differs, where, and, where a picture helps, how to draw it. Answers are accepted in any
 reasonable form: lists for arrays, float32, other numbers for the same clusters.
+
+Checks write `utils.plots` in full: it is loaded when the first picture is drawn, as matplotlib
+is slow to import and the judge has no use for it.
 """
 
 import numpy as np
+
+import utils
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
 TOLERANCE = 1e-3
@@ -40,6 +45,11 @@ def brief(value):
     else:
         text = repr(value)
     return text if len(text) <= 90 else text[:87] + "..."
+
+
+def point_text(point):
+    """A point as (x, y) or (x, y, z), to the centimetre; a fourth column is left out."""
+    return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
 
 
 def as_array(answer, columns=None, what="an array"):
@@ -119,14 +129,14 @@ def assert_rows(answer, cloud, keep, view="side"):
     missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
     parts = []
     if len(missing):
-        parts.append(f"{_count(missing)} missing, for example {_point(cloud[missing[0]])}")
+        parts.append(f"{_count(missing)} missing, for example {point_text(cloud[missing[0]])}")
     if len(extra):
-        parts.append(f"{_count(extra)} too many, for example {_point(cloud[extra[0]])}")
+        parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
     message = "; ".join(parts) or "some rows are there more than once"
     raise CheckFailed(
         message[0].upper() + message[1:] + ".",
         **sides,
-        draw=lambda: _plots().difference(cloud, mine, keep, view=view),
+        draw=lambda: utils.plots.difference(cloud, mine, keep, view=view),
     )
 
 
@@ -197,7 +207,7 @@ def assert_partition(answer, expected, cloud):
         what,
         yours=f"{number_yours} clusters",
         expected=f"{number_expected} clusters",
-        draw=lambda: _plots().worst(cloud, yours, expected),
+        draw=lambda: utils.plots.worst(cloud, yours, expected),
     )
 
 
@@ -241,12 +251,6 @@ def assert_untouched(before, after):
         )
 
 
-def _plots():
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
-    return plots
-
-
 def _close(yours, expected):
     return bool(np.allclose(yours, expected, rtol=0, atol=TOLERANCE, equal_nan=True))
 
@@ -270,7 +274,3 @@ def _rounded(rows):
 
 def _count(positions):
     return "1 row" if len(positions) == 1 else f"{len(positions)} rows"
-
-
-def _point(row):
-    return "(" + ", ".join(f"{value:.2f}" for value in row[:3]) + ")"
