@@ -7,12 +7,12 @@ from utils.checks.vocabulary import TOLERANCE, CheckFailed, as_array, brief, poi
 
 # A point may stick out this far (m): less than any scanner measures, more than rounding does.
 _SLACK = 2 * TOLERANCE
-# A rectangle turned badly is at least so much larger than the smallest one. Principal axes and
-# the smallest rectangle differ on what a scanner sees of a car, but stay below it.
-ROOMY = 1.5
+# A rectangle turned badly is at least so many times as large as the smallest one. Principal axes
+# and the smallest rectangle differ on what a scanner sees of a car, but stay below it.
+LOOSE = 1.5
 
 
-def as_boxes(answer, cluster_labels):
+def as_cluster_boxes(answer, cluster_labels):
     """An answer as boxes, one for each label above 0.
 
     Parameters
@@ -56,7 +56,7 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
     """
-    yours = as_boxes(answer, cluster_labels)
+    yours = as_cluster_boxes(answer, cluster_labels)
     wrong = [
         box
         for box in range(len(expected))
@@ -106,9 +106,9 @@ def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
     cluster_labels : numpy.ndarray of int, shape (n,)
     smallest_areas : sequence of float, optional
         Area in square metres of the smallest rectangle around each cluster, seen from above.
-        No box may cover more than `ROOMY` times as much. Without it boxes may be loose.
+        No box may cover more than `LOOSE` times as much. Without it boxes may be loose.
     """
-    boxes = as_boxes(answer, cluster_labels)
+    boxes = as_cluster_boxes(answer, cluster_labels)
     clusters = [
         np.asarray(cloud[cluster_labels == label, :3], dtype=float)
         for label in _names(cluster_labels)
@@ -255,7 +255,7 @@ def _assert_inside(points, rectangle, name, cloud, boxes):
 
 def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
     area = np.prod(np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1))
-    if smallest_area is None or area <= ROOMY * smallest_area + _SLACK:
+    if smallest_area is None or area <= LOOSE * smallest_area + _SLACK:
         return
     raise CheckFailed(
         f"{name} covers far more ground than it needs: it is not turned with its cluster.",

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 
-from utils.checks.boxes import as_boxes, assert_box_corners
+from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.core import visible
 from utils.checks.vocabulary import assert_untouched
 
@@ -126,10 +126,10 @@ def takes_every_shape(get_bounding_boxes):
 )
 def takes_nothing(get_bounding_boxes):
     noise = np.zeros(len(_CLOUD), dtype=int)
-    as_boxes(get_bounding_boxes(_CLOUD.copy(), noise), noise)
+    as_cluster_boxes(get_bounding_boxes(_CLOUD.copy(), noise), noise)
     for columns in (3, 4):
         none = np.zeros(0, dtype=int)
-        as_boxes(get_bounding_boxes(np.empty((0, columns)), none), none)
+        as_cluster_boxes(get_bounding_boxes(np.empty((0, columns)), none), none)
     # Something must still come where there is something.
     assert_box_corners(
         get_bounding_boxes(_CLOUD.copy(), _LABELS.copy()),

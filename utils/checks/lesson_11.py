@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from utils.checks.boxes import as_boxes, assert_turned_boxes
+from utils.checks.boxes import as_cluster_boxes, assert_turned_boxes
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
 
@@ -281,8 +281,8 @@ def takes_small_clusters(get_oriented_boxes):
         get_oriented_boxes(_CAR.copy(), _LABELS[:343].copy()), _CAR, _LABELS[:343], _AREAS[:1]
     )
     noise = np.zeros(len(_STREET), dtype=int)
-    as_boxes(get_oriented_boxes(_STREET.copy(), noise), noise)
-    as_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0]), noise[:0])
+    as_cluster_boxes(get_oriented_boxes(_STREET.copy(), noise), noise)
+    as_cluster_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0]), noise[:0])
 
 
 @visible(
