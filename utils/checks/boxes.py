@@ -3,6 +3,7 @@
 import numpy as np
 
 import utils
+from utils.boxes import distance_outside
 from utils.checks.vocabulary import TOLERANCE, CheckFailed, as_array, brief, point_text
 
 # A point may stick out this far (m): less than any scanner measures, more than rounding does.
@@ -182,18 +183,11 @@ def _pairs(box):
 
 
 def _outside(points, rectangle):
-    """How far points (n, 2) are outside a rectangle (4, 2); negative inside."""
-    halves = np.array([rectangle[1] - rectangle[0], rectangle[2] - rectangle[1]]) / 2
-    lengths = np.linalg.norm(halves, axis=1)
-    if lengths.max() <= TOLERANCE:
-        return np.linalg.norm(points - rectangle.mean(axis=0), axis=1) - lengths.max()
-    longer = lengths.argmax()
-    along = halves[longer] / lengths[longer]
-    offsets = points - rectangle.mean(axis=0)
-    across = np.array([-along[1], along[0]])  # a side without length has no direction of its own
-    return np.maximum(
-        np.abs(offsets @ along) - lengths[longer], np.abs(offsets @ across) - lengths[1 - longer]
-    )
+    """How far points (n, 2) are outside a rectangle (4, 2), if need be a speck; negative inside."""
+    reach = np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1).max() / 2
+    if reach <= TOLERANCE:  # rounding alone decides where a speck heads
+        return np.linalg.norm(points - rectangle.mean(axis=0), axis=1) - reach
+    return distance_outside(points, rectangle)
 
 
 def _assert_order(boxes, clusters):

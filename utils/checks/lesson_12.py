@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 import utils
+from utils.boxes import distance_outside
 from utils.checks.boxes import footprint
 from utils.checks.core import visible
 from utils.checks.vocabulary import (
@@ -152,7 +153,7 @@ def box_of(car, boxes, frame):
     if len(_standing_on(car, boxes)) > PIECES:
         return None
     holding = {
-        int(number): _inside(returns, boxes[number], 0.2).mean()
+        int(number): _within(returns, boxes[number], 0.2).mean()
         for number in _covering(boxes, car.centre, 4.0)
     }
     if any(share >= 0.9 and not _fits(boxes[number], car) for number, share in holding.items()):
@@ -239,7 +240,7 @@ def assert_boxes_real(answers, frames):
         return
     box, frame, boxes = ghosts[0]
     x, y = box[:, :2].mean(axis=0)
-    held = _inside(_sorted_by_x(frame)[0], box, 0.05).sum()
+    held = _within(_sorted_by_x(frame)[0], box, 0.05).sum()
     raise CheckFailed(
         f"{len(ghosts)} of {total} boxes hold more road than obstacle, or nothing at all: "
         f"for example the one at x = {x:.1f} m, y = {y:.1f} m.",
@@ -539,23 +540,16 @@ def _fits(box, car):
     return long <= car.size[0] + 2.0 and long * wide <= 2.5 * car.size[0] * car.size[1]
 
 
-def _inside(points, box, margin):
+def _within(points, box, margin):
     """Which points (n, 3) lie in a box, enlarged by a margin (m): (n,) of bool."""
+    low, high = box.min(axis=0), box.max(axis=0)
+    level = (points[:, 2] >= low[2] - margin) & (points[:, 2] <= high[2] + margin)
+    if np.hypot(*(high - low)[:2]) < 1e-9:
+        return level  # a box of one return has no sides to be within
     rectangle = footprint(box)
     if rectangle is None:
-        low, high = box[:, :2].min(axis=0), box[:, :2].max(axis=0)
-        rectangle = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    edges = np.diff(rectangle[:3], axis=0)
-    lengths = np.linalg.norm(edges, axis=1)
-    along = edges[lengths.argmax()] / max(lengths.max(), 1e-9)
-    across = np.array([-along[1], along[0]])
-    offsets = points[:, :2] - rectangle.mean(axis=0)
-    return (
-        (np.abs(offsets @ along) <= lengths.max() / 2 + margin)
-        & (np.abs(offsets @ across) <= lengths.min() / 2 + margin)
-        & (points[:, 2] >= box[:, 2].min() - margin)
-        & (points[:, 2] <= box[:, 2].max() + margin)
-    )
+        rectangle = np.array([low[:2], [high[0], low[1]], high[:2], [low[0], high[1]]])
+    return level & (distance_outside(points[:, :2], rectangle) <= margin)
 
 
 @functools.lru_cache(maxsize=64)
@@ -568,7 +562,7 @@ def _sorted_by_x(frame):
 def _holds_obstacle(box, frame):
     points, obstacle = _sorted_by_x(frame)
     first, last = np.searchsorted(points[:, 0], [box[:, 0].min() - 0.1, box[:, 0].max() + 0.1])
-    held = obstacle[first:last][_inside(points[first:last], box, 0.05)]
+    held = obstacle[first:last][_within(points[first:last], box, 0.05)]
     return 2 * np.count_nonzero(held) > len(held)
 
 
@@ -576,7 +570,7 @@ def _standing_on(car, boxes):
     """Numbers of the boxes whose middles lie in the footprint of a car."""
     middles = boxes.mean(axis=1)
     middles[:, 2] = car.centre[2]
-    return np.flatnonzero(_inside(middles, car.corners, 0.0))
+    return np.flatnonzero(_within(middles, car.corners, 0.0))
 
 
 def _covering(boxes, centre, margin=0.0):
