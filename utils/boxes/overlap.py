@@ -31,7 +31,10 @@ def plane_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def space_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Intersection over union of the boxes' volumes; see `plane_iou`."""
+    """Intersection over union of the boxes' volumes.
+
+    Parameters, result and errors are those of `plane_iou`.
+    """
     boxes, others = _checked(boxes), _checked(others)
     floor, roof = boxes[:, :, 2].min(axis=1), boxes[:, :, 2].max(axis=1)
     other_floor, other_roof = others[:, :, 2].min(axis=1), others[:, :, 2].max(axis=1)

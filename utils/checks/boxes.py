@@ -1,5 +1,7 @@
 """Assertions about boxes: eight corners each, in any order, the boxes in ascending label order."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 import utils
@@ -13,7 +15,7 @@ _SLACK = 2 * TOLERANCE
 LOOSE = 1.5
 
 
-def as_cluster_boxes(answer, cluster_labels):
+def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     """An answer as boxes, one for each label above 0.
 
     Parameters
@@ -45,7 +47,9 @@ def as_cluster_boxes(answer, cluster_labels):
     return boxes.astype(float)
 
 
-def assert_box_corners(answer, expected, cloud, cluster_labels):
+def assert_box_corners(
+    answer: object, expected: np.ndarray, cloud: np.ndarray, cluster_labels: np.ndarray
+) -> None:
     """Each box has the expected corners, in any order.
 
     Parameters
@@ -97,7 +101,12 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
     )
 
 
-def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
+def assert_turned_boxes(
+    answer: object,
+    cloud: np.ndarray,
+    cluster_labels: np.ndarray,
+    smallest_areas: Sequence[float] | None = None,
+) -> None:
     """Each box stands upright on a turned rectangle and holds all points of its cluster.
 
     Parameters
@@ -132,7 +141,7 @@ def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
         _assert_snug(rectangle, limits[number], name, cloud, boxes)
 
 
-def footprint(box):
+def footprint(box: np.ndarray) -> np.ndarray | None:
     """The rectangle (4, 2) on which an upright box stands, corners in cyclic order.
 
     Parameters
@@ -156,7 +165,7 @@ def footprint(box):
     return best if _crookedness(best) <= _SLACK else None
 
 
-def _crookedness(corners):
+def _crookedness(corners: np.ndarray) -> float:
     """How far four corners (4, 2) going round are from a rectangle, in metres."""
     first, second, third, fourth = corners
     middles_apart = np.linalg.norm(first + third - second - fourth) / 2
@@ -164,7 +173,7 @@ def _crookedness(corners):
     return max(middles_apart, abs(diagonals[0] - diagonals[1]))
 
 
-def _pairs(box):
+def _pairs(box: np.ndarray) -> np.ndarray:
     """Rows of the four corners of the floor, each with the row of the one above it: (4, 2)."""
     if np.ptp(box[:, 2]) > 4 * TOLERANCE:
         order = np.argsort(box[:, 2], kind="stable")
@@ -182,7 +191,7 @@ def _pairs(box):
     return np.array(pairs)
 
 
-def _outside(points, rectangle):
+def _outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     """How far points (n, 2) are outside a rectangle (4, 2), if need be a speck; negative inside."""
     reach = np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1).max() / 2
     if reach <= TOLERANCE:  # rounding alone decides where a speck heads
@@ -190,7 +199,7 @@ def _outside(points, rectangle):
     return distance_outside(points, rectangle)
 
 
-def _assert_order(boxes, clusters):
+def _assert_order(boxes: np.ndarray, clusters: list[np.ndarray]) -> None:
     if len(boxes) < 2:
         return
     low, high = boxes.min(axis=1) - _SLACK, boxes.max(axis=1) + _SLACK
@@ -205,7 +214,7 @@ def _assert_order(boxes, clusters):
         )
 
 
-def _assert_level(box, name):
+def _assert_level(box: np.ndarray, name: str) -> None:
     heights = np.sort(box[:, 2])
     uneven = max(np.ptp(heights[:4]), np.ptp(heights[4:]))
     if uneven > _SLACK:
@@ -216,7 +225,7 @@ def _assert_level(box, name):
         )
 
 
-def _assert_heights(box, points, name):
+def _assert_heights(box: np.ndarray, points: np.ndarray, name: str) -> None:
     for word, yours, right in (
         ("floor", box[:, 2].min(), points[:, 2].min()),
         ("roof", box[:, 2].max(), points[:, 2].max()),
@@ -231,7 +240,9 @@ def _assert_heights(box, points, name):
             )
 
 
-def _assert_inside(points, rectangle, name, cloud, boxes):
+def _assert_inside(
+    points: np.ndarray, rectangle: np.ndarray, name: str, cloud: np.ndarray, boxes: np.ndarray
+) -> None:
     outside = _outside(points[:, :2], rectangle)
     if outside.max() <= _SLACK:
         return
@@ -247,7 +258,13 @@ def _assert_inside(points, rectangle, name, cloud, boxes):
     )
 
 
-def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
+def _assert_snug(
+    rectangle: np.ndarray,
+    smallest_area: float | None,
+    name: str,
+    cloud: np.ndarray,
+    boxes: np.ndarray,
+) -> None:
     area = np.prod(np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1))
     if smallest_area is None or area <= LOOSE * smallest_area + _SLACK:
         return
@@ -259,7 +276,7 @@ def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
     )
 
 
-def _missing_corner(yours, expected):
+def _missing_corner(yours: np.ndarray, expected: np.ndarray) -> int | None:
     """Number of the first expected corner that none of yours stands for; None if all are there."""
     free = list(range(8))
     for corner, place in enumerate(expected):
@@ -270,11 +287,11 @@ def _missing_corner(yours, expected):
     return None
 
 
-def _same(corner, other):
+def _same(corner: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.abs(corner - other).max() <= TOLERANCE)
 
 
-def _wrong_shape(shape, count, cluster_labels):
+def _wrong_shape(shape: tuple[int, ...], count: int, cluster_labels: np.ndarray) -> str:
     if count == 0:
         return (
             "Where no label is above 0 there are no boxes, but the array keeps its form: "
@@ -295,20 +312,27 @@ def _wrong_shape(shape, count, cluster_labels):
     return "The answer must hold N boxes of 8 corners (rows) of 3 coordinates."
 
 
-def _names(cluster_labels):
+def _names(cluster_labels: np.ndarray) -> np.ndarray:
     return np.unique(cluster_labels[cluster_labels > 0])
 
 
-def _box(number, cluster_labels):
+def _box(number: int, cluster_labels: np.ndarray) -> str:
     return f"The box of label {_names(cluster_labels)[number]}"
 
 
-def _corner_name(corner):
+def _corner_name(corner: int) -> str:
     parts = [("max " if corner >> axis & 1 else "min ") + "xyz"[axis] for axis in range(3)]
     return f"({', '.join(parts)})"
 
 
-def _draw(cloud, yours, expected=None, circles=(), view="above", title=None):
+def _draw(
+    cloud: np.ndarray,
+    yours: np.ndarray,
+    expected: np.ndarray | None = None,
+    circles: Sequence[np.ndarray] = (),
+    view: str = "above",
+    title: str | None = None,
+) -> None:
     columns = [0, 1] if view == "above" else [0, 2]
     shown = [yours] if expected is None else [yours, expected]
     seen = np.vstack([corners.reshape(-1, 3) for corners in shown] + list(circles))[:, columns]
