@@ -22,6 +22,7 @@ from grader.course.paths import PROJECT
 PINS = (
     "numpy==2.1.3",
     "scipy==1.16.3",
+    "shapely==2.1.2",
     "matplotlib==3.10.0",
     "ipython==7.34.0",
     "ipykernel==6.17.1",

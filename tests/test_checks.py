@@ -207,8 +207,8 @@ def test_import_is_quick_and_light():
     import sys
 
     code = (
-        "import utils, sys; heavy = {'matplotlib', 'scipy', 'pyvista', 'pooch', 'nbgrader', "
-        "'grader', 'IPython'}; print(sorted(heavy & set(sys.modules)))"
+        "import utils, sys; heavy = {'matplotlib', 'scipy', 'shapely', 'pyvista', 'pooch', "
+        "'nbgrader', 'grader', 'IPython'}; print(sorted(heavy & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.strip() == "[]", done.stderr

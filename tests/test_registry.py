@@ -107,10 +107,10 @@ def finds_it(highest):
         raise CheckFailed("That is not the highest.")
 """,
     "grader/tests/test_13_toy.py": """\
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 
 
-@visible("highest")
+@visible_checks("highest")
 def test_visible(student, check):
     check.run(student.highest)
 

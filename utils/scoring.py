@@ -10,7 +10,7 @@ MOT metrics", EURASIP Journal on Image and Video Processing, 2008.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -113,7 +113,10 @@ def match(overlaps: np.ndarray, minimum_overlap: float = 0.5) -> np.ndarray:
 
 
 def score_boxes(
-    found: np.ndarray, truth: np.ndarray, minimum_overlap: float = 0.5, overlap=plane_iou
+    found: np.ndarray,
+    truth: np.ndarray,
+    minimum_overlap: float = 0.5,
+    overlap: Callable[[np.ndarray, np.ndarray], np.ndarray] = plane_iou,
 ) -> Score:
     """Compare the boxes found in one frame with the true ones.
 
@@ -135,7 +138,9 @@ def score_boxes(
 
 
 def score_stream(
-    frames: Iterable[TrackedFrame], minimum_overlap: float = 0.5, overlap=plane_iou
+    frames: Iterable[TrackedFrame],
+    minimum_overlap: float = 0.5,
+    overlap: Callable[[np.ndarray, np.ndarray], np.ndarray] = plane_iou,
 ) -> Score:
     """Score a tracker over a stream, with the identity switches it makes.
 

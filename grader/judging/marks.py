@@ -21,7 +21,7 @@ def hidden(exercise, *, title, hint, weight=1.0):
     )
 
 
-def visible(*exercises):
+def visible_checks(*exercises):
     """Turn the notebook's own checks of some exercises into tests, as argument `check`."""
     return pytest.mark.parametrize(
         "check",

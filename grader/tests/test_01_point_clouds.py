@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_01 import assert_distances
 from utils.checks.vocabulary import assert_rows
 
 
-@visible("horizontal_distance", "drop_invalid")
+@visible_checks("horizontal_distance", "drop_invalid")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

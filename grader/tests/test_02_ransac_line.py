@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_02 import (
     as_result,
     assert_line_distances,
@@ -21,7 +21,7 @@ from utils.checks.lesson_02 import (
 from utils.checks.vocabulary import CheckFailed
 
 
-@visible("line_through", "point_line_distance", "ransac_line")
+@visible_checks("line_through", "point_line_distance", "ransac_line")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

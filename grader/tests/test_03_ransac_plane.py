@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_03 import (
     assert_best_plane,
     assert_consensus,
@@ -26,7 +26,9 @@ from utils.checks.lesson_03 import (
 from utils.checks.vocabulary import CheckFailed, assert_close
 
 
-@visible("plane_through", "point_plane_distance", "ransac_plane", "fit_plane", "iterations_needed")
+@visible_checks(
+    "plane_through", "point_plane_distance", "ransac_plane", "fit_plane", "iterations_needed"
+)
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

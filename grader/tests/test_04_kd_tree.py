@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_04 import (
     assert_found,
     assert_lower_medians,
@@ -22,7 +22,7 @@ from utils.checks.lesson_04 import (
 from utils.checks.vocabulary import CheckFailed, assert_untouched
 
 
-@visible("insert", "search", "median_order")
+@visible_checks("insert", "search", "median_order")
 def test_visible(student, check):
     check.run(student.median_order if check.exercise == "median_order" else student.KdTree)
 

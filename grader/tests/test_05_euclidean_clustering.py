@@ -3,11 +3,11 @@
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.vocabulary import assert_partition
 
 
-@visible("euclidean_clustering")
+@visible_checks("euclidean_clustering")
 def test_visible(student, check):
     check.run(student.euclidean_clustering)
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.vocabulary import assert_rows, assert_same_set_of_rows
 
 
-@visible("filter_ground", "voxel_grid")
+@visible_checks("filter_ground", "voxel_grid")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_07 import assert_boxed, assert_near
 
 MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.
 
 
-@visible("filter_by_distance", "crop_region", "remove_ego_returns")
+@visible_checks("filter_by_distance", "crop_region", "remove_ego_returns")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
-from utils.checks.boxes import as_boxes, assert_box_corners
+from grader.judging.marks import hidden, visible_checks
+from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 
 
-@visible("get_bounding_boxes")
+@visible_checks("get_bounding_boxes")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
@@ -164,4 +164,4 @@ def test_many_and_none(student, seed):
     cloud = rng.uniform(-30, 30, (600, 4))
     assert_boxed(student, cloud, rng.integers(0, 300, 600))
     none = np.zeros(600, dtype=int)
-    as_boxes(student.get_bounding_boxes(cloud.copy(), none), none)
+    as_cluster_boxes(student.get_bounding_boxes(cloud.copy(), none), none)

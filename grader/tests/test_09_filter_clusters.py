@@ -5,12 +5,12 @@ from collections import Counter
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_09 import assert_filtered
 from utils.checks.vocabulary import assert_untouched
 
 
-@visible("filter_clusters")
+@visible_checks("filter_clusters")
 def test_visible(student, check):
     check.run(student.filter_clusters)
 

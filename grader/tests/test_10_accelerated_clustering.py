@@ -9,14 +9,14 @@ import functools
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from grader.sandbox.student import StudentStopped
 from utils.checks.vocabulary import CheckFailed, assert_partition
 
 NAME = "euclidean_clustering_accelerated"
 
 
-@visible(NAME)
+@visible_checks(NAME)
 def test_visible(student, check):
     check.run(student.euclidean_clustering_accelerated)
 

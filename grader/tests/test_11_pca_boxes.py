@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible
-from utils.checks.boxes import ROOMY, as_boxes, assert_turned_boxes
+from grader.judging.marks import hidden, visible_checks
+from utils.checks.boxes import LOOSE, as_cluster_boxes, assert_turned_boxes
 from utils.checks.lesson_11 import as_axes, assert_axes
 from utils.checks.vocabulary import CheckFailed
 
 
-@visible("principal_axes", "get_oriented_boxes")
+@visible_checks("principal_axes", "get_oriented_boxes")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
@@ -71,7 +71,7 @@ def scanned_cars(seed):
 
     Where a scanner sees two sides, sensible boxes differ: principal axes lean towards the
     corner, the smallest rectangle does not. Kept are clusters on which such methods agree well
-    within `ROOMY`, while a box along x and y is far beyond it.
+    within `LOOSE`, while a box along x and y is far beyond it.
     """
     from scipy.spatial import ConvexHull
 
@@ -96,14 +96,14 @@ def scanned_cars(seed):
         even = np.linalg.svd(thinned - thinned.mean(axis=0), full_matrices=False)[2][0]
         hull = xy[ConvexHull(xy).vertices]
         rim = np.linalg.svd(hull - hull.mean(axis=0), full_matrices=False)[2][0]
-        if max(area_along(points, d) for d in (flat, solid, even, rim)) > 0.93 * ROOMY * small:
+        if max(area_along(points, d) for d in (flat, solid, even, rim)) > 0.93 * LOOSE * small:
             continue
         turned = [
             turn_about_z(points - [*middle, 0, 0], np.radians(angle)) + [*middle, 0, 0]
             for angle in range(0, 180, 5)
         ]
         loosest = max(turned, key=lambda one: np.prod(np.ptp(one[:, :2], axis=0)))
-        if np.prod(np.ptp(loosest[:, :2], axis=0)) > 1.15 * ROOMY * small:
+        if np.prod(np.ptp(loosest[:, :2], axis=0)) > 1.15 * LOOSE * small:
             cars.append(loosest)
     return tuple(cars)
 
@@ -338,4 +338,4 @@ def test_many_and_none(student, seed):
         student.get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels, areas
     )
     none = np.zeros(len(cloud), dtype=int)
-    as_boxes(student.get_oriented_boxes(cloud.copy(), none), none)
+    as_cluster_boxes(student.get_oriented_boxes(cloud.copy(), none), none)

@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 
-from grader.judging.marks import hidden, visible
+from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_12 import (
     as_boxes,
     assert_boxes_real,
@@ -22,7 +22,7 @@ from utils.checks.lesson_12 import (
 from utils.checks.vocabulary import CheckFailed
 
 
-@visible("detect_obstacles", "match_boxes")
+@visible_checks("detect_obstacles", "match_boxes")
 def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 

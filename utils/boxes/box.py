@@ -48,25 +48,3 @@ class Box:
         x, y, z = np.vstack([floor, floor + (0, 0, 2 * half)]).T
         turned = np.column_stack([cosine * x - sine * y, sine * x + cosine * y, z])
         return turned + self.centre
-
-
-def inside(cloud: np.ndarray, box: Box) -> np.ndarray:
-    """Find the points inside an upright box, its faces included.
-
-    Parameters
-    ----------
-    cloud : ndarray, shape (n, 3) or (n, 4)
-    box : Box
-
-    Returns
-    -------
-    ndarray, shape (n,), bool
-    """
-    offset = cloud[:, :3] - np.asarray(box.centre)
-    cosine, sine = np.cos(box.yaw), np.sin(box.yaw)
-    along = offset[:, 0] * cosine + offset[:, 1] * sine
-    across = offset[:, 1] * cosine - offset[:, 0] * sine
-    half = np.asarray(box.size) / 2
-    return (
-        (np.abs(along) <= half[0]) & (np.abs(across) <= half[1]) & (np.abs(offset[:, 2]) <= half[2])
-    )

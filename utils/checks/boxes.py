@@ -1,17 +1,21 @@
 """Assertions about boxes: eight corners each, in any order, the boxes in ascending label order."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from utils.checks.vocabulary import TOLERANCE, CheckFailed, as_array, brief
+import utils
+from utils.boxes import distance_outside
+from utils.checks.vocabulary import TOLERANCE, CheckFailed, as_array, brief, point_text
 
 # A point may stick out this far (m): less than any scanner measures, more than rounding does.
 _SLACK = 2 * TOLERANCE
-# A rectangle turned badly is at least so much larger than the smallest one. Principal axes and
-# the smallest rectangle differ on what a scanner sees of a car, but stay below it.
-ROOMY = 1.5
+# A rectangle turned badly is at least so many times as large as the smallest one. Principal axes
+# and the smallest rectangle differ on what a scanner sees of a car, but stay below it.
+LOOSE = 1.5
 
 
-def as_boxes(answer, cluster_labels):
+def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     """An answer as boxes, one for each label above 0.
 
     Parameters
@@ -43,7 +47,9 @@ def as_boxes(answer, cluster_labels):
     return boxes.astype(float)
 
 
-def assert_box_corners(answer, expected, cloud, cluster_labels):
+def assert_box_corners(
+    answer: object, expected: np.ndarray, cloud: np.ndarray, cluster_labels: np.ndarray
+) -> None:
     """Each box has the expected corners, in any order.
 
     Parameters
@@ -55,7 +61,7 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
     """
-    yours = as_boxes(answer, cluster_labels)
+    yours = as_cluster_boxes(answer, cluster_labels)
     wrong = [
         box
         for box in range(len(expected))
@@ -78,12 +84,12 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
         corner_text = f"{len(np.unique(yours[box].round(3), axis=0))} different corners"
     else:
         message = f"has no corner at {_corner_name(corner)}"
-        corner_text = f"the nearest is {_point(nearest)}"
+        corner_text = f"the nearest is {point_text(nearest)}"
     side = np.abs(nearest - place).argmax() == 2
     raise CheckFailed(
         f"{_box(box, cluster_labels)} {message} ({len(wrong)} of {len(expected)} boxes are wrong).",
         yours=corner_text,
-        expected=_point(place),
+        expected=point_text(place),
         draw=lambda: _draw(
             cloud,
             yours,
@@ -95,7 +101,12 @@ def assert_box_corners(answer, expected, cloud, cluster_labels):
     )
 
 
-def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
+def assert_turned_boxes(
+    answer: object,
+    cloud: np.ndarray,
+    cluster_labels: np.ndarray,
+    smallest_areas: Sequence[float] | None = None,
+) -> None:
     """Each box stands upright on a turned rectangle and holds all points of its cluster.
 
     Parameters
@@ -105,9 +116,9 @@ def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
     cluster_labels : numpy.ndarray of int, shape (n,)
     smallest_areas : sequence of float, optional
         Area in square metres of the smallest rectangle around each cluster, seen from above.
-        No box may cover more than `ROOMY` times as much. Without it boxes may be loose.
+        No box may cover more than `LOOSE` times as much. Without it boxes may be loose.
     """
-    boxes = as_boxes(answer, cluster_labels)
+    boxes = as_cluster_boxes(answer, cluster_labels)
     clusters = [
         np.asarray(cloud[cluster_labels == label, :3], dtype=float)
         for label in _names(cluster_labels)
@@ -130,7 +141,7 @@ def assert_turned_boxes(answer, cloud, cluster_labels, smallest_areas=None):
         _assert_snug(rectangle, limits[number], name, cloud, boxes)
 
 
-def footprint(box):
+def footprint(box: np.ndarray) -> np.ndarray | None:
     """The rectangle (4, 2) on which an upright box stands, corners in cyclic order.
 
     Parameters
@@ -154,7 +165,7 @@ def footprint(box):
     return best if _crookedness(best) <= _SLACK else None
 
 
-def _crookedness(corners):
+def _crookedness(corners: np.ndarray) -> float:
     """How far four corners (4, 2) going round are from a rectangle, in metres."""
     first, second, third, fourth = corners
     middles_apart = np.linalg.norm(first + third - second - fourth) / 2
@@ -162,7 +173,7 @@ def _crookedness(corners):
     return max(middles_apart, abs(diagonals[0] - diagonals[1]))
 
 
-def _pairs(box):
+def _pairs(box: np.ndarray) -> np.ndarray:
     """Rows of the four corners of the floor, each with the row of the one above it: (4, 2)."""
     if np.ptp(box[:, 2]) > 4 * TOLERANCE:
         order = np.argsort(box[:, 2], kind="stable")
@@ -180,22 +191,15 @@ def _pairs(box):
     return np.array(pairs)
 
 
-def _outside(points, rectangle):
-    """How far points (n, 2) are outside a rectangle (4, 2); negative inside."""
-    halves = np.array([rectangle[1] - rectangle[0], rectangle[2] - rectangle[1]]) / 2
-    lengths = np.linalg.norm(halves, axis=1)
-    if lengths.max() <= TOLERANCE:
-        return np.linalg.norm(points - rectangle.mean(axis=0), axis=1) - lengths.max()
-    longer = lengths.argmax()
-    along = halves[longer] / lengths[longer]
-    offsets = points - rectangle.mean(axis=0)
-    across = np.array([-along[1], along[0]])  # a side without length has no direction of its own
-    return np.maximum(
-        np.abs(offsets @ along) - lengths[longer], np.abs(offsets @ across) - lengths[1 - longer]
-    )
+def _outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
+    """How far points (n, 2) are outside a rectangle (4, 2), if need be a speck; negative inside."""
+    reach = np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1).max() / 2
+    if reach <= TOLERANCE:  # rounding alone decides where a speck heads
+        return np.linalg.norm(points - rectangle.mean(axis=0), axis=1) - reach
+    return distance_outside(points, rectangle)
 
 
-def _assert_order(boxes, clusters):
+def _assert_order(boxes: np.ndarray, clusters: list[np.ndarray]) -> None:
     if len(boxes) < 2:
         return
     low, high = boxes.min(axis=1) - _SLACK, boxes.max(axis=1) + _SLACK
@@ -210,7 +214,7 @@ def _assert_order(boxes, clusters):
         )
 
 
-def _assert_level(box, name):
+def _assert_level(box: np.ndarray, name: str) -> None:
     heights = np.sort(box[:, 2])
     uneven = max(np.ptp(heights[:4]), np.ptp(heights[4:]))
     if uneven > _SLACK:
@@ -221,7 +225,7 @@ def _assert_level(box, name):
         )
 
 
-def _assert_heights(box, points, name):
+def _assert_heights(box: np.ndarray, points: np.ndarray, name: str) -> None:
     for word, yours, right in (
         ("floor", box[:, 2].min(), points[:, 2].min()),
         ("roof", box[:, 2].max(), points[:, 2].max()),
@@ -236,7 +240,9 @@ def _assert_heights(box, points, name):
             )
 
 
-def _assert_inside(points, rectangle, name, cloud, boxes):
+def _assert_inside(
+    points: np.ndarray, rectangle: np.ndarray, name: str, cloud: np.ndarray, boxes: np.ndarray
+) -> None:
     outside = _outside(points[:, :2], rectangle)
     if outside.max() <= _SLACK:
         return
@@ -244,7 +250,7 @@ def _assert_inside(points, rectangle, name, cloud, boxes):
     raise CheckFailed(
         f"{name} does not contain all of its points: {np.count_nonzero(outside > _SLACK)} of "
         f"{len(points)} are outside.",
-        yours=f"{_point(farthest)} is {outside.max():.2f} m outside",
+        yours=f"{point_text(farthest)} is {outside.max():.2f} m outside",
         expected="every point of the cluster inside",
         draw=lambda: _draw(
             cloud, boxes, circles=[farthest], title="The circled point is outside its box"
@@ -252,9 +258,15 @@ def _assert_inside(points, rectangle, name, cloud, boxes):
     )
 
 
-def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
+def _assert_snug(
+    rectangle: np.ndarray,
+    smallest_area: float | None,
+    name: str,
+    cloud: np.ndarray,
+    boxes: np.ndarray,
+) -> None:
     area = np.prod(np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1))
-    if smallest_area is None or area <= ROOMY * smallest_area + _SLACK:
+    if smallest_area is None or area <= LOOSE * smallest_area + _SLACK:
         return
     raise CheckFailed(
         f"{name} covers far more ground than it needs: it is not turned with its cluster.",
@@ -264,7 +276,7 @@ def _assert_snug(rectangle, smallest_area, name, cloud, boxes):
     )
 
 
-def _missing_corner(yours, expected):
+def _missing_corner(yours: np.ndarray, expected: np.ndarray) -> int | None:
     """Number of the first expected corner that none of yours stands for; None if all are there."""
     free = list(range(8))
     for corner, place in enumerate(expected):
@@ -275,11 +287,11 @@ def _missing_corner(yours, expected):
     return None
 
 
-def _same(corner, other):
+def _same(corner: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.abs(corner - other).max() <= TOLERANCE)
 
 
-def _wrong_shape(shape, count, cluster_labels):
+def _wrong_shape(shape: tuple[int, ...], count: int, cluster_labels: np.ndarray) -> str:
     if count == 0:
         return (
             "Where no label is above 0 there are no boxes, but the array keeps its form: "
@@ -300,26 +312,27 @@ def _wrong_shape(shape, count, cluster_labels):
     return "The answer must hold N boxes of 8 corners (rows) of 3 coordinates."
 
 
-def _names(cluster_labels):
+def _names(cluster_labels: np.ndarray) -> np.ndarray:
     return np.unique(cluster_labels[cluster_labels > 0])
 
 
-def _box(number, cluster_labels):
+def _box(number: int, cluster_labels: np.ndarray) -> str:
     return f"The box of label {_names(cluster_labels)[number]}"
 
 
-def _corner_name(corner):
+def _corner_name(corner: int) -> str:
     parts = [("max " if corner >> axis & 1 else "min ") + "xyz"[axis] for axis in range(3)]
     return f"({', '.join(parts)})"
 
 
-def _point(place):
-    return "(" + ", ".join(f"{value:.2f}" for value in place) + ")"
-
-
-def _draw(cloud, yours, expected=None, circles=(), view="above", title=None):
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
+def _draw(
+    cloud: np.ndarray,
+    yours: np.ndarray,
+    expected: np.ndarray | None = None,
+    circles: Sequence[np.ndarray] = (),
+    view: str = "above",
+    title: str | None = None,
+) -> None:
     columns = [0, 1] if view == "above" else [0, 2]
     shown = [yours] if expected is None else [yours, expected]
     seen = np.vstack([corners.reshape(-1, 3) for corners in shown] + list(circles))[:, columns]
@@ -327,10 +340,10 @@ def _draw(cloud, yours, expected=None, circles=(), view="above", title=None):
     limits = tuple(zip(seen.min(axis=0) - spare, seen.max(axis=0) + spare, strict=True))
     axes = None
     if expected is not None:
-        axes = plots.boxes(
+        axes = utils.plots.boxes(
             expected, cloud=cloud, view=view, label="expected", reference=True, limits=limits
         )
-    axes = plots.boxes(
+    axes = utils.plots.boxes(
         yours,
         cloud=cloud if axes is None else None,
         view=view,

@@ -40,7 +40,7 @@ class Check:
     run: Callable
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Short name, unique within the exercise."""
         return self.run.__name__
 
@@ -56,21 +56,35 @@ class Outcome:
 class ChecksFailed(AssertionError):
     """Not all checks passed. A notebook shows one line of it; plain nbgrader counts it as 0."""
 
-    def _render_traceback_(self):
+    def _render_traceback_(self) -> list[str]:
         return [str(self)]
 
 
-def visible(exercise, *, title, why, hint, weight=1.0):
-    """Declare a function that takes the student's function as a visible check."""
+def visible(exercise: str, *, title: str, why: str, hint: str, weight: float = 1.0) -> Callable:
+    """Declare a function that takes the student's function as a visible check.
 
-    def declare(run):
+    Parameters
+    ----------
+    exercise : str
+        Name of the student's function.
+    title, why, hint : str
+    weight : float
+        As in `Check`.
+
+    Returns
+    -------
+    callable
+        The decorator; the function stays as it is.
+    """
+
+    def declare(run: Callable) -> Callable:
         _CHECKS.setdefault(exercise, []).append(Check(exercise, title, why, hint, weight, run))
         return run
 
     return declare
 
 
-def checks_of(exercise):
+def checks_of(exercise: str) -> tuple[Check, ...]:
     """The visible checks of an exercise, in the order they are written.
 
     Parameters
@@ -98,14 +112,14 @@ def checks_of(exercise):
     return tuple(_CHECKS[exercise])
 
 
-def _modules_of_lessons():
+def _modules_of_lessons() -> list[str]:
     """Full names of the modules that declare checks, in the order of the course."""
     package = importlib.import_module("utils.checks")
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
     return [f"{package.__name__}.{name}" for name in names if name.startswith("lesson_")]
 
 
-def run_check(one_check, function):
+def run_check(one_check: Check, function: Callable) -> Outcome:
     """Run one check.
 
     Parameters
@@ -140,7 +154,7 @@ def run_check(one_check, function):
     return Outcome(one_check, None)
 
 
-def check(function, exercise=None):
+def check(function: Callable, exercise: str | None = None) -> None:
     """Check an answer and show what is right, what is wrong and why it matters.
 
     Parameters

@@ -1,12 +1,15 @@
 """Show the outcome of checks: a table in a notebook, plain text elsewhere."""
 
+from collections.abc import Iterator
 from html import escape
+
+from utils.checks.core import Outcome
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
 _PASSED, _FAILED = "#1a7f4b", "#c4420b"
 
 
-def show(outcomes):
+def show(outcomes: list[Outcome]) -> None:
     """Display outcomes, and the pictures of what failed.
 
     Parameters
@@ -36,8 +39,17 @@ def show(outcomes):
         plt.show()
 
 
-def as_text(outcomes):
-    """Outcomes as plain text."""
+def as_text(outcomes: list[Outcome]) -> str:
+    """Outcomes as plain text.
+
+    Parameters
+    ----------
+    outcomes : list of utils.checks.core.Outcome
+
+    Returns
+    -------
+    str
+    """
     lines = []
     for outcome in outcomes:
         failure = outcome.failure
@@ -47,8 +59,17 @@ def as_text(outcomes):
     return "\n".join(lines)
 
 
-def as_html(outcomes):
-    """Outcomes as an HTML table."""
+def as_html(outcomes: list[Outcome]) -> str:
+    """Outcomes as an HTML table.
+
+    Parameters
+    ----------
+    outcomes : list of utils.checks.core.Outcome
+
+    Returns
+    -------
+    str
+    """
     rows = []
     for outcome in outcomes:
         good = outcome.failure is None
@@ -73,7 +94,8 @@ def as_html(outcomes):
     )
 
 
-def _details(outcome):
+def _details(outcome: Outcome) -> Iterator[tuple[str, str]]:
+    """What there is to say about a failure, each as (label, text)."""
     failure = outcome.failure
     yield "What happened", failure.message
     if failure.tip:

@@ -1,5 +1,7 @@
 """Visible checks of lesson 01: `horizontal_distance` and `drop_invalid`."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from utils.checks.core import visible
@@ -57,7 +59,7 @@ _LOST = np.array(
 )
 
 
-def assert_distances(answer, cloud, expected):
+def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) -> None:
     """The answer is `expected`; where it is a well-known other number, say which.
 
     Parameters
@@ -102,7 +104,7 @@ def assert_distances(answer, cloud, expected):
     why="Every later lesson asks which points are near.",
     hint="The root of x² + y², for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
 )
-def measures_distance(horizontal_distance):
+def measures_distance(horizontal_distance: Callable) -> None:
     assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _FLAT_DISTANCES)
 
 
@@ -114,7 +116,7 @@ def measures_distance(horizontal_distance):
     "plate is no farther than a dark tyre.",
     hint="np.linalg.norm(cloud, axis=1) uses all columns. Use the first two only.",
 )
-def ignores_height_and_intensity(horizontal_distance):
+def ignores_height_and_intensity(horizontal_distance: Callable) -> None:
     assert_distances(horizontal_distance(_STREET[:, :3].copy()), _STREET[:, :3], _FLAT_DISTANCES)
     assert_distances(horizontal_distance(_STREET.copy()), _STREET, _FLAT_DISTANCES)
 
@@ -126,7 +128,7 @@ def ignores_height_and_intensity(horizontal_distance):
     why="Some files hold no intensity, and after a filter nothing may be left.",
     hint="Whole columns do it all: no loop over the points and no special case is needed.",
 )
-def takes_every_shape(horizontal_distance):
+def takes_every_shape(horizontal_distance: Callable) -> None:
     for cloud in (
         _STREET[:, :3],
         _STREET,
@@ -146,14 +148,14 @@ def takes_every_shape(horizontal_distance):
     why="The next step of the pipeline still needs the cloud.",
     hint="x**2 makes a new array; x **= 2 and x *= x write into the cloud.",
 )
-def leaves_its_input(horizontal_distance):
+def leaves_its_input(horizontal_distance: Callable) -> None:
     cloud = _STREET.copy()
     distances = horizontal_distance(cloud)
     assert_untouched(_STREET, cloud)
     assert_distances(distances, _STREET, _FLAT_DISTANCES)
 
 
-def _mixed(*parts):
+def _mixed(*parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Good and bad rows shuffled; the cloud, and a mask of the good ones."""
     cloud = np.vstack([_GOOD, *parts])
     order = np.random.default_rng(4).permutation(len(cloud))
@@ -167,7 +169,7 @@ def _mixed(*parts):
     why="They look like an obstacle inside the sensor: the car would brake without end.",
     hint="Compare the coordinates cloud[:, :3] with 0. A row is bad when all three are 0.",
 )
-def drops_the_origin(drop_invalid):
+def drops_the_origin(drop_invalid: Callable) -> None:
     cloud, good = _mixed(_ZERO)
     assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
 
@@ -180,7 +182,7 @@ def drops_the_origin(drop_invalid):
     hint="np.isfinite is False for NaN and for both infinities. A good row is finite in all "
     "three coordinates; NaN == NaN is False, so comparing does not find it.",
 )
-def drops_what_is_not_finite(drop_invalid):
+def drops_what_is_not_finite(drop_invalid: Callable) -> None:
     cloud, good = _mixed(_LOST)
     assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
 
@@ -193,7 +195,7 @@ def drops_what_is_not_finite(drop_invalid):
     hint="One coordinate of 0 is fine; all three are not. Their sum says little: "
     "2 - 3 + 1 is 0, too.",
 )
-def keeps_good_points(drop_invalid):
+def keeps_good_points(drop_invalid: Callable) -> None:
     crossing = np.array(
         [
             [0.0, 5.0, 0.0],
@@ -216,7 +218,7 @@ def keeps_good_points(drop_invalid):
     why="Some scanners report the place of an echo but not its strength.",
     hint="Look at cloud[:, :3] only, and then index the whole cloud with the mask.",
 )
-def ignores_intensity(drop_invalid):
+def ignores_intensity(drop_invalid: Callable) -> None:
     cloud = np.vstack([_GOOD, _GOOD, _ZERO])
     cloud[:3, 3] = _NAN, _INF, 0.0
     good = np.arange(len(cloud)) < 2 * len(_GOOD)
@@ -230,7 +232,7 @@ def ignores_intensity(drop_invalid):
     why="A sensor under snow returns nothing but lost echoes.",
     hint="The same masks serve every case: no special case is needed.",
 )
-def takes_every_shape_of_scan(drop_invalid):
+def takes_every_shape_of_scan(drop_invalid: Callable) -> None:
     cloud, good = _mixed(_ZERO, _LOST)
     assert_rows(drop_invalid(cloud[:, :3].copy()), cloud[:, :3], good, view="above")
     for rows in (_ZERO, _LOST, _ZERO[:0], _LOST[:0, :3]):
@@ -244,7 +246,7 @@ def takes_every_shape_of_scan(drop_invalid):
     why="Whoever looks for a broken beam needs the lost returns.",
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
-def leaves_the_scan(drop_invalid):
+def leaves_the_scan(drop_invalid: Callable) -> None:
     before, good = _mixed(_ZERO, _LOST)
     cloud = before.copy()
     rows = drop_invalid(cloud)

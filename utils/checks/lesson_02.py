@@ -1,7 +1,11 @@
 """Visible checks of lesson 02: `line_through`, `point_line_distance` and `ransac_line`."""
 
-import numpy as np
+from collections.abc import Callable, Sequence
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import (
     TOLERANCE,
@@ -10,20 +14,23 @@ from utils.checks.vocabulary import (
     assert_close,
     assert_untouched,
     brief,
+    point_text,
 )
-
-
-def _plots():
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
-    return plots
-
 
 # ---- lines -------------------------------------------------------------------------------------
 
 
-def as_line(answer):
-    """An answer as the three numbers of a line."""
+def as_line(answer: object) -> np.ndarray:
+    """An answer as the three numbers of a line.
+
+    Parameters
+    ----------
+    answer : object
+
+    Returns
+    -------
+    numpy.ndarray, shape (3,)
+    """
     if answer is None:
         raise CheckFailed(
             "The function returned None, though the points differ. Does it end with `return`?",
@@ -43,8 +50,14 @@ def as_line(answer):
     return line
 
 
-def assert_line_through(answer, p, q):
-    """The answer is the line through two different points, with a unit normal of either sign."""
+def assert_line_through(answer: object, p: ArrayLike, q: ArrayLike) -> None:
+    """The answer is the line through two different points, with a unit normal of either sign.
+
+    Parameters
+    ----------
+    answer : object
+    p, q : array_like, shape (2,)
+    """
     p, q = np.asarray(p, dtype=float), np.asarray(q, dtype=float)
     line = as_line(answer)
     length = np.hypot(line[0], line[1])
@@ -53,15 +66,15 @@ def assert_line_through(answer, p, q):
             "The normal (a, b) has length 0: such a line has no direction.", yours=brief(line)
         )
 
-    def draw():
-        _plots().line_model(np.array([p, q]), line, title="your line, and its two points")
+    def draw() -> None:
+        utils.plots.line_model(np.array([p, q]), line, title="your line, and its two points")
 
     values = [line[:2] @ point + line[2] for point in (p, q)]
     for point, value in zip((p, q), values, strict=True):
         if abs(value) > TOLERANCE * length:
             raise CheckFailed(
-                f"The line through {_point(p)} and {_point(q)} misses {_point(point)} by "
-                f"{abs(value) / length:.2f} m.",
+                f"The line through {point_text(p)} and {point_text(q)} misses "
+                f"{point_text(point)} by {abs(value) / length:.2f} m.",
                 draw=draw,
                 yours=f"a x + b y + c is {values[0]:.2f} and {values[1]:.2f} at the two points",
                 expected="0 and 0",
@@ -74,10 +87,6 @@ def assert_line_through(answer, p, q):
         )
 
 
-def _point(point):
-    return f"({point[0]:.2f}, {point[1]:.2f})"
-
-
 @visible(
     "line_through",
     weight=3,
@@ -86,7 +95,7 @@ def _point(point):
     hint="The normal is the direction (dx, dy) turned by a quarter: (-dy, dx). Then c is "
     "minus a times x of p minus b times y of p.",
 )
-def passes_through_both(line_through):
+def passes_through_both(line_through: Callable) -> None:
     for p, q in (
         ((0.0, 1.0), (4.0, 1.0)),
         ((1.0, 2.0), (4.0, 6.0)),
@@ -106,7 +115,7 @@ def passes_through_both(line_through):
     why="Only then does the equation measure metres.",
     hint="np.hypot(dx, dy) is the length of the direction, and of the normal, too.",
 )
-def has_a_unit_normal(line_through):
+def has_a_unit_normal(line_through: Callable) -> None:
     for p, q in (((0.0, 0.0), (3.0, 4.0)), ((5.0, -1.0), (-7.0, 4.0)), ((0.1, 0.1), (0.4, 0.5))):
         assert_line_through(line_through(np.array(p), np.array(q)), p, q)
 
@@ -118,7 +127,7 @@ def has_a_unit_normal(line_through):
     why="The wall straight ahead is an upright line, and the one that matters most.",
     hint="Do not compute a slope: dy / dx has no answer where dx is 0.",
 )
-def takes_upright_lines(line_through):
+def takes_upright_lines(line_through: Callable) -> None:
     for p, q in (
         ((2.0, -3.0), (2.0, 4.0)),
         ((2.0, 4.0), (2.0, -3.0)),
@@ -135,13 +144,13 @@ def takes_upright_lines(line_through):
     why="RANSAC draws such pairs now and then, and must be able to tell.",
     hint="Test the length before you divide by it, and return None where it is 0.",
 )
-def refuses_equal_points(line_through):
+def refuses_equal_points(line_through: Callable) -> None:
     assert_line_through(line_through(np.array([1.0, 2.0]), np.array([1.0, 3.0])), (1, 2), (1, 3))
     for point in ([0.0, 0.0], [3.0, -2.0]):
         answer = line_through(np.array(point), np.array(point))
         if answer is not None:
             raise CheckFailed(
-                f"Through {_point(point)} and {_point(point)} run many lines, so "
+                f"Through {point_text(point)} and {point_text(point)} run many lines, so "
                 "there is no answer but None.",
                 yours=brief(answer),
                 expected="None",
@@ -155,7 +164,7 @@ def refuses_equal_points(line_through):
     why="p and q are rows of the points that the next round needs.",
     hint="q -= p writes into q; dx = q[0] - p[0] does not.",
 )
-def leaves_the_points(line_through):
+def leaves_the_points(line_through: Callable) -> None:
     p, q = np.array([1.0, 2.0]), np.array([4.0, 6.0])
     answer = line_through(p, q)
     assert_untouched(np.array([[1.0, 2.0], [4.0, 6.0]]), np.stack([p, q]))
@@ -170,8 +179,19 @@ _AROUND = np.array([[1.0, 2.0], [0.0, 0.0], [3.0, 1.0], [-2.0, 6.0], [5.0, 5.0],
 _SIGNED = np.array([0.0, 1.0, 2.0, -5.0, 0.0, 0.0])
 
 
-def assert_line_distances(answer, points, line, expected):
-    """The answer is `expected`; where it is a well-known other number, say which."""
+def assert_line_distances(
+    answer: object, points: np.ndarray, line: np.ndarray, expected: np.ndarray
+) -> None:
+    """The answer is `expected`; where it is a well-known other number, say which.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2)
+    line : numpy.ndarray, shape (3,)
+    expected : numpy.ndarray, shape (n,)
+        Distances in metres.
+    """
     yours = as_array(answer, what="an array of distances")
     if yours.shape != expected.shape:
         raise CheckFailed(
@@ -214,7 +234,7 @@ def assert_line_distances(answer, points, line, expected):
     why="The tolerance of RANSAC is compared with them.",
     hint="a x + b y + c for all points at once, with points[:, 0] for x and points[:, 1] for y.",
 )
-def measures_square_to_the_line(point_line_distance):
+def measures_square_to_the_line(point_line_distance: Callable) -> None:
     one_side = _SIGNED >= 0
     assert_line_distances(
         point_line_distance(_AROUND[one_side], _SLANTED),
@@ -231,7 +251,7 @@ def measures_square_to_the_line(point_line_distance):
     why="Without that, a whole half of the street is within any tolerance.",
     hint="np.abs takes the absolute value of a whole array.",
 )
-def takes_both_sides(point_line_distance):
+def takes_both_sides(point_line_distance: Callable) -> None:
     for sign in (1, -1):
         assert_line_distances(
             point_line_distance(_AROUND.copy(), sign * _SLANTED),
@@ -248,7 +268,7 @@ def takes_both_sides(point_line_distance):
     why="The wall straight ahead is an upright line.",
     hint="The formula needs no slope and no division.",
 )
-def measures_from_upright_lines(point_line_distance):
+def measures_from_upright_lines(point_line_distance: Callable) -> None:
     for line, column, place in (
         ((1.0, 0.0, -2.0), 0, 2.0),
         ((-1.0, 0.0, 2.0), 0, 2.0),
@@ -270,7 +290,7 @@ def measures_from_upright_lines(point_line_distance):
     why="A slice of the street may be empty.",
     hint="Whole columns do it all: no loop over the points and no special case is needed.",
 )
-def takes_few_points(point_line_distance):
+def takes_few_points(point_line_distance: Callable) -> None:
     for points, expected in ((_AROUND[3:4], [5.0]), (_AROUND[:0], [])):
         assert_line_distances(
             point_line_distance(points.copy(), _SLANTED), points, _SLANTED, np.array(expected)
@@ -284,7 +304,7 @@ def takes_few_points(point_line_distance):
     why="The next round of RANSAC needs the points as they were.",
     hint="points[:, 0] * a makes a new array; points[:, 0] *= a writes into the points.",
 )
-def leaves_points_and_line(point_line_distance):
+def leaves_points_and_line(point_line_distance: Callable) -> None:
     points, line = _AROUND.copy(), _SLANTED.copy()
     answer = point_line_distance(points, line)
     assert_untouched(_AROUND, points)
@@ -295,8 +315,20 @@ def leaves_points_and_line(point_line_distance):
 # ---- RANSAC ------------------------------------------------------------------------------------
 
 
-def as_result(answer, n):
-    """An answer as (line or None, mask)."""
+def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
+    """An answer as (line or None, mask).
+
+    Parameters
+    ----------
+    answer : object
+    n : int
+        Number of points.
+
+    Returns
+    -------
+    line : numpy.ndarray, shape (3,), or None
+    inliers : numpy.ndarray of bool, shape (n,)
+    """
     if answer is None:
         raise CheckFailed(
             "The function returned None. Does it end with `return line, inliers`?",
@@ -336,8 +368,17 @@ def as_result(answer, n):
     return (None if line is None else as_line(line)), mask
 
 
-def assert_own_inliers(answer, points, tolerance):
+def assert_own_inliers(
+    answer: object, points: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
     """The mask holds the points within the tolerance of the line that comes with it.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2)
+    tolerance : float
+        In metres.
 
     Returns
     -------
@@ -372,14 +413,24 @@ def assert_own_inliers(answer, points, tolerance):
         "The mask does not belong to the line. Points " + ", and ".join(parts) + ".",
         yours=f"{mask.sum()} inliers",
         expected=f"{(distance <= tolerance).sum()} inliers",
-        draw=lambda: _plots().line_model(
+        draw=lambda: utils.plots.line_model(
             flat, line, mask, tolerance, title="your line, its band, and your inliers"
         ),
     )
 
 
-def wall_and_clutter(seed, inliers, others, noise=0.1):
+def wall_and_clutter(
+    seed: int | Sequence[int], inliers: int, others: int, noise: float = 0.1
+) -> tuple[np.ndarray, np.ndarray]:
     """Points about a line in any direction, and others at least 1 m off; and who is who.
+
+    Parameters
+    ----------
+    seed : int or sequence of int
+    inliers, others : int
+        Number of points about the line, and off it.
+    noise : float
+        How far points about the line are off it at most, in metres.
 
     Returns
     -------
@@ -401,8 +452,24 @@ def wall_and_clutter(seed, inliers, others, noise=0.1):
     return points[order], (np.arange(len(points)) < inliers)[order]
 
 
-def assert_finds(ransac_line, runs, needed, max_iterations, tolerance):
-    """In at least `needed` of the runs, given as (points, on_line), most of the line is found."""
+def assert_finds(
+    ransac_line: Callable,
+    runs: Sequence[tuple[np.ndarray, np.ndarray]],
+    needed: int,
+    max_iterations: int,
+    tolerance: float,
+) -> None:
+    """In at least `needed` of the runs most of the line is found.
+
+    Parameters
+    ----------
+    ransac_line : callable
+    runs : sequence of (points, on_line)
+        As from `wall_and_clutter`.
+    needed, max_iterations : int
+    tolerance : float
+        In metres.
+    """
     missed = []
     for seed, (points, on_line) in enumerate(runs):
         line, mask = assert_own_inliers(
@@ -417,7 +484,7 @@ def assert_finds(ransac_line, runs, needed, max_iterations, tolerance):
             "kept, the one with the most inliers?",
             yours=f"{len(runs) - len(missed)} of {len(runs)}",
             expected=f"at least {needed}",
-            draw=lambda: _plots().line_model(
+            draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
         )
@@ -431,7 +498,7 @@ def assert_finds(ransac_line, runs, needed, max_iterations, tolerance):
     hint="After each round compare the number of inliers with the best so far, and keep line "
     "and mask where it is larger. Return after the loop.",
 )
-def finds_the_line(ransac_line):
+def finds_the_line(ransac_line: Callable) -> None:
     assert_finds(ransac_line, [wall_and_clutter(seed, 24, 16) for seed in range(12)], 8, 60, 0.4)
 
 
@@ -443,7 +510,7 @@ def finds_the_line(ransac_line):
     hint="Keep line and mask together. Compare the distance itself with "
     "distance_tolerance, not its square.",
 )
-def marks_its_own_inliers(ransac_line):
+def marks_its_own_inliers(ransac_line: Callable) -> None:
     for seed, tolerance in enumerate((0.1, 0.4, 0.7, 2.5)):
         # So rough a wall that any change of the line moves points into the band or out of it.
         points, _ = wall_and_clutter(100 + seed, 30, 10, noise=0.8)
@@ -459,7 +526,7 @@ def marks_its_own_inliers(ransac_line):
     why="Ten rounds must take the time of ten rounds, and a hard street needs more.",
     hint="Loop with range(max_iterations). One sample of two points is one iteration.",
 )
-def draws_as_often_as_told(ransac_line):
+def draws_as_often_as_told(ransac_line: Callable) -> None:
     points, on_line = wall_and_clutter(7, 14, 46)  # a good sample: 1 in 25
     found = 0
     for seed in range(24):
@@ -484,7 +551,7 @@ def draws_as_often_as_told(ransac_line):
     hint="Draw with the rng that the first line of the function makes, not with np.random "
     "or the module random.",
 )
-def repeats_with_its_seed(ransac_line):
+def repeats_with_its_seed(ransac_line: Callable) -> None:
     points, _ = wall_and_clutter(3, 20, 20)
     masks = []
     for seed in range(20):
@@ -515,7 +582,7 @@ def repeats_with_its_seed(ransac_line):
     why="Recordings hold the same point twice, or a thousand times when a beam is blocked.",
     hint="line_through answers None for them: go on with the next round then.",
 )
-def survives_equal_points(ransac_line):
+def survives_equal_points(ransac_line: Callable) -> None:
     wall, _ = wall_and_clutter(11, 12, 0)
     points = np.vstack([np.tile([[2.0, 9.0]], (28, 1)), wall])
     for seed in range(4):
@@ -539,7 +606,7 @@ def survives_equal_points(ransac_line):
     why="A slice of the street may be empty. The car must not stop for that.",
     hint="Ask len(points) < 2 before the loop.",
 )
-def answers_for_too_few(ransac_line):
+def answers_for_too_few(ransac_line: Callable) -> None:
     points, on_line = wall_and_clutter(5, 30, 3)
     assert_finds(ransac_line, [(points, on_line)] * 6, 3, 40, 0.4)
     for few in (points[:0], points[:1]):
@@ -559,7 +626,7 @@ def answers_for_too_few(ransac_line):
     why="The next wall is searched among the same points.",
     hint="Draw indices instead of shuffling the points.",
 )
-def leaves_its_input(ransac_line):
+def leaves_its_input(ransac_line: Callable) -> None:
     points, _ = wall_and_clutter(6, 20, 10)
     work = points.copy()
     answer = ransac_line(work, 30, 0.4, 2)

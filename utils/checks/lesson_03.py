@@ -4,10 +4,16 @@
 negative are the same plane: everything here accepts both.
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import (
     CheckFailed,
@@ -16,6 +22,9 @@ from utils.checks.vocabulary import (
     assert_untouched,
     brief,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # A level road, a wall, a slope, a plane through the sensor, and one far away.
 _TRIANGLES = (
@@ -29,7 +38,12 @@ _SLOPE = np.array([-0.6, 0.0, 0.8, 2.0])  # a unit normal, and no special direct
 _STREET_PLANE = np.array([-0.28, 0.0, 0.96, 1.5])
 
 
-def assert_plane(answer, through=None, expected=None, tolerance=2e-3):
+def assert_plane(
+    answer: object,
+    through: ArrayLike | None = None,
+    expected: ArrayLike | None = None,
+    tolerance: float = 2e-3,
+) -> np.ndarray:
     """The answer is a plane with a unit normal: through some points, or a certain one.
 
     Parameters
@@ -94,7 +108,9 @@ def assert_plane(answer, through=None, expected=None, tolerance=2e-3):
     return plane
 
 
-def assert_consensus(answer, points, distance_tolerance):
+def assert_consensus(
+    answer: object, points: np.ndarray, distance_tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
     """The answer is a model and the mask of the points within the tolerance of that model.
 
     Parameters
@@ -125,8 +141,15 @@ def assert_consensus(answer, points, distance_tolerance):
     return plane, inliers
 
 
-def assert_nothing_found(answer, n):
-    """The answer is (None, all False): there is no plane."""
+def assert_nothing_found(answer: object, n: int) -> None:
+    """The answer is (None, all False): there is no plane.
+
+    Parameters
+    ----------
+    answer : object
+    n : int
+        Number of points.
+    """
     model, inliers = _pair(answer)
     if model is not None:
         raise CheckFailed(
@@ -142,8 +165,28 @@ def assert_nothing_found(answer, n):
         )
 
 
-def assert_finds(answer, points, distance_tolerance, belongs, share=0.9):
-    """The answer is a consensus that holds at least a share of the points that belong."""
+def assert_finds(
+    answer: object,
+    points: np.ndarray,
+    distance_tolerance: float,
+    belongs: np.ndarray,
+    share: float = 0.9,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The answer is a consensus that holds at least a share of the points that belong.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+    distance_tolerance : float
+    belongs : numpy.ndarray of bool, shape (n,)
+    share : float
+
+    Returns
+    -------
+    plane : numpy.ndarray, shape (4,)
+    inliers : numpy.ndarray of bool, shape (n,)
+    """
     plane, inliers = assert_consensus(answer, points, distance_tolerance)
     found = np.count_nonzero(inliers & belongs)
     if found < share * np.count_nonzero(belongs):
@@ -158,8 +201,14 @@ def assert_finds(answer, points, distance_tolerance, belongs, share=0.9):
     return plane, inliers
 
 
-def assert_iterations(answer, expected):
-    """The answer is the number expected; `math.inf` is met by whatever says "never"."""
+def assert_iterations(answer: object, expected: float) -> None:
+    """The answer is the number expected; `math.inf` is met by whatever says "never".
+
+    Parameters
+    ----------
+    answer : object
+    expected : int or math.inf
+    """
     if expected == math.inf:
         if isinstance(answer, (int, float)) and not isinstance(answer, bool) and answer >= 1e9:
             return
@@ -194,7 +243,14 @@ def assert_iterations(answer, expected):
         )
 
 
-def scattered_plane(seed, n_plane, n_outliers, plane=_STREET_PLANE, noise=0.01, columns=3):
+def scattered_plane(
+    seed: int,
+    n_plane: int,
+    n_outliers: int,
+    plane: ArrayLike = _STREET_PLANE,
+    noise: float = 0.01,
+    columns: int = 3,
+) -> tuple[np.ndarray, np.ndarray]:
     """Points on a plane, 12 m across, and others beside it, mixed.
 
     Parameters
@@ -233,7 +289,7 @@ def scattered_plane(seed, n_plane, n_outliers, plane=_STREET_PLANE, noise=0.01, 
     return points, belongs
 
 
-def _pair(answer):
+def _pair(answer: object) -> Sequence:
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise CheckFailed(
             "Return two things, the model and the mask: `return model, inliers`.",
@@ -243,7 +299,7 @@ def _pair(answer):
     return answer
 
 
-def _as_mask(inliers, n):
+def _as_mask(inliers: object, n: int) -> np.ndarray:
     mask = as_array(inliers, what="a mask of True and False")
     if mask.shape == (0,) and n == 0:
         return mask.astype(bool)
@@ -262,11 +318,15 @@ def _as_mask(inliers, n):
     return mask
 
 
-def _draw(points, plane, inliers, tolerance, expected=None):
+def _draw(
+    points: np.ndarray,
+    plane: np.ndarray,
+    inliers: np.ndarray | None,
+    tolerance: float | None,
+    expected: np.ndarray | None = None,
+) -> Axes:
     """Draw points and a plane from the side, and the right plane dashed beside it."""
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
-    axes = plots.plane_model(points, plane, inliers, tolerance, title="yours")
+    axes = utils.plots.plane_model(points, plane, inliers, tolerance, title="yours")
     if expected is not None and abs(expected[2]) > 0.2:
         ends = np.array(axes.get_xlim())
         heights = -(expected[0] * ends + expected[3]) / expected[2]
@@ -275,7 +335,7 @@ def _draw(points, plane, inliers, tolerance, expected=None):
     return axes
 
 
-def _points(*rows):
+def _points(*rows: Sequence[float]) -> list[np.ndarray]:
     return [np.array(row, dtype=float) for row in rows]
 
 
@@ -287,7 +347,7 @@ def _points(*rows):
     hint="The cross product of q - p and r - p stands upright on both. Then choose d so "
     "that a x + b y + c z + d is 0 at p.",
 )
-def holds_its_points(plane_through):
+def holds_its_points(plane_through: Callable) -> None:
     for triangle in _TRIANGLES:
         assert_plane(plane_through(*_points(*triangle)), through=triangle)
 
@@ -299,7 +359,7 @@ def holds_its_points(plane_through):
     why="Only then is a x + b y + c z + d a distance in metres, and 0.2 means 20 cm.",
     hint="Divide the cross product by np.linalg.norm of it, and compute d afterwards.",
 )
-def has_a_unit_normal(plane_through):
+def has_a_unit_normal(plane_through: Callable) -> None:
     small, large = (
         ((0.0, 0.0, 1.0), (0.1, 0.0, 1.0), (0.0, 0.2, 1.1)),
         ((0.0, 0.0, 1.0), (50.0, 0.0, 1.0), (0.0, 40.0, 3.0)),
@@ -316,7 +376,7 @@ def has_a_unit_normal(plane_through):
     "0 / 0 would spread through all distances.",
     hint="When the cross product has length 0, return None before dividing by it.",
 )
-def refuses_a_line(plane_through):
+def refuses_a_line(plane_through: Callable) -> None:
     lines = (
         ((1, 1, 1), (2, 2, 2), (5, 5, 5)),
         ((1, 2, 3), (1, 2, 3), (4, 0, 1)),
@@ -343,7 +403,7 @@ def refuses_a_line(plane_through):
     hint="Do not compare a computed length with exactly 0: compare it with something tiny, "
     "such as 1e-9.",
 )
-def sees_through_rounding(plane_through):
+def sees_through_rounding(plane_through: Callable) -> None:
     start, step = np.array([0.1, 0.2, 0.3]), np.array([0.7, 0.1, -0.3])
     answer = plane_through(start, start + 0.1 * step, start + 0.7 * step)
     if answer is not None:
@@ -363,7 +423,7 @@ def sees_through_rounding(plane_through):
     why="The sample is part of the cloud: a point that moves is a wrong point for ever.",
     hint="Write q - p, not q -= p.",
 )
-def leaves_its_points(plane_through):
+def leaves_its_points(plane_through: Callable) -> None:
     points = _points(*_TRIANGLES[2])
     assert_plane(plane_through(*points), through=_TRIANGLES[2])
     assert_untouched(np.array(_TRIANGLES[2]), np.array(points))
@@ -381,7 +441,7 @@ _OFF_PLANE = np.array(
 _GAPS = np.array([2.0, 0.0, 1.0, 2.4, 0.4])  # from _SLOPE, by hand
 
 
-def _assert_distances(answer, points, plane):
+def _assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> None:
     expected = np.array(
         [
             abs(plane[0] * x + plane[1] * y + plane[2] * z + plane[3])
@@ -410,7 +470,7 @@ def _assert_distances(answer, points, plane):
     why="A distance that is wrong by a factor makes 20 cm of tolerance 5 cm or 80 cm.",
     hint="a x + b y + c z + d for every point, then the absolute value.",
 )
-def measures_distances(point_plane_distance):
+def measures_distances(point_plane_distance: Callable) -> None:
     xyz = _OFF_PLANE[:, :3]
     _assert_distances(point_plane_distance(xyz.copy(), _SLOPE.copy()), xyz, _SLOPE)
     wall = np.array([0.0, 1.0, 0.0, -5.0])
@@ -424,7 +484,7 @@ def measures_distances(point_plane_distance):
     why="The sign of a normal depends on the order of the three points, by pure chance.",
     hint="A distance is never negative: np.abs of the whole sum.",
 )
-def forgets_the_sign(point_plane_distance):
+def forgets_the_sign(point_plane_distance: Callable) -> None:
     xyz = _OFF_PLANE[:, :3]
     _assert_distances(point_plane_distance(xyz.copy(), -_SLOPE), xyz, -_SLOPE)
 
@@ -436,7 +496,7 @@ def forgets_the_sign(point_plane_distance):
     why="(n, 4) times (4,) works without an error, and multiplies brightness with d.",
     hint="Take points[:, :3] and the first three numbers of the plane; add the last one.",
 )
-def ignores_intensity(point_plane_distance):
+def ignores_intensity(point_plane_distance: Callable) -> None:
     bright = _OFF_PLANE * [1, 1, 1, 255]
     for plane in (tuple(_SLOPE.tolist()), _SLOPE.tolist(), _SLOPE.copy()):
         _assert_distances(point_plane_distance(bright.copy(), plane), bright, _SLOPE)
@@ -449,7 +509,7 @@ def ignores_intensity(point_plane_distance):
     why="The mask of inliers needs one entry per row of the cloud.",
     hint="points[:, :3] @ normal has shape (n,); (n, 1) is something else.",
 )
-def one_number_per_point(point_plane_distance):
+def one_number_per_point(point_plane_distance: Callable) -> None:
     cloud = _OFF_PLANE.copy()
     assert_close(point_plane_distance(cloud, _SLOPE.copy()), _GAPS, "distances")
     assert_untouched(_OFF_PLANE, cloud)
@@ -469,7 +529,7 @@ def one_number_per_point(point_plane_distance):
     "with the highest count. rng = np.random.default_rng(rng) makes a generator of a "
     "whole number, too.",
 )
-def finds_the_plane(ransac_plane):
+def finds_the_plane(ransac_plane: Callable) -> None:
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(seed, 60, 30)
         assert_finds(ransac_plane(points.copy(), 150, 0.1, seed), points, 0.1, belongs)
@@ -482,7 +542,7 @@ def finds_the_plane(ransac_plane):
     why="Who gets the plane of one sample and the inliers of another removes the wrong points.",
     hint="When a sample is better than the best so far, keep both, plane and mask.",
 )
-def mask_belongs_to_model(ransac_plane):
+def mask_belongs_to_model(ransac_plane: Callable) -> None:
     for seed in range(4):
         points, belongs = scattered_plane(10 + seed, 30, 30, noise=0.05)
         for iterations in (2, 7, 80):
@@ -498,7 +558,7 @@ def mask_belongs_to_model(ransac_plane):
     why="The pavement lies a hand above the road. The tolerance decides whether it is road.",
     hint="Compare the distances with distance_tolerance, not with a number of your own.",
 )
-def follows_the_tolerance(ransac_plane):
+def follows_the_tolerance(ransac_plane: Callable) -> None:
     road, _ = scattered_plane(21, 50, 0, plane=(0, 0, 1, 1.7), noise=0.005)
     pavement, _ = scattered_plane(22, 30, 0, plane=(0, 0, 1, 1.2), noise=0.005)
     points = np.concatenate([road, pavement])
@@ -527,7 +587,7 @@ def follows_the_tolerance(ransac_plane):
     why="Iterations are time. Who allows one gets luck; who allows a thousand, certainty.",
     hint="for _ in range(max_iterations): one sample in each round.",
 )
-def follows_max_iterations(ransac_plane):
+def follows_max_iterations(ransac_plane: Callable) -> None:
     points, belongs = scattered_plane(31, 20, 40)
     assert_finds(ransac_plane(points.copy(), 900, 0.1, 6), points, 0.1, belongs)
     lucky = 0
@@ -550,7 +610,7 @@ def follows_max_iterations(ransac_plane):
     hint="plane_through returns None for them: go on with the next sample. And count that "
     "round, or the loop may never end.",
 )
-def survives_degenerate_samples(ransac_plane):
+def survives_degenerate_samples(ransac_plane: Callable) -> None:
     points, belongs = scattered_plane(41, 40, 0)
     crowd = np.repeat(points[:1], 40, axis=0)
     both = np.concatenate([crowd, points])
@@ -575,7 +635,7 @@ def survives_degenerate_samples(ransac_plane):
     why="After other filters little may be left, and the car must not stop for that.",
     hint="Ask for len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
 )
-def gives_up_politely(ransac_plane):
+def gives_up_politely(ransac_plane: Callable) -> None:
     for n in (0, 1, 2):
         for columns in (3, 4):
             points = np.arange(float(n * columns)).reshape(n, columns)
@@ -592,7 +652,7 @@ def gives_up_politely(ransac_plane):
     why="The intensity is no coordinate, and a plane may stand upright.",
     hint="Use points[:, :3] for the sample and for the distances.",
 )
-def takes_four_columns(ransac_plane):
+def takes_four_columns(ransac_plane: Callable) -> None:
     points, belongs = scattered_plane(51, 50, 20, plane=(0.6, 0.8, 0.0, -4.0), columns=4)
     given = points.copy()
     assert_finds(ransac_plane(given, 150, 0.1, 10), points, 0.1, belongs)
@@ -607,7 +667,7 @@ def takes_four_columns(ransac_plane):
     hint="rng = np.random.default_rng(rng), then draw with rng.choice, never with "
     "np.random.choice or a seed of your own.",
 )
-def follows_the_generator(ransac_plane):
+def follows_the_generator(ransac_plane: Callable) -> None:
     # One sample of three points is good once in eight times: who refits gets different planes, too.
     points, _ = scattered_plane(61, 30, 30, noise=0.05)
     planes = []
@@ -627,8 +687,18 @@ def follows_the_generator(ransac_plane):
         )
 
 
-def best_plane(points):
-    """Least-squares plane by the covariance matrix, and its root mean square distance."""
+def best_plane(points: np.ndarray) -> tuple[np.ndarray, float]:
+    """Least-squares plane by the covariance matrix, and its root mean square distance.
+
+    Parameters
+    ----------
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+
+    Returns
+    -------
+    plane : numpy.ndarray, shape (4,)
+    distance : float
+    """
     xyz = np.asarray(points, dtype=float)[:, :3]
     centre = xyz.mean(axis=0)
     variances, directions = np.linalg.eigh((xyz - centre).T @ (xyz - centre) / len(xyz))
@@ -636,8 +706,14 @@ def best_plane(points):
     return np.append(normal, -normal @ centre), math.sqrt(max(variances[0], 0.0))
 
 
-def assert_best_plane(answer, points):
-    """The answer is a plane whose mean squared distance is the smallest possible."""
+def assert_best_plane(answer: object, points: np.ndarray) -> None:
+    """The answer is a plane whose mean squared distance is the smallest possible.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+    """
     plane = assert_plane(answer)
     best, least = best_plane(points)
     xyz = np.asarray(points, dtype=float)[:, :3]
@@ -660,7 +736,7 @@ def assert_best_plane(answer, points):
     hint="Subtract the mean of the points, then np.linalg.svd: the normal is the last row "
     "of the third result.",
 )
-def fits_a_road(fit_plane):
+def fits_a_road(fit_plane: Callable) -> None:
     for seed, noise in ((1, 0.0), (2, 0.05)):
         points, _ = scattered_plane(seed, 80, 0, noise=noise)
         assert_best_plane(fit_plane(points.copy()), points)
@@ -673,7 +749,7 @@ def fits_a_road(fit_plane):
     why="z = a x + b y + c cannot describe a wall, and this function will meet walls.",
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
-def fits_a_wall(fit_plane):
+def fits_a_wall(fit_plane: Callable) -> None:
     for plane in ((0.6, 0.8, 0.0, -4.0), (1.0, 0.0, 0.0, 7.0)):
         points, _ = scattered_plane(3, 60, 0, plane=plane, noise=0.03)
         assert_best_plane(fit_plane(points.copy()), points)
@@ -686,7 +762,7 @@ def fits_a_wall(fit_plane):
     why="A plane need not go through the origin: only the centred points have a plain direction.",
     hint="Subtract the mean first (in a new array), and put it back into d.",
 )
-def fits_far_away(fit_plane):
+def fits_far_away(fit_plane: Callable) -> None:
     points, _ = scattered_plane(4, 60, 0, plane=(0.0, 0.6, 0.8, 55.0), noise=0.02)
     points += [70.0, 0.0, 0.0]
     given = points.copy()
@@ -701,7 +777,7 @@ def fits_far_away(fit_plane):
     why="Brightness is no direction in space.",
     hint="points[:, :3] before anything else.",
 )
-def fits_without_intensity(fit_plane):
+def fits_without_intensity(fit_plane: Callable) -> None:
     points, _ = scattered_plane(5, 60, 0, noise=0.02, columns=4)
     assert_best_plane(fit_plane(points.copy()), points)
 
@@ -713,7 +789,7 @@ def fits_without_intensity(fit_plane):
     why="One sample too few and the promise is broken; a thousand too many and the frame is late.",
     hint="Solve 1 - (1 - w^s)^N >= confidence for N: a quotient of two logarithms, rounded up.",
 )
-def smallest_that_suffices(iterations_needed):
+def smallest_that_suffices(iterations_needed: Callable) -> None:
     for arguments, expected in (
         ((0.5, 2, 0.99), 17),
         ((0.6, 3, 0.99), 19),
@@ -730,7 +806,7 @@ def smallest_that_suffices(iterations_needed):
     why="A line needs two points, a plane three: the same inliers, another number.",
     hint="w is inlier_ratio, s is sample_size.",
 )
-def follows_all_parameters(iterations_needed):
+def follows_all_parameters(iterations_needed: Callable) -> None:
     for ratio, size, confidence, expected in (
         (0.7, 3, 0.9, 6),
         (0.7, 2, 0.9, 4),
@@ -749,7 +825,7 @@ def follows_all_parameters(iterations_needed):
     why="log(0) waits here, in an empty car park without a single obstacle.",
     hint="Look at w = 1 before you take logarithms.",
 )
-def one_is_enough(iterations_needed):
+def one_is_enough(iterations_needed: Callable) -> None:
     assert_iterations(iterations_needed(1.0, 3, 0.99), 1)
     assert_iterations(iterations_needed(1, 2, 0.5), 1)
     assert_iterations(iterations_needed(0.8, 3, 0.99), 7)
@@ -762,7 +838,7 @@ def one_is_enough(iterations_needed):
     why="0 would mean: no need to search. The truth is: no use in searching.",
     hint="Return math.inf (or np.inf) when w is 0: a division by log(1) would fail.",
 )
-def none_is_enough(iterations_needed):
+def none_is_enough(iterations_needed: Callable) -> None:
     try:
         answer = iterations_needed(0.0, 3, 0.99)
     except Exception as error:  # refusing is an answer, too

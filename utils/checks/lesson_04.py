@@ -1,9 +1,12 @@
 """Visible checks of lesson 04: `insert` and `search` through `KdTree`, and `median_order`."""
 
 import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
 
@@ -30,17 +33,17 @@ _BALANCED = [7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6]
 class _Node:
     """A node of the right tree."""
 
-    def __init__(self, point, index):
+    def __init__(self, point: list[float], index: int) -> None:
         self.point, self.index = point, index
         self.left = self.right = None
 
 
-def grown(points, indices=None):
+def grown(points: ArrayLike, indices: Sequence[int] | None = None) -> _Node | None:
     """The right tree of points inserted one after another; None without points.
 
     Parameters
     ----------
-    points : sequence of points of equal length
+    points : array_like, shape (n, 2) or (n, 3)
     indices : sequence of int, optional
         By default 0, 1, 2, ...
 
@@ -64,8 +67,20 @@ def grown(points, indices=None):
     return root
 
 
-def table_of(root):
-    """The rows of a tree as `KdTree.plant` takes them: (points, left, right, indices)."""
+def table_of(root: _Node | None) -> tuple[list, list, list, list]:
+    """The rows of a tree as `KdTree.plant` takes them.
+
+    Parameters
+    ----------
+    root : node or None
+
+    Returns
+    -------
+    points : list of list of float
+    left, right : list of int
+        Rows of the children; -1 where there is none.
+    indices : list of int
+    """
     nodes = [] if root is None else [root]
     for node in nodes:  # grows while it is walked
         nodes += [child for child in (node.left, node.right) if child is not None]
@@ -79,11 +94,21 @@ def table_of(root):
     )
 
 
-def planted(KdTree, root):
+def planted(KdTree: Callable, root: _Node | None) -> object:
     """A tree of the student's class with the same nodes as a right one.
 
     The class of the lesson can be given its nodes ready-made, so that a slip in `insert` does not
     spoil `search`. A class without `plant` has to insert them.
+
+    Parameters
+    ----------
+    KdTree : callable
+    root : node or None
+
+    Returns
+    -------
+    object
+        Of the student's class.
     """
     tree = KdTree()
     points, left, right, indices = table_of(root)
@@ -96,7 +121,7 @@ def planted(KdTree, root):
     return tree
 
 
-def _method(tree, name):
+def _method(tree: object, name: str) -> Callable | None:
     """A method of a student's object, here or in the sandbox; None where there is none."""
     try:
         return getattr(tree, name)
@@ -106,8 +131,16 @@ def _method(tree, name):
         raise
 
 
-def assert_tree(tree, points, indices=None):
-    """A tree holds points as inserting them one after another must place them."""
+def assert_tree(tree: object, points: ArrayLike, indices: Sequence[int] | None = None) -> None:
+    """A tree holds points as inserting them one after another must place them.
+
+    Parameters
+    ----------
+    tree : object
+        Of the student's class.
+    points, indices
+        As for `grown`.
+    """
     expected = grown(points, indices)
     waiting = [(tree.root, expected, "the root")]
     while waiting:
@@ -123,7 +156,7 @@ def assert_tree(tree, points, indices=None):
             continue
         if yours is None:
             raise CheckFailed(
-                f"Nothing is at {place}, where the point {_point(node.point)} belongs.",
+                f"Nothing is at {place}, where the point {_exactly(node.point)} belongs.",
                 yours="None",
                 expected=_name(node),
                 draw=_side_by_side(tree, expected),
@@ -151,7 +184,7 @@ def assert_tree(tree, points, indices=None):
         ]
 
 
-def _attribute(node, name, place):
+def _attribute(node: object, name: str, place: str) -> object:
     try:
         return getattr(node, name)
     except Exception:
@@ -162,8 +195,17 @@ def _attribute(node, name, place):
         ) from None
 
 
-def as_indices(answer):
-    """What a search returned as a sorted list of whole numbers."""
+def as_indices(answer: object) -> list[int]:
+    """What a search returned as a sorted list of whole numbers.
+
+    Parameters
+    ----------
+    answer : object
+
+    Returns
+    -------
+    list of int
+    """
     array = as_array(
         sorted(answer) if isinstance(answer, set) else answer, what="a list of indices"
     )
@@ -176,8 +218,20 @@ def as_indices(answer):
     return sorted(array.tolist())
 
 
-def assert_found(tree, root, target, tolerance):
-    """A search finds exactly the points of a right tree that lie within the tolerance."""
+def assert_found(
+    tree: object, root: _Node | None, target: Sequence[float], tolerance: float
+) -> None:
+    """A search finds exactly the points of a right tree that lie within the tolerance.
+
+    Parameters
+    ----------
+    tree : object
+        Of the student's class, with the nodes of the right tree.
+    root : node or None
+        The right tree.
+    target : sequence of float
+    tolerance : float
+    """
     points, _, _, indices = table_of(root)
     expected = sorted(
         index
@@ -203,16 +257,21 @@ def assert_found(tree, root, target, tolerance):
     )
 
 
-def assert_pruned(KdTree, root, trap, target, tolerance):
+def assert_pruned(
+    KdTree: Callable, root: _Node, trap: int, target: Sequence[float], tolerance: float
+) -> None:
     """A search leaves a region alone that cannot hold a neighbour.
 
     Parameters
     ----------
+    KdTree : callable
     root : node
         A right tree.
     trap : int
         Index of a node in such a region. It is moved to the target, where no right tree has it:
         only a search that looks into the region finds it.
+    target : sequence of float
+    tolerance : float
     """
     nodes = [root]
     for node in nodes:
@@ -249,8 +308,18 @@ def assert_pruned(KdTree, root, trap, target, tolerance):
     )
 
 
-def as_order(answer, n):
-    """An answer as a permutation of range(n)."""
+def as_order(answer: object, n: int) -> np.ndarray:
+    """An answer as a permutation of range(n).
+
+    Parameters
+    ----------
+    answer : object
+    n : int
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+    """
     order = as_array(answer, what="a list of row numbers")
     if order.size == 0:
         order = order.astype(int).ravel()
@@ -270,8 +339,14 @@ def as_order(answer, n):
     return order
 
 
-def assert_shallow(answer, points):
-    """Inserting points in this order gives a tree of the least depth."""
+def assert_shallow(answer: object, points: np.ndarray) -> None:
+    """Inserting points in this order gives a tree of the least depth.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2) or (n, 3)
+    """
     order = as_order(answer, len(points))
     root = grown(points[order], order.tolist())
     depth, least = _depth(root), len(points).bit_length()
@@ -281,12 +356,18 @@ def assert_shallow(answer, points):
             f"{depth}; medians give {least}.",
             yours=f"depth {depth}",
             expected=f"depth {least}",
-            draw=lambda: _plots().kd_tree(root, title="The tree of your order"),
+            draw=lambda: utils.plots.kd_tree(root, title="The tree of your order"),
         )
 
 
-def assert_lower_medians(answer, points):
-    """In every part of the tree the lower median along its axis stands on top."""
+def assert_lower_medians(answer: object, points: np.ndarray) -> None:
+    """In every part of the tree the lower median along its axis stands on top.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2) or (n, 3)
+    """
     order = as_order(answer, len(points))
     points = np.asarray(points, dtype=float)
     waiting = [(order, 0)]
@@ -313,7 +394,7 @@ def assert_lower_medians(answer, points):
 # ---------------------------------------------------------------------------------- insert
 
 
-def _inserted(KdTree, points, indices=None):
+def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
     tree = KdTree()
     for index, point in zip(indices or range(len(points)), np.asarray(points), strict=True):
         tree.insert(point, index)
@@ -327,7 +408,7 @@ def _inserted(KdTree, points, indices=None):
     why="Every search begins at the root: a tree without one is empty.",
     hint="While tree.root is None there is nowhere to walk: tree.root = Node(point, index).",
 )
-def first_is_root(KdTree):
+def first_is_root(KdTree: Callable) -> None:
     tree = KdTree()
     if tree.root is not None:
         raise CheckFailed("A new tree is empty: its root is None.", yours=brief(tree.root))
@@ -343,7 +424,7 @@ def first_is_root(KdTree):
     hint="Compare only one coordinate at each node: number depth % len(point), with depth 0 "
     "at the root and one more at each step down.",
 )
-def axes_alternate(KdTree):
+def axes_alternate(KdTree: Callable) -> None:
     # Comparing x again at the second level, or y at the first, puts the last three elsewhere.
     assert_tree(
         _inserted(
@@ -362,7 +443,7 @@ def axes_alternate(KdTree):
     hint="Draw your tree beside the lesson's with plots.kd_tree(tree.root). At which node do "
     "they part, and which coordinate was compared there?",
 )
-def grows_the_quiz(KdTree):
+def grows_the_quiz(KdTree: Callable) -> None:
     assert_tree(_inserted(KdTree, QUIZ), QUIZ)
 
 
@@ -374,7 +455,7 @@ def grows_the_quiz(KdTree):
     "and search relies on the same one.",
     hint="Only strictly smaller (<) goes left; everything else goes right.",
 )
-def equal_goes_right(KdTree):
+def equal_goes_right(KdTree: Callable) -> None:
     points = [[2.0, 2.0], [2.0, 1.0], [2.0, 1.0], [1.0, 3.0], [1.0, 3.0], [2.0, 2.0]]
     assert_tree(_inserted(KdTree, points), points)
 
@@ -387,7 +468,7 @@ def equal_goes_right(KdTree):
     hint="Count the coordinates with len(point) and do not write 2 into the function. Pass "
     "index on to Node as it is.",
 )
-def takes_three(KdTree):
+def takes_three(KdTree: Callable) -> None:
     points = [
         [5.0, 5.0, 5.0],
         [4.0, 1.0, 9.0],
@@ -413,7 +494,7 @@ def takes_three(KdTree):
     hint="Walk down with a loop: while there is a child on the right side, it becomes the "
     "current node. No function needs to call itself.",
 )
-def copes_with_depth(KdTree):
+def copes_with_depth(KdTree: Callable) -> None:
     deep = grown([[0.0, 0.0]])
     last = deep
     for row in range(1, 1200):
@@ -426,7 +507,7 @@ def copes_with_depth(KdTree):
 # ---------------------------------------------------------------------------------- search
 
 
-def _balanced():
+def _balanced() -> _Node:
     return grown(QUIZ[_BALANCED], _BALANCED)
 
 
@@ -438,7 +519,7 @@ def _balanced():
     hint="At each node do two things: compare the distance of its point with the tolerance, "
     "and decide for each side whether to go on there.",
 )
-def finds_the_quiz(KdTree):
+def finds_the_quiz(KdTree: Callable) -> None:
     assert_found(planted(KdTree, _balanced()), _balanced(), [-6.0, 7.0], 3.0)
 
 
@@ -451,7 +532,7 @@ def finds_the_quiz(KdTree):
     hint="Left and right are two separate questions (two ifs, no else): does the box reach "
     "below the split? Does it reach the split or beyond it?",
 )
-def looks_on_both_sides(KdTree):
+def looks_on_both_sides(KdTree: Callable) -> None:
     root = _balanced()
     tree = planted(KdTree, root)
     for target in ([0.0, -7.0], [7.3, 6.3], [-5.7, 7.05], [1.0, -8.0]):
@@ -468,7 +549,7 @@ def looks_on_both_sides(KdTree):
     "target[axis] + tolerance >= split, with the equals sign, and compare the distance "
     "with <=.",
 )
-def includes_the_border(KdTree):
+def includes_the_border(KdTree: Callable) -> None:
     # Four points at a distance of exactly 3. The first two rows cut at their very coordinates.
     points = np.array(
         [
@@ -498,7 +579,7 @@ def includes_the_border(KdTree):
     hint="The box only decides where to look. A point counts when its distance, the square "
     "root of the sum of squares, is at most tolerance.",
 )
-def measures_a_circle(KdTree):
+def measures_a_circle(KdTree: Callable) -> None:
     points = np.array(
         [
             [0.0, 0.0],
@@ -524,7 +605,7 @@ def measures_a_circle(KdTree):
     why="Scans are three-dimensional: the axes go x, y, z, x, y, z, ... down the tree.",
     hint="The axis is depth % len(target), as in insert.",
 )
-def searches_space(KdTree):
+def searches_space(KdTree: Callable) -> None:
     rng = np.random.default_rng(4)
     root = grown(rng.uniform(-3, 3, (60, 3)).round(2))
     tree = planted(KdTree, root)
@@ -541,7 +622,7 @@ def searches_space(KdTree):
     hint="Before you go on to a child, compare the split, node.point[axis], with the ends of "
     "the box, target[axis] - tolerance and target[axis] + tolerance.",
 )
-def leaves_regions_out(KdTree):
+def leaves_regions_out(KdTree: Callable) -> None:
     for trap, target in ((6, [-6.0, 7.0]), (10, [-6.0, 7.0]), (2, [7.0, 6.0]), (9, [7.0, 6.0])):
         assert_pruned(KdTree, _balanced(), trap, target, 2.0)
 
@@ -554,7 +635,7 @@ def leaves_regions_out(KdTree):
     hint="With root None the answer is an empty list. With a list of places still to visit, "
     "skip those that are None.",
 )
-def takes_an_empty_tree(KdTree):
+def takes_an_empty_tree(KdTree: Callable) -> None:
     assert_found(planted(KdTree, None), None, [0.0, 0.0], 1.0)
     root = grown([[1.0, 2.0]])
     assert_found(planted(KdTree, root), root, [1.0, 2.0], 0.0)
@@ -572,7 +653,7 @@ def takes_an_empty_tree(KdTree):
     hint="The median comes first; then all smaller ones and all others, each part in the "
     "same way. Nothing is left over, and nothing is added.",
 )
-def names_every_row(median_order):
+def names_every_row(median_order: Callable) -> None:
     as_order(median_order(QUIZ.copy()), len(QUIZ))
 
 
@@ -583,7 +664,7 @@ def names_every_row(median_order):
     why="Only a median halves: any other first point leaves more on one side.",
     hint="Sort the rows by x. Of m rows, the lower median stands at place (m - 1) // 2.",
 )
-def starts_with_the_median(median_order):
+def starts_with_the_median(median_order: Callable) -> None:
     for points in (QUIZ, QUIZ[:4], np.array([[4.0, 0.0], [1.0, 9.0]]), QUIZ[[5, 0, 8]]):
         order = as_order(median_order(points.copy()), len(points))
         x = np.sort(points[:, 0])
@@ -606,7 +687,7 @@ def starts_with_the_median(median_order):
     "that sorting a part gives places within the part: rows[np.argsort(...)] leads back "
     "to rows of points.",
 )
-def medians_everywhere(median_order):
+def medians_everywhere(median_order: Callable) -> None:
     rng = np.random.default_rng(41)
     for n in (3, 4, 7, 20):
         points = rng.permutation(np.arange(2 * n)).reshape(n, 2) / 4
@@ -622,7 +703,7 @@ def medians_everywhere(median_order):
     hint="Print the depth of the tree of your order for 3, 7 and 15 points: it should be 2, 3 "
     "and 4.",
 )
-def least_depth(median_order):
+def least_depth(median_order: Callable) -> None:
     rng = np.random.default_rng(42)
     for n, k in ((3, 2), (7, 2), (15, 2), (40, 2), (31, 3), (64, 3)):
         points = rng.permutation(np.arange(k * n)).reshape(n, k) / 4
@@ -637,7 +718,7 @@ def least_depth(median_order):
     hint="A part without rows adds nothing to the order. Do not sort points itself: sort row "
     "numbers.",
 )
-def takes_the_smallest(median_order):
+def takes_the_smallest(median_order: Callable) -> None:
     as_order(median_order(np.empty((0, 2))), 0)
     as_order(median_order(np.array([[1.0, 2.0, 3.0]])), 1)
     as_order(median_order(np.ones((5, 2))), 5)
@@ -647,7 +728,7 @@ def takes_the_smallest(median_order):
     assert_lower_medians(order, QUIZ)
 
 
-def _depth(root):
+def _depth(root: _Node | None) -> int:
     level, depth = [root] if root is not None else [], 0
     while level:
         level = [child for node in level for child in (node.left, node.right) if child is not None]
@@ -655,43 +736,51 @@ def _depth(root):
     return depth
 
 
-def _point(point):
+def _exactly(point: Sequence[float]) -> str:
+    """A point of any length, with all the digits that it was written with."""
     return "(" + ", ".join(f"{float(value):g}" for value in np.ravel(point)) + ")"
 
 
-def _name(node):
+def _name(node: object) -> str:
     try:
-        return f"point {node.index} {_point(node.point)}"
+        return f"point {node.index} {_exactly(node.point)}"
     except Exception:
         return brief(node)
 
 
-def _first(indices, where, target):
+def _first(indices: list[int], where: dict[int, list[float]], target: Sequence[float]) -> str:
     one = indices[0]
     text = f"{len(indices)} points, for example " if len(indices) > 1 else "point "
     if one not in where:
         return f"index {one}, which the tree does not hold"
-    return f"{text}{one} at {_point(where[one])}, {math.dist(where[one], target):g} away"
+    return f"{text}{one} at {_exactly(where[one])}, {math.dist(where[one], target):g} away"
 
 
-def _side_by_side(tree, expected):
-    def draw():
+def _side_by_side(tree: object, expected: _Node | None) -> Callable:
+    def draw() -> None:
         import matplotlib.pyplot as plt
 
         _, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
-        _plots().kd_tree(tree.root, title="yours", axes=left)
-        _plots().kd_tree(expected, title="expected", axes=right)
+        utils.plots.kd_tree(tree.root, title="yours", axes=left)
+        utils.plots.kd_tree(expected, title="expected", axes=right)
 
     return draw
 
 
-def _missed(points, indices, root, target, tolerance, yours):
+def _missed(
+    points: list[list[float]],
+    indices: list[int],
+    root: _Node | None,
+    target: Sequence[float],
+    tolerance: float,
+    yours: list[int],
+) -> Callable | None:
     """Draw a search in the plane; in space there is nothing to draw."""
     if len(target) != 2:
         return None
     rows = np.argsort(indices)
     known = set(yours) & set(indices)
-    return lambda: _plots().kd_search(
+    return lambda: utils.plots.kd_search(
         np.array(points)[rows],
         root,
         target,
@@ -699,9 +788,3 @@ def _missed(points, indices, root, target, tolerance, yours):
         found=[np.flatnonzero(np.sort(indices) == index)[0] for index in known],
         title="What your search found",
     )
-
-
-def _plots():
-    from utils import plots
-
-    return plots

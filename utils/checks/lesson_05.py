@@ -1,13 +1,15 @@
 """Visible checks of lesson 05: `euclidean_clustering`."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_labels, assert_partition, assert_untouched
 
 
-def _line(start, step, n):
-    """n points along x; `step` metres apart."""
+def _line(start: Sequence[float], step: float, n: int) -> np.ndarray:
+    """A row of points (n, 3) along x, `step` metres apart."""
     return np.array(start) + np.outer(np.arange(n) * step, [1.0, 0.0, 0.0])
 
 
@@ -26,7 +28,7 @@ _TIGHT_GROUPS = np.vstack([_line([2.0, 1.0, 0.0], 0.1, 4), _line([8.0, -2.0, 0.5
     hint="Take a point without a label, give it a new label, then give the same label to "
     "everything that can be reached from it.",
 )
-def separates_groups(euclidean_clustering):
+def separates_groups(euclidean_clustering: Callable) -> None:
     assert_partition(euclidean_clustering(_TWO_GROUPS.copy(), 0.5), _TWO_LABELS, _TWO_GROUPS)
 
 
@@ -38,7 +40,7 @@ def separates_groups(euclidean_clustering):
     hint="Each point that you label must itself be asked for its neighbours: put it into "
     "the queue. Comparing with the first point only finds a ball.",
 )
-def follows_chains(euclidean_clustering):
+def follows_chains(euclidean_clustering: Callable) -> None:
     wall = _line([0.0, 0.0, 0.0], 0.4, 30)
     shuffled = wall[np.random.default_rng(5).permutation(30)]
     cloud = np.vstack([shuffled, shuffled + [0.0, 3.0, 0.0]])
@@ -54,7 +56,7 @@ def follows_chains(euclidean_clustering):
     hint="The first cluster gets 1. The counter goes up when a new cluster begins, not at "
     "each point.",
 )
-def counts_from_one(euclidean_clustering):
+def counts_from_one(euclidean_clustering: Callable) -> None:
     labels = as_labels(euclidean_clustering(_TWO_GROUPS.copy(), 0.5), len(_TWO_GROUPS))
     found = np.unique(labels)
     assert_partition(labels, _TWO_LABELS, _TWO_GROUPS)
@@ -75,7 +77,7 @@ def counts_from_one(euclidean_clustering):
     hint="Compare distances with the parameter threshold itself: not its square, not 0.5 "
     "written into the function. Keep its default of 0.5.",
 )
-def follows_the_threshold(euclidean_clustering):
+def follows_the_threshold(euclidean_clustering: Callable) -> None:
     # Gaps of 0.2, 0.45, 0.6 and 0.9 m: each threshold below joins a different number.
     x = np.cumsum([0.0, 0.2, 0.45, 0.6, 0.9])
     cloud = np.column_stack([x, 0 * x, 0 * x])
@@ -100,7 +102,7 @@ def follows_the_threshold(euclidean_clustering):
     "the road, not on it.",
     hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
 )
-def ignores_intensity(euclidean_clustering):
+def ignores_intensity(euclidean_clustering: Callable) -> None:
     bright = np.column_stack([_TIGHT_GROUPS, [0.0, 0.9, 0.1, 0.8, 0.0, 0.9, 0.2]])
     assert_partition(euclidean_clustering(bright.copy(), 0.5), _TWO_LABELS, bright)
     above = np.vstack([_line([2.0, 1.0, 0.0], 0.1, 3), _line([2.0, 1.0, 2.0], 0.1, 3)])
@@ -115,7 +117,7 @@ def ignores_intensity(euclidean_clustering):
     hint="A loop over the points does nothing when there are none: an array of length 0 is "
     "the answer. Equal points are at distance 0 and belong together.",
 )
-def takes_the_smallest(euclidean_clustering):
+def takes_the_smallest(euclidean_clustering: Callable) -> None:
     for columns in (3, 4):
         assert_partition(
             euclidean_clustering(np.empty((0, columns)), 0.5),
@@ -135,7 +137,7 @@ def takes_the_smallest(euclidean_clustering):
     why="The next step of the pipeline still needs the cloud.",
     hint="Keep labels in an array of their own; do not write into cloud.",
 )
-def leaves_its_input(euclidean_clustering):
+def leaves_its_input(euclidean_clustering: Callable) -> None:
     cloud = _TIGHT_GROUPS.copy()
     labels = euclidean_clustering(cloud, 0.5)
     assert_untouched(_TIGHT_GROUPS, cloud)

@@ -1,5 +1,7 @@
 """Visible checks of lesson 06: `filter_ground` and `voxel_grid`."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from utils.checks.core import visible
@@ -42,7 +44,7 @@ _CELLS = np.array(
     hint="Compare the z column, cloud[:, 2], with ground_level. The result is one True or "
     "False per point.",
 )
-def keeps_what_stands_above(filter_ground):
+def keeps_what_stands_above(filter_ground: Callable) -> None:
     assert_rows(
         filter_ground(_HEIGHTS.copy(), -1.2),
         _HEIGHTS,
@@ -58,7 +60,7 @@ def keeps_what_stands_above(filter_ground):
     "into the function.",
     hint="Use the parameter ground_level in the comparison, and keep its default of -1.2.",
 )
-def follows_the_level(filter_ground):
+def follows_the_level(filter_ground: Callable) -> None:
     high = np.array([False, False, False, False, True, False, True])
     assert_rows(filter_ground(_HEIGHTS.copy(), 0.0), _HEIGHTS, high)
     assert_rows(filter_ground(cloud=_HEIGHTS.copy(), ground_level=0.0), _HEIGHTS, high)
@@ -76,7 +78,7 @@ def follows_the_level(filter_ground):
     why="Some files hold no intensity, and after other filters nothing may be left.",
     hint="Index rows with the mask, cloud[mask], and leave the columns alone.",
 )
-def takes_every_shape(filter_ground):
+def takes_every_shape(filter_ground: Callable) -> None:
     xyz = _HEIGHTS[:, :3]
     assert_rows(
         filter_ground(xyz.copy(), -1.2),
@@ -98,7 +100,7 @@ def takes_every_shape(filter_ground):
     why="The next step of the pipeline may need the full cloud again.",
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
-def leaves_its_input(filter_ground):
+def leaves_its_input(filter_ground: Callable) -> None:
     cloud = _HEIGHTS.copy()
     assert_rows(filter_ground(cloud, -1.2), _HEIGHTS, _HEIGHTS[:, 2] > -1.2)
     assert_untouched(_HEIGHTS, cloud)
@@ -112,7 +114,7 @@ def leaves_its_input(filter_ground):
     hint="floor(xyz / voxel_size) gives three whole numbers per point; np.unique with "
     "axis=0 finds the different ones.",
 )
-def one_point_per_cell(voxel_grid):
+def one_point_per_cell(voxel_grid: Callable) -> None:
     rows = as_array(voxel_grid(_CELLS.copy(), 1.0), columns=4)
     if len(rows) != 2:
         raise CheckFailed(
@@ -131,7 +133,7 @@ def one_point_per_cell(voxel_grid):
     "cells around the sensor twice as wide.",
     hint="np.floor(-0.3) is -1, but int(-0.3) is 0.",
 )
-def floors_below_zero(voxel_grid):
+def floors_below_zero(voxel_grid: Callable) -> None:
     cloud = np.array([[-0.3, 0.5, 0.5], [0.3, 0.5, 0.5], [-1.2, 0.5, 0.5], [-0.9, 0.5, 0.5]])
     assert_same_set_of_rows(
         voxel_grid(cloud.copy(), 1.0),
@@ -146,7 +148,7 @@ def floors_below_zero(voxel_grid):
     why="Cell size trades detail for speed, and every pipeline chooses its own.",
     hint="Divide by voxel_size before np.floor, and keep its default of 0.2.",
 )
-def follows_the_size(voxel_grid):
+def follows_the_size(voxel_grid: Callable) -> None:
     cloud = np.array([[0.05, 0.05, 0.05], [0.15, 0.05, 0.05], [0.35, 0.05, 0.05]])
     two = np.array([[0.10, 0.05, 0.05], [0.35, 0.05, 0.05]])
     assert_same_set_of_rows(voxel_grid(cloud.copy()), two)
@@ -161,7 +163,7 @@ def follows_the_size(voxel_grid):
     why="After other filters nothing may be left, and the next step may need the full cloud.",
     hint="Return early when len(cloud) == 0, with the same number of columns.",
 )
-def takes_nothing(voxel_grid):
+def takes_nothing(voxel_grid: Callable) -> None:
     cloud = _CELLS.copy()
     voxel_grid(cloud, 0.7)
     assert_untouched(_CELLS, cloud)

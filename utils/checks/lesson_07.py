@@ -4,6 +4,11 @@
 usual slips by the rows that they keep.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from utils.checks.core import visible
@@ -14,6 +19,9 @@ from utils.checks.vocabulary import (
     assert_rows,
     assert_untouched,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Near: ahead, behind on the right, left and right. Far: each coordinate below 10 and yet far,
 # ahead, behind, and to the right.
@@ -85,7 +93,7 @@ _AROUND = np.array(
 _OURS = np.array([True, True, False, False, True, False, False, False])
 
 
-def assert_near(answer, cloud, distance, near):
+def assert_near(answer: object, cloud: np.ndarray, distance: float, near: np.ndarray) -> None:
     """The answer is ``cloud[near]``: the rows whose horizontal distance is at most `distance`.
 
     Parameters
@@ -117,7 +125,13 @@ def assert_near(answer, cloud, distance, near):
     _assert_rows(answer, cloud, near, slips, lambda axes: _circle(axes, distance))
 
 
-def assert_boxed(answer, cloud, minimum, maximum, keep):
+def assert_boxed(
+    answer: object,
+    cloud: np.ndarray,
+    minimum: Sequence[float],
+    maximum: Sequence[float],
+    keep: np.ndarray,
+) -> None:
     """The answer is ``cloud[keep]``: the rows inside a box, or those not inside.
 
     Parameters
@@ -152,7 +166,13 @@ def assert_boxed(answer, cloud, minimum, maximum, keep):
     _assert_rows(answer, cloud, keep, slips, lambda axes: _rectangle(axes, minimum, maximum))
 
 
-def _assert_rows(answer, cloud, keep, slips, outline):
+def _assert_rows(
+    answer: object,
+    cloud: np.ndarray,
+    keep: np.ndarray,
+    slips: dict[str, np.ndarray],
+    outline: Callable,
+) -> None:
     """`assert_rows`, with the name of a slip that keeps just these rows, and a drawn border."""
     try:
         assert_rows(answer, cloud, keep, view="above")
@@ -176,7 +196,7 @@ def _assert_rows(answer, cloud, keep, slips, outline):
         ) from None
 
 
-def _same(answer, rows):
+def _same(answer: object, rows: np.ndarray) -> bool:
     try:
         array = as_array(answer)
     except CheckFailed:
@@ -184,7 +204,7 @@ def _same(answer, rows):
     return array.shape == rows.shape and np.allclose(array, rows, rtol=0, atol=TOLERANCE)
 
 
-def _circle(axes, distance):
+def _circle(axes: Axes, distance: float) -> None:
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((0, 0), distance, fill=False, edgecolor="black", linestyle="--"))
@@ -193,7 +213,7 @@ def _circle(axes, distance):
         change(min(limits[0], -reach), max(limits[1], reach))
 
 
-def _rectangle(axes, minimum, maximum):
+def _rectangle(axes: Axes, minimum: Sequence[float], maximum: Sequence[float]) -> None:
     from matplotlib.patches import Rectangle
 
     length, width = maximum[0] - minimum[0], maximum[1] - minimum[1]
@@ -210,7 +230,7 @@ def _rectangle(axes, minimum, maximum):
     hint="Square x and y, add, take the root: one distance per point. Keep where it is at "
     "most `distance`.",
 )
-def keeps_what_is_near(filter_by_distance):
+def keeps_what_is_near(filter_by_distance: Callable) -> None:
     assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
 
 
@@ -222,7 +242,7 @@ def keeps_what_is_near(filter_by_distance):
     "longer than the way to it.",
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
-def ignores_height(filter_by_distance):
+def ignores_height(filter_by_distance: Callable) -> None:
     assert_near(filter_by_distance(_TALL.copy(), 10.0), _TALL, 10.0, _TALL_NEAR)
 
 
@@ -233,7 +253,7 @@ def ignores_height(filter_by_distance):
     why="Another driver reports intensities up to 255, and every bright car would vanish.",
     hint="A norm over whole rows counts column 3, too. Use columns 0 and 1 only.",
 )
-def ignores_intensity(filter_by_distance):
+def ignores_intensity(filter_by_distance: Callable) -> None:
     assert_near(filter_by_distance(_BRIGHT.copy(), 10.0), _BRIGHT, 10.0, _BRIGHT_NEAR)
 
 
@@ -244,7 +264,7 @@ def ignores_intensity(filter_by_distance):
     why="A fast car must look farther than a slow one.",
     hint="Use the parameter distance in the comparison, and keep its default of 10.0.",
 )
-def follows_the_distance(filter_by_distance):
+def follows_the_distance(filter_by_distance: Callable) -> None:
     close = np.array([True, False, False, False, False, False, True, False])
     assert_near(filter_by_distance(_PLACES.copy(), 8.5), _PLACES, 8.5, close)
     assert_near(filter_by_distance(cloud=_PLACES.copy(), distance=8.5), _PLACES, 8.5, close)
@@ -258,7 +278,7 @@ def follows_the_distance(filter_by_distance):
     why="Some files hold no intensity, and after other filters nothing may be left.",
     hint="Index rows with the mask, cloud[mask], and leave the columns alone.",
 )
-def takes_every_shape(filter_by_distance):
+def takes_every_shape(filter_by_distance: Callable) -> None:
     xyz = _PLACES[:, :3]
     assert_near(filter_by_distance(xyz.copy(), 10.0), xyz, 10.0, _NEAR)
     for columns in (3, 4):
@@ -273,7 +293,7 @@ def takes_every_shape(filter_by_distance):
     why="The next step of the pipeline may need the full cloud again.",
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
-def leaves_its_input(filter_by_distance):
+def leaves_its_input(filter_by_distance: Callable) -> None:
     cloud = _PLACES.copy()
     assert_near(filter_by_distance(cloud, 10.0), _PLACES, 10.0, _NEAR)
     assert_untouched(_PLACES, cloud)
@@ -287,7 +307,7 @@ def leaves_its_input(filter_by_distance):
     hint="Compare the first three columns with minimum and with maximum, join the tables "
     "with &, then .all(axis=1).",
 )
-def keeps_what_is_inside(crop_region):
+def keeps_what_is_inside(crop_region: Callable) -> None:
     assert_boxed(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
@@ -298,7 +318,7 @@ def keeps_what_is_inside(crop_region):
     why="Two boxes side by side shall leave no gap between them.",
     hint="Use >= and <=, not > and <.",
 )
-def faces_are_inside(crop_region):
+def faces_are_inside(crop_region: Callable) -> None:
     edge = np.array(
         [
             [-10.0, 0.0, 0.0],
@@ -327,7 +347,7 @@ def faces_are_inside(crop_region):
     hint="Use the parameters minimum and maximum. Comparing an array with a tuple or a "
     "list of three numbers works without more ado.",
 )
-def follows_the_corners(crop_region):
+def follows_the_corners(crop_region: Callable) -> None:
     small = np.array([True] + [False] * 8 + [True])
     low, high = [0.0, -1.0, -1.95], [13.0, 3.0, 0.0]
     assert_boxed(
@@ -343,7 +363,7 @@ def follows_the_corners(crop_region):
     why="Some files hold no intensity, and after other filters nothing may be left.",
     hint="Compare cloud[:, :3], but index cloud itself.",
 )
-def crops_every_shape(crop_region):
+def crops_every_shape(crop_region: Callable) -> None:
     cloud = _ROOM[:, :3].copy()
     assert_boxed(crop_region(cloud, _MINIMUM, _MAXIMUM), _ROOM[:, :3], _MINIMUM, _MAXIMUM, _INSIDE)
     assert_untouched(_ROOM[:, :3], cloud)
@@ -366,7 +386,7 @@ def crops_every_shape(crop_region):
     "the door must stay.",
     hint="Find the rows inside as in crop_region, then keep the others: ~inside.",
 )
-def removes_our_own(remove_ego_returns):
+def removes_our_own(remove_ego_returns: Callable) -> None:
     assert_boxed(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, *_EGO, ~_OURS)
 
 
@@ -378,7 +398,7 @@ def removes_our_own(remove_ego_returns):
     hint="A row is outside when one coordinate is outside: not (a and b and c) is "
     "(not a) or (not b) or (not c).",
 )
-def keeps_what_shares_a_coordinate(remove_ego_returns):
+def keeps_what_shares_a_coordinate(remove_ego_returns: Callable) -> None:
     cloud = np.array(
         [
             [0.5, 0.0, -0.7],
@@ -403,7 +423,7 @@ def keeps_what_shares_a_coordinate(remove_ego_returns):
     why="A lorry is not a small car, and a roof rack is a part of ours.",
     hint="Use the parameters minimum and maximum.",
 )
-def follows_the_ego_box(remove_ego_returns):
+def follows_the_ego_box(remove_ego_returns: Callable) -> None:
     low, high = [0.8, 0.5, -1.0], [6.0, 3.0, -0.4]
     left = np.array([True, True, False, False, False, True, True, True])
     assert_boxed(
@@ -425,7 +445,7 @@ def follows_the_ego_box(remove_ego_returns):
     why="Some files hold no intensity, and after other filters nothing may be left.",
     hint="Compare cloud[:, :3], but index cloud itself.",
 )
-def removes_from_every_shape(remove_ego_returns):
+def removes_from_every_shape(remove_ego_returns: Callable) -> None:
     cloud = _AROUND[:, :3].copy()
     assert_boxed(remove_ego_returns(cloud, *_EGO), _AROUND[:, :3], *_EGO, ~_OURS)
     assert_untouched(_AROUND[:, :3], cloud)

@@ -1,10 +1,11 @@
 """Visible checks of lesson 08: `get_bounding_boxes`."""
 
+from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
 
-from utils.checks.boxes import as_boxes, assert_box_corners
+from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.core import visible
 from utils.checks.vocabulary import assert_untouched
 
@@ -26,7 +27,7 @@ _CLOUD = np.array(
 _LABELS = np.array([1, 2, 0, 1, 1, 2, 1, 0, 2])
 
 
-def _corners(low, high):
+def _corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
     """(8, 3): x changes fastest, as in corner k with bits 1, 2, 4 for x, y, z."""
     return np.array(list(product(*zip(low[::-1], high[::-1], strict=True))))[:, ::-1]
 
@@ -43,7 +44,7 @@ _PEDESTRIAN = _corners([-3.0, -4.6, -1.0], [-2.5, -4.0, 0.2])
     hint="points.min(axis=0) and points.max(axis=0) of the rows of one label give all six "
     "numbers; a corner takes, for each axis, one or the other.",
 )
-def reaches_from_min_to_max(get_bounding_boxes):
+def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
     only_car = np.where(_LABELS == 1, 1, 0)
     assert_box_corners(get_bounding_boxes(_CLOUD.copy(), only_car), _CAR[None], _CLOUD, only_car)
     assert_box_corners(
@@ -63,7 +64,7 @@ def reaches_from_min_to_max(get_bounding_boxes):
     hint="np.unique(cluster_labels) lists the labels that occur, in ascending order. "
     "range(1, ...) would invent those that do not.",
 )
-def one_box_for_each_label(get_bounding_boxes):
+def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
     swapped = np.array([0, 7, 3])[_LABELS]  # the car is 7, the pedestrian 3
     assert_box_corners(
         get_bounding_boxes(_CLOUD.copy(), swapped), np.stack([_PEDESTRIAN, _CAR]), _CLOUD, swapped
@@ -83,7 +84,7 @@ def one_box_for_each_label(get_bounding_boxes):
     why="Stray points lie all over the street: their box would be the street, with us in it.",
     hint="Keep only labels > 0 before you loop.",
 )
-def leaves_noise_alone(get_bounding_boxes):
+def leaves_noise_alone(get_bounding_boxes: Callable) -> None:
     noise_first = np.vstack([_CLOUD[_LABELS == 0], _CLOUD[_LABELS > 0]])
     labels = np.concatenate([_LABELS[_LABELS == 0], _LABELS[_LABELS > 0]])
     assert_box_corners(
@@ -102,7 +103,7 @@ def leaves_noise_alone(get_bounding_boxes):
     hint="Take the coordinates with cloud[mask, :3]; minimum and maximum of a single point "
     "are both that point.",
 )
-def takes_every_shape(get_bounding_boxes):
+def takes_every_shape(get_bounding_boxes: Callable) -> None:
     xyz = _CLOUD[:, :3]
     assert_box_corners(
         get_bounding_boxes(xyz.copy(), _LABELS.copy()), np.stack([_CAR, _PEDESTRIAN]), xyz, _LABELS
@@ -124,12 +125,12 @@ def takes_every_shape(get_bounding_boxes):
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
 )
-def takes_nothing(get_bounding_boxes):
+def takes_nothing(get_bounding_boxes: Callable) -> None:
     noise = np.zeros(len(_CLOUD), dtype=int)
-    as_boxes(get_bounding_boxes(_CLOUD.copy(), noise), noise)
+    as_cluster_boxes(get_bounding_boxes(_CLOUD.copy(), noise), noise)
     for columns in (3, 4):
         none = np.zeros(0, dtype=int)
-        as_boxes(get_bounding_boxes(np.empty((0, columns)), none), none)
+        as_cluster_boxes(get_bounding_boxes(np.empty((0, columns)), none), none)
     # Something must still come where there is something.
     assert_box_corners(
         get_bounding_boxes(_CLOUD.copy(), _LABELS.copy()),
@@ -146,7 +147,7 @@ def takes_nothing(get_bounding_boxes):
     why="The next step still needs them.",
     hint="Write the corners into an array of their own.",
 )
-def leaves_its_input(get_bounding_boxes):
+def leaves_its_input(get_bounding_boxes: Callable) -> None:
     cloud, labels = _CLOUD.copy(), _LABELS.copy()
     boxes = get_bounding_boxes(cloud, labels)
     assert_untouched(_CLOUD, cloud)

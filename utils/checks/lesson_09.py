@@ -1,7 +1,10 @@
 """Visible checks of lesson 09: `filter_clusters`."""
 
+from collections.abc import Callable
+
 import numpy as np
 
+import utils
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_labels, assert_untouched
 
@@ -9,7 +12,7 @@ from utils.checks.vocabulary import CheckFailed, as_labels, assert_untouched
 _LABELS = np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6])
 
 
-def assert_filtered(answer, labels, expected):
+def assert_filtered(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
     """The answer is `expected`; where not, say which of the usual mistakes it looks like.
 
     Parameters
@@ -50,14 +53,12 @@ def assert_filtered(answer, labels, expected):
     )
 
 
-def _draw(labels, yours, expected):
+def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
     """Draw each cluster as a row of points, the label as its height."""
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
     place = np.array([np.count_nonzero(labels[:i] == label) for i, label in enumerate(labels)])
     names, row = np.unique(labels, return_inverse=True)
     limits = ((-1, place.max() + 1), (-1, len(names)))
-    panels = plots.worst(
+    panels = utils.plots.worst(
         np.column_stack([place, row.ravel()]),
         yours,
         expected,
@@ -72,12 +73,12 @@ def _draw(labels, yours, expected):
             panel.set_yticks(range(len(names)), names)
 
 
-def _of(labels, cluster):
+def _of(labels: np.ndarray, cluster: int) -> str:
     count = np.count_nonzero(labels == cluster)
     return f"cluster {cluster}, of {count} point{'s' if count != 1 else ''},"
 
 
-def _counted(labels):
+def _counted(labels: np.ndarray) -> str:
     """Labels above 0 that are in use, and the number of points without one, in few words."""
     found = np.unique(labels[labels > 0]).tolist()
     names = ", ".join(map(str, found[:8])) + (", ..." if len(found) > 8 else "")
@@ -93,7 +94,7 @@ def _counted(labels):
     hint="First count how often each label occurs. Then decide point by point, from the "
     "count of its label.",
 )
-def removes_small_clusters(filter_clusters):
+def removes_small_clusters(filter_clusters: Callable) -> None:
     assert_filtered(
         filter_clusters(_LABELS.copy(), 3),
         _LABELS,
@@ -110,7 +111,7 @@ def removes_small_clusters(filter_clusters):
     hint="Change no label but to 0. If you loop, read the labels from the original and write "
     "into a copy.",
 )
-def removes_neighbours(filter_clusters):
+def removes_neighbours(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3, 4, 5, 6, 7], [1, 2, 1, 6, 2, 1, 5])
     assert_filtered(
         filter_clusters(labels.copy(), 4),
@@ -127,7 +128,7 @@ def removes_neighbours(filter_clusters):
     hint='"Fewer than" is <, not <=. Compare with the parameter, by its name, and keep its '
     "default of 100.",
 )
-def follows_the_minimum(filter_clusters):
+def follows_the_minimum(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3], [99, 100, 101])
     for minimum, kept in ((99, [1, 2, 3]), (100, [0, 2, 3]), (101, [0, 0, 3]), (102, [0, 0, 0])):
         expected = np.repeat(kept, [99, 100, 101])
@@ -146,7 +147,7 @@ def follows_the_minimum(filter_clusters):
     hint="Go by the labels that occur, from np.unique, not by range(1, N): 7 may be there "
     "without 6.",
 )
-def leaves_noise_alone(filter_clusters):
+def leaves_noise_alone(filter_clusters: Callable) -> None:
     labels = np.array([0, 7, 0, 7, 0, 40, 7, 0, 0, 3, 0, 40])
     assert_filtered(
         filter_clusters(labels.copy(), 3), labels, np.array([0, 7, 0, 7, 0, 0, 7, 0, 0, 0, 0, 0])
@@ -160,7 +161,7 @@ def leaves_noise_alone(filter_clusters):
     why="After the other filters nothing may be left, or a single wall.",
     hint="max() of an empty array is an error; np.unique of one is not.",
 )
-def takes_the_smallest(filter_clusters):
+def takes_the_smallest(filter_clusters: Callable) -> None:
     nothing = np.empty(0, dtype=int)
     assert_filtered(filter_clusters(nothing, 2), nothing, nothing)
     for labels, minimum, expected in (
@@ -181,7 +182,7 @@ def takes_the_smallest(filter_clusters):
     why="Somebody may want to try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
-def leaves_its_input(filter_clusters):
+def leaves_its_input(filter_clusters: Callable) -> None:
     labels = _LABELS.copy()
     answer = filter_clusters(labels, 3)
     assert_untouched(_LABELS, labels)

@@ -1,5 +1,6 @@
 """Visible checks of lesson 10: `euclidean_clustering_accelerated`."""
 
+from collections.abc import Callable, Sequence
 from time import perf_counter
 
 import numpy as np
@@ -11,8 +12,10 @@ from utils.checks.vocabulary import CheckFailed, as_labels, assert_partition, as
 SECONDS = 4.0
 
 
-def _row(start, step, n, along=(1.0, 0.0, 0.0)):
-    """n points on a straight line; `step` metres apart."""
+def _row(
+    start: Sequence[float], step: float, n: int, along: Sequence[float] = (1.0, 0.0, 0.0)
+) -> np.ndarray:
+    """A row of points (n, 3) on a straight line, `step` metres apart."""
     return np.array(start) + np.outer(np.arange(n) * step, along)
 
 
@@ -31,7 +34,7 @@ _THREE_LABELS = np.repeat([1, 2, 3], [5, 3, 2])
     hint="From pieces of cells to points: label_of_cell[cell_of_point]. Pieces count from 0, "
     "labels from 1.",
 )
-def separates_groups(euclidean_clustering_accelerated):
+def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     labels = as_labels(euclidean_clustering_accelerated(_THREE.copy(), 0.5), len(_THREE))
     assert_partition(labels, _THREE_LABELS, _THREE)
     found = np.unique(labels).tolist()
@@ -51,7 +54,7 @@ def separates_groups(euclidean_clustering_accelerated):
     hint="Joining must go on: cell to cell to cell. connected_components does that for all "
     "joined pairs at once.",
 )
-def follows_chains(euclidean_clustering_accelerated):
+def follows_chains(euclidean_clustering_accelerated: Callable) -> None:
     wall = _row([-6.0, 0.0, 0.0], 0.4, 40, (0.6, 0.8, 0.0))
     cloud = np.vstack([wall, wall + [0.0, 3.0, 0.0]])
     order = np.random.default_rng(5).permutation(len(cloud))
@@ -70,7 +73,7 @@ def follows_chains(euclidean_clustering_accelerated):
     hint="With cells of side threshold / sqrt(3), close points lie up to two cells apart "
     "along each axis: 5 x 5 x 5 cells, corners included.",
 )
-def joins_across_borders(euclidean_clustering_accelerated):
+def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     cloud, labels = _pairs_of_points(0.99, 120)
     assert_partition(euclidean_clustering_accelerated(cloud.copy(), 0.5), labels, cloud)
 
@@ -85,7 +88,7 @@ def joins_across_borders(euclidean_clustering_accelerated):
     "anybody else? Is the distance of points in neighbouring cells really measured? And "
     "below zero np.floor and .astype(int) differ.",
 )
-def parts_what_is_apart(euclidean_clustering_accelerated):
+def parts_what_is_apart(euclidean_clustering_accelerated: Callable) -> None:
     cloud, _ = _pairs_of_points(1.01, 120)
     assert_partition(
         euclidean_clustering_accelerated(cloud.copy(), 0.5), np.arange(1, len(cloud) + 1), cloud
@@ -101,7 +104,7 @@ def parts_what_is_apart(euclidean_clustering_accelerated):
     hint="Representatives far apart prove nothing. Where the pieces of two neighbouring cells "
     "still differ, compare their points: is any pair closer than the threshold?",
 )
-def compares_the_points(euclidean_clustering_accelerated):
+def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
     rng = np.random.default_rng(8)
     clouds, labels = [], []
     for number in range(40):
@@ -126,7 +129,7 @@ def compares_the_points(euclidean_clustering_accelerated):
     hint="Everything scales with the parameter threshold: sides, neighbours and distances. "
     "Keep its default of 0.5.",
 )
-def follows_the_threshold(euclidean_clustering_accelerated):
+def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     x = np.cumsum([0.0, 0.2, 0.45, 0.6, 0.9])
     cloud = np.column_stack([x, 0 * x, 0 * x])
     for threshold, labels in (
@@ -152,7 +155,7 @@ def follows_the_threshold(euclidean_clustering_accelerated):
     why="A number plate is bright, not far away.",
     hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
 )
-def ignores_intensity(euclidean_clustering_accelerated):
+def ignores_intensity(euclidean_clustering_accelerated: Callable) -> None:
     bright = np.column_stack([_THREE, np.linspace(0, 9, len(_THREE))])
     assert_partition(euclidean_clustering_accelerated(bright.copy(), 0.5), _THREE_LABELS, bright)
     above = np.vstack([_THREE[:5], _THREE[:5] + [0.0, 0.0, 2.0]])
@@ -169,7 +172,7 @@ def ignores_intensity(euclidean_clustering_accelerated):
     hint="Return an array of length 0 early when len(cloud) == 0. A list of pairs may be "
     "empty, too.",
 )
-def takes_the_smallest(euclidean_clustering_accelerated):
+def takes_the_smallest(euclidean_clustering_accelerated: Callable) -> None:
     for columns in (3, 4):
         empty = np.empty((0, columns))
         assert_partition(
@@ -191,7 +194,7 @@ def takes_the_smallest(euclidean_clustering_accelerated):
     hint="Where is the time spent? Comparing each point with all others takes n * n steps, "
     "however short each is. Work with cells: their number is what counts.",
 )
-def is_quick(euclidean_clustering_accelerated):
+def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     # Forty walls of 500 points, 0.1 m apart from point to point, 3 m from wall to wall.
     wall = np.stack(np.meshgrid(np.arange(25) * 0.1, [0.0], np.arange(20) * 0.1), axis=-1)
     places = np.array([[6.0 * (i % 5), 3.0 * (i // 5), 0.0] for i in range(40)]) - [10, 12, 1]
@@ -209,8 +212,8 @@ def is_quick(euclidean_clustering_accelerated):
         )
 
 
-def _pairs_of_points(share, n):
-    """n pairs of points in random directions, `share` of 0.5 m apart; pairs are far apart."""
+def _pairs_of_points(share: float, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (2 n, 3) in pairs, `share` of 0.5 m apart, and their labels; pairs are far apart."""
     rng = np.random.default_rng(7)
     way = rng.normal(size=(n, 3))
     way *= 0.5 * share / np.linalg.norm(way, axis=1, keepdims=True)

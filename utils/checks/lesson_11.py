@@ -1,22 +1,24 @@
 """Visible checks of lesson 11: `principal_axes` and `get_oriented_boxes`."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
-from utils.checks.boxes import as_boxes, assert_turned_boxes
+from utils.checks.boxes import as_cluster_boxes, assert_turned_boxes
 from utils.checks.core import visible
 from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
 
 _NAMES = ("first", "second", "third")
 
 
-def _turn(points, degrees):
+def _turn(points: np.ndarray, degrees: float) -> np.ndarray:
     """Points (n, 3) turned about z, anticlockwise."""
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     x, y, z = points.T
     return np.column_stack([cosine * x - sine * y, sine * x + cosine * y, z])
 
 
-def _grid(length, width, height, steps=7):
+def _grid(length: float, width: float, height: float, steps: int = 7) -> np.ndarray:
     """(steps^3, 3): a solid block around the origin, its corners included."""
     half = np.linspace(-0.5, 0.5, steps)
     return np.stack(np.meshgrid(length * half, width * half, height * half), axis=-1).reshape(-1, 3)
@@ -34,8 +36,17 @@ _LABELS = np.repeat([1, 0, 2], [343, 1, 343])
 _AREAS = [4.2 * 1.8, 5.0 * 2.0]
 
 
-def as_axes(answer):
-    """An answer as three orthonormal, right-handed columns of length 3."""
+def as_axes(answer: object) -> np.ndarray:
+    """An answer as three orthonormal, right-handed columns.
+
+    Parameters
+    ----------
+    answer : object
+
+    Returns
+    -------
+    numpy.ndarray, shape (3, 3)
+    """
     axes = as_array(answer, what="three axes, one in each column")
     if axes.shape == (4, 4):
         raise CheckFailed(
@@ -70,7 +81,7 @@ def as_axes(answer):
     return axes
 
 
-def assert_axes(answer, expected):
+def assert_axes(answer: object, expected: np.ndarray) -> None:
     """The columns point along the expected ones, whatever their signs.
 
     Parameters
@@ -104,7 +115,7 @@ def assert_axes(answer, expected):
     )
 
 
-def _axes_of_turn(degrees, order=(0, 1, 2)):
+def _axes_of_turn(degrees: float, order: Sequence[int] = (0, 1, 2)) -> np.ndarray:
     return _turn(np.eye(3), degrees).T[:, list(order)]
 
 
@@ -116,7 +127,7 @@ def _axes_of_turn(degrees, order=(0, 1, 2)):
     hint="np.linalg.eigh gives the variances in ascending order: turn the order of the "
     "columns round, axes[:, ::-1].",
 )
-def orders_by_spread(principal_axes):
+def orders_by_spread(principal_axes: Callable) -> None:
     for degrees in (0, 35, 80):
         block = _turn(_grid(4.2, 1.8, 1.0), degrees) + [9.0, -4.0, -0.9]
         assert_axes(principal_axes(block), _axes_of_turn(degrees))
@@ -131,7 +142,7 @@ def orders_by_spread(principal_axes):
     why="A left-handed triple is a reflection. Read as a rotation it gives nonsense angles.",
     hint="Where np.linalg.det(axes) is negative, flip the sign of one column.",
 )
-def stays_right_handed(principal_axes):
+def stays_right_handed(principal_axes: Callable) -> None:
     for degrees in _TURNS:
         block = _turn(_grid(4.2, 1.8, 1.0), degrees)
         assert_axes(principal_axes(block), _axes_of_turn(degrees))
@@ -146,7 +157,7 @@ def stays_right_handed(principal_axes):
     hint="Subtract points.mean(axis=0), and do not divide by the standard deviation: that "
     "would make all directions equal.",
 )
-def centres_the_points(principal_axes):
+def centres_the_points(principal_axes: Callable) -> None:
     block = _turn(_grid(4.2, 1.8, 1.0), 50)
     for place in ([0.0, 0.0, 0.0], [25.0, 3.0, -1.0], [-8.0, -19.0, 4.0]):
         assert_axes(principal_axes(block + place), _axes_of_turn(50))
@@ -159,7 +170,7 @@ def centres_the_points(principal_axes):
     why="Intensity is not a direction in space.",
     hint="points[:, :3] are the coordinates. points - mean is a new array; points -= mean is not.",
 )
-def ignores_intensity(principal_axes):
+def ignores_intensity(principal_axes: Callable) -> None:
     bright = np.column_stack([_CAR, np.linspace(0, 90, len(_CAR))])
     before = bright.copy()
     assert_axes(principal_axes(bright), _axes_of_turn(35))
@@ -175,7 +186,7 @@ def ignores_intensity(principal_axes):
     "centred.T @ centred is 3 x 3 for any number of points; np.cov of one point is not "
     "a number.",
 )
-def takes_few_points(principal_axes):
+def takes_few_points(principal_axes: Callable) -> None:
     assert_axes(principal_axes(_CAR.copy()), _axes_of_turn(35))
     for few in (_CAR[:0], _CAR[:1], np.repeat(_CAR[:1], 3, axis=0), np.zeros((0, 4))):
         as_axes(principal_axes(few.copy()))
@@ -196,7 +207,7 @@ def takes_few_points(principal_axes):
     hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and "
     "turn the corners by plus yaw.",
 )
-def contains_all_points(get_oriented_boxes):
+def contains_all_points(get_oriented_boxes: Callable) -> None:
     assert_turned_boxes(
         get_oriented_boxes(_STREET.copy(), _LABELS.copy()), _STREET, _LABELS, _AREAS
     )
@@ -216,7 +227,7 @@ def contains_all_points(get_oriented_boxes):
     hint="The yaw is np.arctan2(y, x) of the first principal axis of the points seen from "
     "above. Is its sign the same in both turns, in opposite directions?",
 )
-def turns_with_the_cluster(get_oriented_boxes):
+def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     for degrees in (20, 45, 75, 120, 160):
         block = _turn(_grid(4.2, 1.8, 1.4), degrees) + [9.0, -4.0, -0.9]
         labels = np.ones(len(block), dtype=int)
@@ -233,7 +244,7 @@ def turns_with_the_cluster(get_oriented_boxes):
     hint="Find the yaw from x and y alone, for example with z set to 0; floor and roof are "
     "the smallest and the largest z.",
 )
-def stands_upright(get_oriented_boxes):
+def stands_upright(get_oriented_boxes: Callable) -> None:
     # Bonnet low, boot high: in three dimensions the first axis of this car points upwards.
     leaning = _turn(_grid(4.2, 1.8, 0.6), 0)
     leaning[:, 2] += 0.25 * leaning[:, 0]
@@ -257,7 +268,7 @@ def stands_upright(get_oriented_boxes):
     why="The next step wants to know which box is whose.",
     hint="Loop over np.unique(cluster_labels[cluster_labels > 0]).",
 )
-def one_box_for_each_label(get_oriented_boxes):
+def one_box_for_each_label(get_oriented_boxes: Callable) -> None:
     swapped = np.array([0, 8, 3])[_LABELS]
     assert_turned_boxes(
         get_oriented_boxes(_STREET.copy(), swapped.copy()), _STREET, swapped, _AREAS[::-1]
@@ -271,7 +282,7 @@ def one_box_for_each_label(get_oriented_boxes):
     why="Posts return single points, thin walls return lines, and empty roads nothing.",
     hint="A box of one point is that point eight times. End with .reshape(-1, 8, 3).",
 )
-def takes_small_clusters(get_oriented_boxes):
+def takes_small_clusters(get_oriented_boxes: Callable) -> None:
     line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [0.8, -0.6, 0.0])
     few = np.vstack([_STREET[:343, :3], [[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0)])
     labels = np.repeat([6, 1, 2, 4], [343, 1, 9, 3])
@@ -281,8 +292,8 @@ def takes_small_clusters(get_oriented_boxes):
         get_oriented_boxes(_CAR.copy(), _LABELS[:343].copy()), _CAR, _LABELS[:343], _AREAS[:1]
     )
     noise = np.zeros(len(_STREET), dtype=int)
-    as_boxes(get_oriented_boxes(_STREET.copy(), noise), noise)
-    as_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0]), noise[:0])
+    as_cluster_boxes(get_oriented_boxes(_STREET.copy(), noise), noise)
+    as_cluster_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0]), noise[:0])
 
 
 @visible(
@@ -292,7 +303,7 @@ def takes_small_clusters(get_oriented_boxes):
     why="The next step still needs them.",
     hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 is not.",
 )
-def leaves_its_input(get_oriented_boxes):
+def leaves_its_input(get_oriented_boxes: Callable) -> None:
     cloud, labels = _STREET.copy(), _LABELS.copy()
     boxes = get_oriented_boxes(cloud, labels)
     assert_untouched(_STREET, cloud)

@@ -5,12 +5,19 @@ asked about what every sensible one sees: cars near by that stand free. What the
 that only has to be real.
 """
 
+from __future__ import annotations
+
 import dataclasses
 import functools
 import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+import utils
+from utils.boxes import Box, distance_outside
 from utils.checks.boxes import footprint
 from utils.checks.core import visible
 from utils.checks.vocabulary import (
@@ -20,15 +27,27 @@ from utils.checks.vocabulary import (
     brief,
 )
 
+if TYPE_CHECKING:
+    from utils.simulator import Sensor
+    from utils.simulator.frames import Frame
+
 NEAR = 7.5  # m to the middle of a car: all of it is then within 10 m
 MANY = 1500  # returns, of every second azimuth
 FREE = 1.2  # m to the nearest other thing
 PIECES = 4  # boxes that may stand on one car: its own, a mirror, what is seen through its windows
 OWN_CAR = np.array([[-1.5, -1.7], [2.6, 1.7]])  # m from and to, x and y
+# Boxes so many times as large as the cars in them are not turned. Over forty squares, turned ones
+# stay below 1.3 times the area of the cars, boxes along the axes above 1.45.
+UNTURNED = 1.4
 
 
-def half_sensor():
-    """The 64-beam scanner with every second azimuth: half the returns, half the time."""
+def half_sensor() -> Sensor:
+    """The 64-beam scanner with every second azimuth: half the returns, half the time.
+
+    Returns
+    -------
+    utils.simulator.Sensor
+    """
     from utils.simulator import hdl64
 
     sensor = hdl64()
@@ -36,8 +55,13 @@ def half_sensor():
 
 
 @functools.cache
-def street():
-    """The street of `data/cloud.txt`."""
+def street() -> Frame:
+    """The street of `data/cloud.txt`.
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
     from utils.scenes import ROAD
     from utils.simulator.frames import observe
     from utils.simulator.layouts import lesson_obstacles
@@ -49,8 +73,17 @@ def street():
 
 
 @functools.lru_cache(maxsize=64)
-def square(seed):
-    """Four cars around the sensor, each turned another way, between two rows of houses."""
+def square(seed: int) -> Frame:
+    """Four cars around the sensor, each turned another way, between two rows of houses.
+
+    Parameters
+    ----------
+    seed : int
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
     from utils.simulator.streets import Plan, placed, some_car, some_walker, street, world_of
@@ -71,7 +104,7 @@ def square(seed):
     return observe(world_of(ground, [*things, *street(rng, houses)]), half_sensor(), seed)
 
 
-def as_boxes(answer):
+def as_boxes(answer: object) -> np.ndarray:
     """An answer as boxes of any number.
 
     Parameters
@@ -104,7 +137,7 @@ def as_boxes(answer):
 
 
 @functools.lru_cache(maxsize=64)
-def clear_cars(frame):
+def clear_cars(frame: Frame) -> tuple[Box, ...]:
     """The cars of a frame that no detector may miss: near, well seen, standing free.
 
     Parameters
@@ -113,7 +146,7 @@ def clear_cars(frame):
 
     Returns
     -------
-    tuple of utils.simulator.frames.Box
+    tuple of utils.boxes.Box
     """
     from scipy.spatial import cKDTree
 
@@ -131,16 +164,20 @@ def clear_cars(frame):
     return tuple(chosen)
 
 
-def box_of(car, boxes, frame):
+def box_of(car: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     """Number of the box that holds the greater part of a car and is not much larger; or None.
 
     None also for a car in pieces, and for one that stands in a much larger box besides.
 
     Parameters
     ----------
-    car : utils.simulator.frames.Box
+    car : utils.boxes.Box
     boxes : numpy.ndarray, shape (N, 8, 3)
     frame : utils.simulator.frames.Frame
+
+    Returns
+    -------
+    int or None
     """
     returns = frame.cloud[frame.scan.objects == car.identity, :3]
     # Where the ground is cut is everyone's own choice, and wheels are nobody's.
@@ -148,7 +185,7 @@ def box_of(car, boxes, frame):
     if len(_standing_on(car, boxes)) > PIECES:
         return None
     holding = {
-        int(number): _inside(returns, boxes[number], 0.2).mean()
+        int(number): _within(returns, boxes[number], 0.2).mean()
         for number in _covering(boxes, car.centre, 4.0)
     }
     if any(share >= 0.9 and not _fits(boxes[number], car) for number, share in holding.items()):
@@ -159,16 +196,16 @@ def box_of(car, boxes, frame):
     )
 
 
-def assert_cars_found(answers, frames):
+def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> None:
     """At least half of the clear cars have a box of their own.
 
     A sensible detector misses one in a hundred of them, at the edge of its region.
 
     Parameters
     ----------
-    answers : list of object
+    answers : sequence of object
         For each frame what the detector said.
-    frames : list of utils.simulator.frames.Frame
+    frames : sequence of utils.simulator.frames.Frame
     """
     missed, count = [], 0
     for answer, frame in zip(answers, frames, strict=True):
@@ -205,8 +242,14 @@ def assert_cars_found(answers, frames):
     )
 
 
-def assert_sees(answer, frame):
-    """At least one clear car is found: who sees nothing is not praised for what they spare."""
+def assert_sees(answer: object, frame: Frame) -> None:
+    """At least one clear car is found: who sees nothing is not praised for what they spare.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
     boxes = as_boxes(answer)
     if all(box_of(car, boxes, frame) is None for car in clear_cars(frame)):
         raise CheckFailed(
@@ -216,8 +259,14 @@ def assert_sees(answer, frame):
         )
 
 
-def assert_boxes_real(answers, frames):
-    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles."""
+def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> None:
+    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles.
+
+    Parameters
+    ----------
+    answers : sequence of object
+    frames : sequence of utils.simulator.frames.Frame
+    """
     ghosts, total = [], 0
     for answer, frame in zip(answers, frames, strict=True):
         boxes = as_boxes(answer)
@@ -235,7 +284,7 @@ def assert_boxes_real(answers, frames):
         return
     box, frame, boxes = ghosts[0]
     x, y = box[:, :2].mean(axis=0)
-    held = _inside(_sorted_by_x(frame)[0], box, 0.05).sum()
+    held = _within(_sorted_by_x(frame)[0], box, 0.05).sum()
     raise CheckFailed(
         f"{len(ghosts)} of {total} boxes hold more road than obstacle, or nothing at all: "
         f"for example the one at x = {x:.1f} m, y = {y:.1f} m.",
@@ -247,8 +296,14 @@ def assert_boxes_real(answers, frames):
     )
 
 
-def assert_own_car_free(answer, frame):
-    """No box stands where the own car is."""
+def assert_own_car_free(answer: object, frame: Frame) -> None:
+    """No box stands where the own car is.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
     boxes = as_boxes(answer)
     middles = boxes[:, :, :2].mean(axis=1)
     inside = ((middles > OWN_CAR[0]) & (middles < OWN_CAR[1])).all(axis=1)
@@ -262,14 +317,20 @@ def assert_own_car_free(answer, frame):
         )
 
 
-def assert_boxes_turned(answer, frame):
-    """The boxes of turned cars are hardly larger than the cars."""
+def assert_boxes_turned(answer: object, frame: Frame) -> None:
+    """The boxes of turned cars are hardly larger than the cars.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
     boxes = as_boxes(answer)
     pairs = [(car, box_of(car, boxes, frame)) for car in clear_cars(frame)]
     pairs = [(car, boxes[number]) for car, number in pairs if number is not None]
     area = sum(np.prod(_sides(box)) for _, box in pairs)
     true_area = sum(car.size[0] * car.size[1] for car, _ in pairs)
-    if area > ROOMY * true_area:
+    if area > UNTURNED * true_area:
         raise CheckFailed(
             "The boxes of cars that stand at an angle are much larger than the cars. Boxes must "
             "be turned with them.",
@@ -279,11 +340,6 @@ def assert_boxes_turned(answer, frame):
         )
 
 
-ROOMY = 1.4
-"""Over forty squares, turned boxes stay below 1.3 times the area of the cars, boxes along the
-axes above 1.45."""
-
-
 @visible(
     "detect_obstacles",
     weight=2,
@@ -291,7 +347,7 @@ axes above 1.45."""
     why="Whoever plans a path asks of each corner how high it stands and what lies between.",
     hint="Let the last step be your get_oriented_boxes of lesson 11: it returns (N, 8, 3).",
 )
-def returns_boxes(detect_obstacles):
+def returns_boxes(detect_obstacles: Callable) -> None:
     boxes = as_boxes(detect_obstacles(street().cloud.copy()))
     if len(boxes) < 3:
         raise CheckFailed(
@@ -318,7 +374,7 @@ def returns_boxes(detect_obstacles):
     "(threshold too large), is a car in pieces (too small), or too few points for "
     "min_num_points?",
 )
-def finds_cars(detect_obstacles):
+def finds_cars(detect_obstacles: Callable) -> None:
     assert_cars_found([detect_obstacles(street().cloud.copy())], [street()])
 
 
@@ -330,7 +386,7 @@ def finds_cars(detect_obstacles):
     hint="Look at the ghosts from the side: road that rises above the ground level? Pieces "
     "of a few points, which filter_clusters should have removed?",
 )
-def leaves_the_road(detect_obstacles):
+def leaves_the_road(detect_obstacles: Callable) -> None:
     answer = detect_obstacles(street().cloud.copy())
     assert_boxes_real([answer], [street()])
     assert_sees(answer, street())
@@ -344,7 +400,7 @@ def leaves_the_road(detect_obstacles):
     hint="remove_ego_returns takes out the roof, drop_invalid the returns at (0, 0, 0): both "
     "before anything is averaged or clustered.",
 )
-def forgets_itself(detect_obstacles):
+def forgets_itself(detect_obstacles: Callable) -> None:
     answer = detect_obstacles(street().cloud.copy())
     assert_own_car_free(answer, street())
     assert_sees(answer, street())
@@ -358,7 +414,7 @@ def forgets_itself(detect_obstacles):
     "would close the lane beside it.",
     hint="Fit the box along the main directions of the cluster, seen from above (lesson 11).",
 )
-def turns_boxes(detect_obstacles):
+def turns_boxes(detect_obstacles: Callable) -> None:
     answer = detect_obstacles(square(5).cloud.copy())
     assert_cars_found([answer], [square(5)])
     assert_boxes_turned(answer, square(5))
@@ -373,7 +429,7 @@ def turns_boxes(detect_obstacles):
     hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
     "leave nothing. Use cloud[:, :3].",
 )
-def takes_what_comes(detect_obstacles):
+def takes_what_comes(detect_obstacles: Callable) -> None:
     for columns in (3, 4):
         boxes = as_boxes(detect_obstacles(np.empty((0, columns))))
         if len(boxes):
@@ -386,7 +442,7 @@ def takes_what_comes(detect_obstacles):
     assert_cars_found([answer], [street()])
 
 
-def cubes(centres, size=1.0, turn=0):
+def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
     """Boxes around some places; `turn` starts the corners elsewhere, in the same cyclic order.
 
     Parameters
@@ -406,7 +462,9 @@ def cubes(centres, size=1.0, turn=0):
     return centres[:, None] + size / 2 * np.vstack([floor, floor + [0, 0, 2]])
 
 
-def assert_matched(answer, expected, previous, current):
+def assert_matched(
+    answer: object, expected: ArrayLike, previous: np.ndarray, current: np.ndarray
+) -> None:
     """The answer names for each current box the right previous one.
 
     Parameters
@@ -460,7 +518,7 @@ def assert_matched(answer, expected, previous, current):
     hint="The centre of a box is the mean of its corners. Make a table of all distances "
     "between current and previous centres; the smallest entry is a pair.",
 )
-def finds_again(match_boxes):
+def finds_again(match_boxes: Callable) -> None:
     previous = cubes([[4, 1], [9, -3], [15, 2], [-6, -4]])
     order = [2, 0, 3, 1]
     current = previous[order] + [-0.5, 0.1, 0.0]
@@ -481,7 +539,7 @@ def finds_again(match_boxes):
     hint="Compare the distance with max_distance before you accept a pair, and start from "
     "an array full of -1.",
 )
-def knows_new_ones(match_boxes):
+def knows_new_ones(match_boxes: Callable) -> None:
     previous, current = cubes([[4, 1], [9, -3]]), cubes([[12, 5], [9.4, -3], [4, 3.5]])
     assert_matched(
         match_boxes(previous.copy(), current.copy(), 1.0), [-1, 1, -1], previous, current
@@ -498,7 +556,7 @@ def knows_new_ones(match_boxes):
     "Going through the current boxes in their order gives the partner to whoever comes "
     "first.",
 )
-def is_one_to_one(match_boxes):
+def is_one_to_one(match_boxes: Callable) -> None:
     previous, current = cubes([[5, 0], [20, 0]]), cubes([[6.2, 0], [5.2, 0], [20.3, 0]])
     assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [-1, 0, 1], previous, current)
     current = current[::-1]
@@ -512,7 +570,7 @@ def is_one_to_one(match_boxes):
     why="The first frame has no frame before it, and an empty road has no boxes.",
     hint="argmin of an empty table is an error: return early, an array of -1 as long as current.",
 )
-def takes_no_boxes(match_boxes):
+def takes_no_boxes(match_boxes: Callable) -> None:
     some, none = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
     for previous, current, expected in (
         (none, some, [-1, -1]),
@@ -526,7 +584,7 @@ def takes_no_boxes(match_boxes):
         assert_untouched(current, given[1])
 
 
-def _sides(box):
+def _sides(box: np.ndarray) -> np.ndarray:
     """Length and width (m) of the rectangle that a box stands on."""
     rectangle = footprint(box)
     if rectangle is None:
@@ -534,67 +592,64 @@ def _sides(box):
     return np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1)
 
 
-def _fits(box, car):
+def _fits(box: np.ndarray, car: Box) -> bool:
     """Whether a box is not much larger than a car."""
     long, wide = np.sort(_sides(box))[::-1]
     return long <= car.size[0] + 2.0 and long * wide <= 2.5 * car.size[0] * car.size[1]
 
 
-def _inside(points, box, margin):
+def _within(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
     """Which points (n, 3) lie in a box, enlarged by a margin (m): (n,) of bool."""
+    low, high = box.min(axis=0), box.max(axis=0)
+    level = (points[:, 2] >= low[2] - margin) & (points[:, 2] <= high[2] + margin)
+    if np.hypot(*(high - low)[:2]) < 1e-9:
+        return level  # a box of one return has no sides to be within
     rectangle = footprint(box)
     if rectangle is None:
-        low, high = box[:, :2].min(axis=0), box[:, :2].max(axis=0)
-        rectangle = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    edges = np.diff(rectangle[:3], axis=0)
-    lengths = np.linalg.norm(edges, axis=1)
-    along = edges[lengths.argmax()] / max(lengths.max(), 1e-9)
-    across = np.array([-along[1], along[0]])
-    offsets = points[:, :2] - rectangle.mean(axis=0)
-    return (
-        (np.abs(offsets @ along) <= lengths.max() / 2 + margin)
-        & (np.abs(offsets @ across) <= lengths.min() / 2 + margin)
-        & (points[:, 2] >= box[:, 2].min() - margin)
-        & (points[:, 2] <= box[:, 2].max() + margin)
-    )
+        rectangle = np.array([low[:2], [high[0], low[1]], high[:2], [low[0], high[1]]])
+    return level & (distance_outside(points[:, :2], rectangle) <= margin)
 
 
 @functools.lru_cache(maxsize=64)
-def _sorted_by_x(frame):
+def _sorted_by_x(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
     """Returns of a frame by ascending x, and whether each hit an obstacle."""
     order = np.argsort(frame.cloud[:, 0], kind="stable")
     return frame.cloud[order, :3], frame.scan.objects[order] > 0
 
 
-def _holds_obstacle(box, frame):
+def _holds_obstacle(box: np.ndarray, frame: Frame) -> bool:
     points, obstacle = _sorted_by_x(frame)
     first, last = np.searchsorted(points[:, 0], [box[:, 0].min() - 0.1, box[:, 0].max() + 0.1])
-    held = obstacle[first:last][_inside(points[first:last], box, 0.05)]
+    held = obstacle[first:last][_within(points[first:last], box, 0.05)]
     return 2 * np.count_nonzero(held) > len(held)
 
 
-def _standing_on(car, boxes):
+def _standing_on(car: Box, boxes: np.ndarray) -> np.ndarray:
     """Numbers of the boxes whose middles lie in the footprint of a car."""
     middles = boxes.mean(axis=1)
     middles[:, 2] = car.centre[2]
-    return np.flatnonzero(_inside(middles, car.corners, 0.0))
+    return np.flatnonzero(_within(middles, car.corners, 0.0))
 
 
-def _covering(boxes, centre, margin=0.0):
+def _covering(boxes: np.ndarray, centre: Sequence[float], margin: float = 0.0) -> np.ndarray:
     """Numbers of the boxes over a place, or within a margin (m) of it along x and y."""
     low, high = boxes[:, :, :2].min(axis=1) - margin, boxes[:, :, :2].max(axis=1) + margin
     return np.flatnonzero(((low <= centre[:2]) & (high >= centre[:2])).all(axis=1))
 
 
-def _draw(frame, boxes, reference=(), label="", title=None):
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
+def _draw(
+    frame: Frame,
+    boxes: np.ndarray,
+    reference: Sequence[np.ndarray] = (),
+    label: str = "",
+    title: str | None = None,
+) -> None:
     above = frame.cloud[frame.scan.objects > 0]
-    axes = plots.boxes(
+    axes = utils.plots.boxes(
         boxes, cloud=above, label="yours", limits=((-15, 25), (-11, 11)), title=title
     )
     if len(reference):
-        plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
+        utils.plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
         for corners in reference:
             axes.plot(
                 *corners[:, :2].mean(axis=0),
@@ -607,15 +662,15 @@ def _draw(frame, boxes, reference=(), label="", title=None):
             )
 
 
-def _draw_matches(previous, current, yours, expected):
-    from utils import plots
-
-    axes = plots.boxes(previous, reference=True, names=True, label="previous")
+def _draw_matches(
+    previous: np.ndarray, current: np.ndarray, yours: np.ndarray, expected: np.ndarray
+) -> None:
+    axes = utils.plots.boxes(previous, reference=True, names=True, label="previous")
     if len(current):
         middle = np.vstack([previous, current])[:, :, :2].reshape(-1, 2)
         axes.set_xlim(middle[:, 0].min() - 2, middle[:, 0].max() + 2)
         axes.set_ylim(middle[:, 1].min() - 2, middle[:, 1].max() + 2)
-        plots.boxes(
+        utils.plots.boxes(
             current,
             names=True,
             label="current",

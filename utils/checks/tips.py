@@ -106,7 +106,7 @@ _TIPS = (
 )
 
 
-def tip_for(exception, message):
+def tip_for(exception: str, message: str) -> str:
     """A tip for an exception.
 
     Parameters

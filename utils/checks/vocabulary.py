@@ -3,9 +3,17 @@
 Each compares an answer with what is expected and fails with a sentence about the answer:
 what differs, where, and, where a picture helps, how to draw it. Answers are accepted in any
 reasonable form: lists for arrays, float32, other numbers for the same clusters.
+
+Checks write `utils.plots` in full: it is loaded when the first picture is drawn, as matplotlib
+is slow to import and the judge has no use for it.
 """
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import ArrayLike
+
+import utils
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
 TOLERANCE = 1e-3
@@ -26,14 +34,31 @@ class CheckFailed(AssertionError):
         What an exception means in plain words.
     """
 
-    def __init__(self, message, *, yours=None, expected=None, draw=None, tip=""):
+    def __init__(
+        self,
+        message: str,
+        *,
+        yours: str | None = None,
+        expected: str | None = None,
+        draw: Callable | None = None,
+        tip: str = "",
+    ) -> None:
         super().__init__(message)
         self.message, self.yours, self.expected = message, yours, expected
         self.draw, self.tip = draw, tip
 
 
-def brief(value):
-    """A value in at most 90 characters."""
+def brief(value: object) -> str:
+    """A value in at most 90 characters.
+
+    Parameters
+    ----------
+    value : object
+
+    Returns
+    -------
+    str
+    """
     if isinstance(value, np.ndarray):
         text = np.array2string(value, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
@@ -42,7 +67,22 @@ def brief(value):
     return text if len(text) <= 90 else text[:87] + "..."
 
 
-def as_array(answer, columns=None, what="an array"):
+def point_text(point: ArrayLike) -> str:
+    """A point as text, (x, y) or (x, y, z), to the centimetre.
+
+    Parameters
+    ----------
+    point : array_like, shape (2,), (3,) or (4,)
+        A fourth number is left out.
+
+    Returns
+    -------
+    str
+    """
+    return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
+
+
+def as_array(answer: object, columns: int | None = None, what: str = "an array") -> np.ndarray:
     """An answer as a numeric array.
 
     Parameters
@@ -88,7 +128,7 @@ def as_array(answer, columns=None, what="an array"):
     return array
 
 
-def assert_rows(answer, cloud, keep, view="side"):
+def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str = "side") -> None:
     """The answer is exactly the rows ``cloud[keep]``, in order.
 
     Parameters
@@ -119,19 +159,25 @@ def assert_rows(answer, cloud, keep, view="side"):
     missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
     parts = []
     if len(missing):
-        parts.append(f"{_count(missing)} missing, for example {_point(cloud[missing[0]])}")
+        parts.append(f"{_count(missing)} missing, for example {point_text(cloud[missing[0]])}")
     if len(extra):
-        parts.append(f"{_count(extra)} too many, for example {_point(cloud[extra[0]])}")
+        parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
     message = "; ".join(parts) or "some rows are there more than once"
     raise CheckFailed(
         message[0].upper() + message[1:] + ".",
         **sides,
-        draw=lambda: _plots().difference(cloud, mine, keep, view=view),
+        draw=lambda: utils.plots.difference(cloud, mine, keep, view=view),
     )
 
 
-def assert_same_set_of_rows(answer, expected):
-    """The answer holds the rows of `expected`, in any order."""
+def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
+    """The answer holds the rows of `expected`, in any order.
+
+    Parameters
+    ----------
+    answer : object
+    expected : numpy.ndarray, shape (n, columns)
+    """
     yours = as_array(answer, columns=expected.shape[1], what="an array of points")
     if len(yours) != len(expected):
         raise CheckFailed(
@@ -158,8 +204,19 @@ def assert_same_set_of_rows(answer, expected):
         raise CheckFailed("Some rows are there twice and others are missing.")
 
 
-def as_labels(answer, n):
-    """An answer as (n,) whole-numbered labels."""
+def as_labels(answer: object, n: int) -> np.ndarray:
+    """An answer as whole-numbered labels.
+
+    Parameters
+    ----------
+    answer : object
+    n : int
+        Number of points.
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+    """
     labels = as_array(answer, what="an array of labels")
     if labels.shape != (n,):
         raise CheckFailed(
@@ -172,7 +229,7 @@ def as_labels(answer, n):
     return labels.astype(np.int64)
 
 
-def assert_partition(answer, expected, cloud):
+def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) -> None:
     """The answer groups the points as `expected` does, under whatever numbers.
 
     Parameters
@@ -197,11 +254,13 @@ def assert_partition(answer, expected, cloud):
         what,
         yours=f"{number_yours} clusters",
         expected=f"{number_expected} clusters",
-        draw=lambda: _plots().worst(cloud, yours, expected),
+        draw=lambda: utils.plots.worst(cloud, yours, expected),
     )
 
 
-def assert_close(answer, expected, what, tolerance=TOLERANCE):
+def assert_close(
+    answer: object, expected: ArrayLike, what: str, tolerance: float = TOLERANCE
+) -> None:
     """The answer is an array of the expected shape and of nearly the expected values.
 
     Parameters
@@ -231,8 +290,13 @@ def assert_close(answer, expected, what, tolerance=TOLERANCE):
         )
 
 
-def assert_untouched(before, after):
-    """The function left its input as it was."""
+def assert_untouched(before: np.ndarray, after: np.ndarray) -> None:
+    """The function left its input as it was.
+
+    Parameters
+    ----------
+    before, after : numpy.ndarray of equal shape
+    """
     if not np.array_equal(before, after, equal_nan=True):
         raise CheckFailed(
             "The function changed its input. Work on a copy, or build a new array.",
@@ -241,17 +305,11 @@ def assert_untouched(before, after):
         )
 
 
-def _plots():
-    from utils import plots  # matplotlib is slow to import and the judge has no use for it
-
-    return plots
-
-
-def _close(yours, expected):
+def _close(yours: np.ndarray, expected: np.ndarray) -> bool:
     return bool(np.allclose(yours, expected, rtol=0, atol=TOLERANCE, equal_nan=True))
 
 
-def _membership(cloud, rows):
+def _membership(cloud: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
     """Which rows of `cloud` occur among `rows`; None where `rows` holds others too."""
     known = {row.tobytes(): [] for row in _rounded(cloud)}
     for position, row in enumerate(_rounded(cloud)):
@@ -264,13 +322,9 @@ def _membership(cloud, rows):
     return mask
 
 
-def _rounded(rows):
+def _rounded(rows: np.ndarray) -> np.ndarray:
     return np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
 
 
-def _count(positions):
+def _count(positions: np.ndarray) -> str:
     return "1 row" if len(positions) == 1 else f"{len(positions)} rows"
-
-
-def _point(row):
-    return "(" + ", ".join(f"{value:.2f}" for value in row[:3]) + ")"
