@@ -131,7 +131,9 @@ def load_detector(notebook: str) -> Callable:
     return getattr(functions, DETECTOR)
 
 
-def play(programme: Programme, detect: Callable | None, camera: str, size=SIZE) -> None:
+def play(
+    programme: Programme, detect: Callable | None, camera: str, size: tuple[int, int] = SIZE
+) -> None:
     """Play in a window, at the speed of the recording where the machine keeps up."""
     from utils.scene3d.with_pyvista import Window
 
