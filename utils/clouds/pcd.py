@@ -174,7 +174,7 @@ def _fields(header: Header) -> tuple[list[np.dtype], list[int]]:
     return [header.kinds[field] for field in header.wanted], offsets
 
 
-def _columns(columns, header: Header) -> np.ndarray:
+def _columns(columns: list[np.ndarray], header: Header) -> np.ndarray:
     """Put one array per field side by side."""
     cloud = np.empty((len(columns[0]), len(columns)), header.precision)
     for index, column in enumerate(columns):

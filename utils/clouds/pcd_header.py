@@ -71,7 +71,7 @@ def read_header(data: bytes, name: str) -> Header:
     return _checked_header(entries, position, name)
 
 
-def _checked_header(entries, start: int, name: str) -> Header:
+def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> Header:
     """Turn the words of the header into a `Header`, or say which line is wrong."""
     line, words = entries["DATA"]
     if words[:1] not in ([encoding] for encoding in ENCODINGS):
@@ -125,7 +125,9 @@ def _checked_header(entries, start: int, name: str) -> Header:
     )
 
 
-def _numbers(entries, key: str, length: int, name: str) -> tuple[int, ...]:
+def _numbers(
+    entries: dict[str, tuple[int, list[str]]], key: str, length: int, name: str
+) -> tuple[int, ...]:
     """Read `length` whole numbers from a line of the header."""
     line, words = entries[key]
     if len(words) != length or not all(
