@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
 from utils.plots.clouds import dots, mark_sensor
-from utils.plots.data import as_cloud, drawn_rows, marker_size, project
+from utils.plots.data import as_cloud, as_names, drawn_rows, marker_size, project
 from utils.plots.grouping import write
 from utils.plots.style import (
     BLUE,
@@ -67,7 +67,7 @@ def boxes(
     matplotlib.axes.Axes
     """
     corners = _as_corners(corners)
-    names = _as_names(names, len(corners))
+    names = as_names(names, len(corners))
     across, up, across_label, up_label = project(corners, view)
     axes = canvas(axes)
     remark = ""
@@ -156,15 +156,6 @@ def _as_corners(corners: ArrayLike) -> np.ndarray:
             f"yours has {corners.shape}."
         )
     return corners
-
-
-def _as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
-    if names is None or names is False:
-        return []
-    names = [str(name) for name in (range(count) if names is True else names)]
-    if len(names) != count:
-        raise ValueError(f"names must hold one name per box: {count}, not {len(names)}.")
-    return names
 
 
 def _outline(across: np.ndarray, up: np.ndarray) -> np.ndarray:

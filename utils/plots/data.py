@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
+
+from utils.plots.style import counted
 
 MOST_POINTS = 30_000
 """Larger clouds are thinned for drawing: more dots than this only hide each other."""
@@ -85,6 +89,16 @@ def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray
     return _one_each(values, count, name)
 
 
+def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
+    """Return one text for each of `count` boxes, or none at all; True for the row numbers."""
+    if names is None or names is False:
+        return []
+    texts = [str(name) for name in (range(count) if names is True else names)]
+    if len(texts) != count:
+        raise ValueError(f"names must hold one name per box: {count}, not {len(texts)}.")
+    return texts
+
+
 def _one_each(array: np.ndarray, count: int, name: str) -> np.ndarray:
     if array.shape != (count,):
         raise ValueError(
@@ -129,7 +143,7 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
         remarks.append(f"1 of {step} points shown")
     missing = np.count_nonzero(~placed)
     if missing:
-        remarks.append(f"{missing:,} invalid {'row' if missing == 1 else 'rows'} not shown")
+        remarks.append(f"{counted(missing, 'invalid row')} not shown")
     return np.sort(np.concatenate([rows, others])), " · ".join(remarks)
 
 

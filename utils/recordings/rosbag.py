@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file
-from utils.clouds.pcd_header import INTENSITY_NAMES
+from utils.clouds.pcd_header import cloud_fields
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader as Reader1
@@ -157,7 +157,7 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     """
     place = f"message {number}"
     fields = {entry.name.lower(): entry for entry in reversed(message.fields)}
-    wanted = ["x", "y", "z", *[each for each in INTENSITY_NAMES if each in fields][:1]]
+    wanted = cloud_fields(fields)
     if not fields.keys() >= set("xyz") or any(
         fields[each].datatype not in KINDS for each in wanted
     ):

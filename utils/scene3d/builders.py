@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.plots.data import as_cloud, as_labels, as_values
+from utils.plots.data import as_cloud, as_labels, as_names, as_values
 from utils.plots.style import (
     BLUE,
     COLOURS,
@@ -142,7 +142,7 @@ def box_parts(
 ) -> list[Part]:
     """Boxes as edges and faces one looks through; dashed and grey edges for a reference."""
     corners = _as_corners(corners)
-    texts = _as_texts(names, len(corners))
+    texts = as_names(names, len(corners))
     finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
     corners = solids.ordered(corners[finite])
     parts: list[Part] = [
@@ -243,13 +243,3 @@ def _as_corners(corners: ArrayLike) -> np.ndarray:
             f"yours have {corners.shape}."
         )
     return corners
-
-
-def _as_texts(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
-    """One text for each box, or none at all."""
-    if names is None or names is False:
-        return []
-    texts = [str(name) for name in (range(count) if names is True else names)]
-    if len(texts) != count:
-        raise ValueError(f"names must hold one name per box: {count}, not {len(texts)}.")
-    return texts
