@@ -1,6 +1,5 @@
 """Every scenario is played, on a machine without a screen and, pretended, on one with."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -162,9 +161,3 @@ def test_help_names_what_can_be_played():
     assert done.returncode == 0 and done.stderr == ""
     for word in ("highway", "city", "cyclist", ".bag", "--detector", "--record", "TopDown"):
         assert word in done.stdout
-
-
-def test_utils_imports_no_grader():
-    folder = PROJECT / "utils"
-    for path in folder.rglob("*.py"):
-        assert not re.search(r"^\s*(from|import) grader", path.read_text("utf-8"), re.M)

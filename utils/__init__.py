@@ -4,6 +4,7 @@ Everything here is loaded when it is first used, so that ``import utils`` is qui
 """
 
 import importlib
+from types import FunctionType, ModuleType
 
 _HOME = {
     "check": "utils.checks",
@@ -37,7 +38,7 @@ _MODULES = {
 __all__ = [*_HOME, *_MODULES, "health"]
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> FunctionType | ModuleType:
     if name in _HOME:
         return getattr(importlib.import_module(_HOME[name]), name)
     if name in _MODULES:
@@ -45,11 +46,11 @@ def __getattr__(name):
     raise AttributeError(f"module 'utils' has no attribute {name!r}")
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-def health():
+def health() -> str:
     """One line on whether this machine is ready for the course.
 
     Returns

@@ -38,7 +38,7 @@ def install_pyvista() -> str:
 
 
 def pip_install(folder: Path) -> list[str]:
-    """pip's command line, with a file in `folder` that holds every installed version in place."""
+    """The command of pip, with a file in `folder` that holds every installed version in place."""
     # Of two copies Python takes the one that comes first, so that one has to come last here.
     installed = {found.name: found.version for found in reversed([*metadata.distributions()])}
     constraints = folder / "constraints.txt"

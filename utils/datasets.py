@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from utils.clouds import SUFFIXES, CloudFileError, read_cloud
 from utils.clouds.errors import missing_file, write_bytes
 from utils.progress import progress
 from utils.recordings import Recording
+
+if TYPE_CHECKING:
+    from utils.simulator.frames import Frame
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 SCENES = {"highway": "highway", "city": "city_block", "cyclist": "cyclist"}
@@ -139,7 +143,7 @@ class CachedFrames(Sequence):
     def __len__(self) -> int:
         return len(self.numbers)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> Frame | CachedFrames:
         """Read frame `index`; a slice is again a lazy sequence."""
         if isinstance(index, slice):
             return CachedFrames(self.stream, self.folder, self.numbers[index])
@@ -163,7 +167,7 @@ def _simulator_version() -> str:
     return hashlib.sha256(code).hexdigest()[:12]
 
 
-def _keep(frame, path: Path) -> bool:
+def _keep(frame: Frame, path: Path) -> bool:
     """Write a frame to the cache; tell whether that was possible."""
     buffer = io.BytesIO()
     truth = {"time": frame.time, "boxes": [asdict(box) for box in frame.boxes]}
@@ -177,7 +181,7 @@ def _keep(frame, path: Path) -> bool:
     return True
 
 
-def _read_frame(path: Path):
+def _read_frame(path: Path) -> Frame:
     """Read a frame that `_keep` wrote."""
     from utils.boxes import Box
     from utils.simulator import Scan

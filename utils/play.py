@@ -26,7 +26,6 @@ from utils.scene3d.opengl import has_screen
 DETECTOR = "detect_obstacles"
 SIMULATED = {"highway": "Simple highway", "city": "City block", "cyclist": "Behind a cyclist"}
 RECORDED = ("udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005")
-BAGS = (".bag", ".db3", ".mcap")
 
 HIGHWAY_SENSOR = 2.6
 HIGHWAY_EGO = ((-2.0, -1.0, -HIGHWAY_SENSOR), (2.0, 1.0, 1.9 - HIGHWAY_SENSOR))
@@ -97,12 +96,12 @@ def _simulated(name: str, frames: int | None, seed: int) -> Sequence:
 def _recorded(name: str, topic: str | None) -> Sequence:
     from utils.clouds import SUFFIXES, read_cloud, read_sequence
     from utils.datasets import fetch_recording
-    from utils.recordings import read_bag, read_kitti_raw
+    from utils.recordings import read_bag, read_kitti_raw, rosbag
 
     path = Path(name).expanduser()
     if name in RECORDED and not path.exists():
         return fetch_recording(name)
-    if path.suffix in BAGS or (path / "metadata.yaml").exists():
+    if path.suffix in rosbag.SUFFIXES or (path / "metadata.yaml").exists():
         return read_bag(path, topic)
     if (path / "velodyne_points").is_dir():
         return read_kitti_raw(path)
@@ -131,7 +130,9 @@ def load_detector(notebook: str) -> Callable:
     return getattr(functions, DETECTOR)
 
 
-def play(programme: Programme, detect: Callable | None, camera: str, size=SIZE) -> None:
+def play(
+    programme: Programme, detect: Callable | None, camera: str, size: tuple[int, int] = SIZE
+) -> None:
     """Play in a window, at the speed of the recording where the machine keeps up."""
     from utils.scene3d.with_pyvista import Window
 

@@ -1,10 +1,32 @@
 """Which nodes of a kd-tree somebody looks at: ``with watched(tree) as visited: ...``."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+class Node(Protocol):
+    """A node of a kd-tree, whoever wrote its class."""
+
+    point: ArrayLike
+    index: int
+    left: Node | None
+    right: Node | None
+
+
+class Tree(Protocol):
+    """A kd-tree, whoever wrote its class."""
+
+    root: Node | None
 
 
 @contextmanager
-def watched(tree):
+def watched(tree: Tree) -> Iterator[list[int]]:
     """Note the index of each node whose point is read, once per node and in order.
 
     Parameters
@@ -20,7 +42,7 @@ def watched(tree):
     """
     visited, seen, kinds = [], set(), {}
 
-    def read(node):
+    def read(node: Node) -> ArrayLike:
         if id(node) not in seen:
             seen.add(id(node))
             visited.append(node.index)
@@ -39,7 +61,7 @@ def watched(tree):
             node.__class__ = type(node).__base__
 
 
-def nodes_of(root):
+def nodes_of(root: Node | None) -> list[Node]:
     """All nodes of a tree, parents first, without recursion: bad trees are deep."""
     nodes = [root] if root is not None else []
     for node in nodes:  # grows while it is walked
@@ -47,7 +69,7 @@ def nodes_of(root):
     return nodes
 
 
-def depth_of(root):
+def depth_of(root: Node | None) -> int:
     """Number of levels of a tree; 0 without a root."""
     level, depth = [root] if root is not None else [], 0
     while level:

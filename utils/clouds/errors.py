@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from collections.abc import Container, Iterable
 from pathlib import Path
 
 SHOWN_NAMES = 8  # file names listed in a message before it says "and 14 more"
@@ -15,7 +16,9 @@ class CloudFileError(ValueError):
     """
 
 
-def file_error(name, place: str, problem: str, advice: str = "") -> CloudFileError:
+def file_error(
+    name: str | os.PathLike, place: str, problem: str, advice: str = ""
+) -> CloudFileError:
     """Put an error together: ``"cloud.txt, line 7: found 'abc' ... Correct the line."``.
 
     Parameters
@@ -37,14 +40,16 @@ def excerpt(text: object, length: int = 40) -> str:
     return repr(text if len(text) <= length else text[:length] + "…")
 
 
-def listing(names) -> str:
+def listing(names: Iterable[str]) -> str:
     """Write names as ``a, b, c``, cut after a few."""
     names = list(names)
     more = len(names) - SHOWN_NAMES
     return ", ".join(names[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def missing_file(name, folders, suffixes) -> CloudFileError:
+def missing_file(
+    name: str | os.PathLike, folders: Iterable[str | os.PathLike], suffixes: Container[str]
+) -> CloudFileError:
     """Say which folders were looked in and which cloud files are there."""
     searched = dict.fromkeys((Path(folder) / name).parent.absolute() for folder in folders)
     there = sorted(
@@ -64,7 +69,7 @@ def missing_file(name, folders, suffixes) -> CloudFileError:
     )
 
 
-def read_bytes(path: Path, suffixes=()) -> bytes:
+def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
     """Read a whole file; a missing or locked one raises `CloudFileError`."""
     try:
         return path.read_bytes()

@@ -2,6 +2,7 @@
 
 import io
 import zipfile
+from typing import IO
 
 import numpy as np
 
@@ -90,7 +91,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
     return np.array(cloud, target, order="C")
 
 
-def _read_header(stream):
+def _read_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
     """Read shape, order and dtype from the header of an ``.npy`` file."""
     version = np.lib.format.read_magic(stream)
     if version not in FORMAT_VERSIONS:
@@ -98,7 +99,7 @@ def _read_header(stream):
     return FORMAT_VERSIONS[version](stream)
 
 
-def _checked_size(shape, kind: np.dtype, available: int, name: str) -> int:
+def _checked_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: str) -> int:
     """Return the number of bytes of the array, if it is a cloud and they are there."""
     if kind.kind not in "fiu":
         raise file_error(name, "array 'cloud'", f"found {excerpt(kind)}, expected numbers")

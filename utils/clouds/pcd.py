@@ -84,11 +84,10 @@ def _ascii(body: memoryview, header: Header, name: str) -> np.ndarray:
         if rows.shape[1] != columns:
             raise _faulty_line(lines, columns, header.lines, name)
     if len(rows) not in header.announced:
-        announced = " or ".join(map(str, dict.fromkeys(header.announced)))
         raise file_error(
             name,
             f"line {header.lines}",
-            f"the header announces {announced} points, {len(rows)} lines follow",
+            f"the header announces {_announced(header)} points, {len(rows)} lines follow",
             ADVICE,
         )
     if not len(rows):
@@ -174,7 +173,7 @@ def _fields(header: Header) -> tuple[list[np.dtype], list[int]]:
     return [header.kinds[field] for field in header.wanted], offsets
 
 
-def _columns(columns, header: Header) -> np.ndarray:
+def _columns(columns: list[np.ndarray], header: Header) -> np.ndarray:
     """Put one array per field side by side."""
     cloud = np.empty((len(columns[0]), len(columns)), header.precision)
     for index, column in enumerate(columns):
@@ -183,10 +182,14 @@ def _columns(columns, header: Header) -> np.ndarray:
 
 
 def _wrong_size(header: Header, found: str, name: str) -> CloudFileError:
-    announced = " or ".join(map(str, dict.fromkeys(header.announced)))
     return file_error(
         name,
         f"byte {header.start}",
-        f"the header announces {announced} points of {header.step} bytes, but {found}",
+        f"the header announces {_announced(header)} points of {header.step} bytes, but {found}",
         ADVICE,
     )
+
+
+def _announced(header: Header) -> str:
+    """Write how many points the header announces: ``"12"``, or ``"12 or 24"``."""
+    return " or ".join(map(str, dict.fromkeys(header.announced)))

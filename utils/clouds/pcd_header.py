@@ -1,5 +1,6 @@
 """The head of a PCD file: which fields it has, how many points, and how they are stored."""
 
+from collections.abc import Container
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,13 +35,17 @@ class Header:
     @property
     def wanted(self) -> list[int]:
         """Which fields are x, y, z and, where there is one, intensity."""
-        intensity = [name for name in INTENSITY_NAMES if name in self.names][:1]
-        return [self.names.index(name) for name in ["x", "y", "z", *intensity]]
+        return [self.names.index(name) for name in cloud_fields(self.names)]
 
     @property
     def precision(self) -> np.dtype:
         """float32, or float64 where one of the wanted fields needs it."""
         return np.result_type(np.float32, *(self.kinds[field] for field in self.wanted))
+
+
+def cloud_fields(names: Container[str]) -> list[str]:
+    """Choose the names that make a cloud: x, y, z and, where there is one, intensity."""
+    return ["x", "y", "z", *[name for name in INTENSITY_NAMES if name in names][:1]]
 
 
 def read_header(data: bytes, name: str) -> Header:
@@ -71,7 +76,7 @@ def read_header(data: bytes, name: str) -> Header:
     return _checked_header(entries, position, name)
 
 
-def _checked_header(entries, start: int, name: str) -> Header:
+def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> Header:
     """Turn the words of the header into a `Header`, or say which line is wrong."""
     line, words = entries["DATA"]
     if words[:1] not in ([encoding] for encoding in ENCODINGS):
@@ -125,7 +130,9 @@ def _checked_header(entries, start: int, name: str) -> Header:
     )
 
 
-def _numbers(entries, key: str, length: int, name: str) -> tuple[int, ...]:
+def _numbers(
+    entries: dict[str, tuple[int, list[str]]], key: str, length: int, name: str
+) -> tuple[int, ...]:
     """Read `length` whole numbers from a line of the header."""
     line, words = entries[key]
     if len(words) != length or not all(

@@ -1,5 +1,7 @@
 """Folders of clouds as lazy sequences, in the order a person would count them."""
 
+from __future__ import annotations
+
 import os
 import re
 from collections import Counter
@@ -28,14 +30,14 @@ class CloudFolder(Sequence):
     def __len__(self) -> int:
         return len(self.paths)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> np.ndarray | CloudFolder:
         """Read cloud `index`; a slice is again a lazy sequence."""
         if isinstance(index, slice):
             return CloudFolder(self.paths[index])
         return read_cloud(self.paths[index])
 
 
-def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Sequence[np.ndarray]:
+def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> CloudFolder:
     """Open a folder of clouds as a lazy sequence in natural order (frame2 before frame10).
 
     Parameters

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from utils.films.writers import WRITERS, Film
 from utils.progress import progress
@@ -192,7 +193,9 @@ def record(
 
 
 @contextmanager
-def _camera_team(size, camera, renderer) -> Iterator[Callable[[Scene], np.ndarray]]:
+def _camera_team(
+    size: tuple[int, int], camera: Camera, renderer: str | None
+) -> Iterator[Callable[[Scene], np.ndarray]]:
     """A function that takes pictures; with PyVista they share what is costly to set up."""
     if renderer_for(renderer) == "matplotlib":
         yield lambda scene: picture_of(scene, camera, size, "matplotlib")
@@ -203,7 +206,7 @@ def _camera_team(size, camera, renderer) -> Iterator[Callable[[Scene], np.ndarra
         yield lambda scene: studio.picture(scene, camera)
 
 
-def _checked(found) -> np.ndarray:
+def _checked(found: ArrayLike) -> np.ndarray:
     """Boxes as a float array (N, 8, 3); a sentence for anything else."""
     boxes = np.asarray(found, dtype=float)
     if boxes.size == 0:

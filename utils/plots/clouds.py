@@ -1,8 +1,14 @@
 """Whole clouds: seen from above, from the side, and as kept and removed points."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+from numpy.typing import ArrayLike
 
 from utils.plots.data import as_cloud, as_mask, as_values, drawn_rows, marker_size, project
 from utils.plots.style import (
@@ -24,7 +30,15 @@ from utils.plots.style import (
 
 
 @styled
-def from_above(cloud, *, values=None, label=None, title=None, limits=None, axes=None):
+def from_above(
+    cloud: ArrayLike,
+    *,
+    values: ArrayLike | None = None,
+    label: str | None = None,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw a cloud as a bird sees it: x forward to the right, y left up, to scale.
 
     Parameters
@@ -56,7 +70,16 @@ def from_above(cloud, *, values=None, label=None, title=None, limits=None, axes=
 
 
 @styled
-def from_side(cloud, *, values=None, label=None, level=None, title=None, limits=None, axes=None):
+def from_side(
+    cloud: ArrayLike,
+    *,
+    values: ArrayLike | None = None,
+    label: str | None = None,
+    level: float | None = None,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw a cloud from its right-hand side: x forward to the right, z up.
 
     Heights are stretched to fill the figure: a scan is a hundred times longer than it is high.
@@ -78,7 +101,15 @@ def from_side(cloud, *, values=None, label=None, level=None, title=None, limits=
 
 
 @styled
-def kept_and_removed(cloud, keep, *, view="above", title=None, limits=None, axes=None):
+def kept_and_removed(
+    cloud: ArrayLike,
+    keep: ArrayLike,
+    *,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw what a filter keeps (strong dots) and what it removes (pale crosses), with counts.
 
     Parameters
@@ -111,7 +142,15 @@ class Group(NamedTuple):
     strong: bool = False
 
 
-def draw_groups(cloud, groups, *, view, title=None, limits=None, axes=None):
+def draw_groups(
+    cloud: np.ndarray,
+    groups: Sequence[Group],
+    *,
+    view: str,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw a checked cloud in groups, the last one on top and first in the legend."""
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
@@ -135,7 +174,16 @@ def draw_groups(cloud, groups, *, view, title=None, limits=None, axes=None):
     return finish(axes, title, across_label, up_label)
 
 
-def dots(axes, across, up, marker, colour, size, *, zorder=2.0):
+def dots(
+    axes: Axes,
+    across: np.ndarray,
+    up: np.ndarray,
+    marker: str,
+    colour: str,
+    size: float,
+    *,
+    zorder: float = 2.0,
+) -> None:
     """Draw markers of one colour: one rasterised artist, which stays quick for many points."""
     # A cross has no area to fill: it needs a wider stroke and a little more room than a dot.
     cross = marker in ("x", "+")
@@ -153,7 +201,7 @@ def dots(axes, across, up, marker, colour, size, *, zorder=2.0):
     )
 
 
-def mark_sensor(axes):
+def mark_sensor(axes: Axes) -> None:
     """Mark the origin, where the sensor stands, looking to the right."""
     look = {"color": PAPER, "markeredgecolor": INK, "markeredgewidth": 1.2, "zorder": 6}
     axes.plot(0, 0, marker=">", markersize=8, **look)
@@ -175,7 +223,16 @@ def mark_sensor(axes):
     )
 
 
-def _coloured(cloud, view, values, label, level, title, limits, axes):
+def _coloured(
+    cloud: ArrayLike,
+    view: str,
+    values: ArrayLike | None,
+    label: str | None,
+    level: float | None,
+    title: str | None,
+    limits: ArrayLike | None,
+    axes: Axes | None,
+) -> Axes:
     cloud = as_cloud(cloud)
     if values is None:
         values, label = cloud[:, 2], label or "height z (m)"
@@ -210,7 +267,7 @@ def _coloured(cloud, view, values, label, level, title, limits, axes):
     return finish(axes, title, across_label, up_label)
 
 
-def _colour_range(values):
+def _colour_range(values: np.ndarray) -> tuple[float, float, str]:
     """Return low, high and the ends that stick out: a few stray values must not grey the rest."""
     values = values[np.isfinite(values)]
     if not len(values):
@@ -224,7 +281,7 @@ def _colour_range(values):
     return low, high, ("neither", "min", "max", "both")[int(below) + 2 * int(above)]
 
 
-def _colour_bar(axes, points, label, extend):
+def _colour_bar(axes: Axes, points: PathCollection, label: str | None, extend: str) -> None:
     # Placed relative to the axes, it stays as high as they are when their aspect is fixed.
     place = axes.inset_axes((1.02, 0, 0.022, 1))
     bar = axes.figure.colorbar(points, cax=place, extend=extend)
@@ -233,7 +290,7 @@ def _colour_bar(axes, points, label, extend):
     bar.set_label(label or "", color=INK, fontsize=10.5)
 
 
-def _mark_level(axes, level):
+def _mark_level(axes: Axes, level: float) -> None:
     low, high = sorted(axes.get_ylim())
     if not low <= level <= high:
         return

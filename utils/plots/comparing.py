@@ -1,8 +1,14 @@
 """Yours against expected: masks, labels, and how two labellings overlap."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
+from numpy.typing import ArrayLike
 
 from utils.plots.clouds import Group, draw_groups, mark_sensor
 from utils.plots.data import as_cloud, as_labels, as_mask, drawn_rows, marker_size, project
@@ -32,8 +38,15 @@ CELL_COLOURS = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0, 0.55,
 
 @styled
 def difference(
-    cloud, yours_mask, expected_mask, *, view="above", title=None, limits=None, axes=None
-):
+    cloud: ArrayLike,
+    yours_mask: ArrayLike,
+    expected_mask: ArrayLike,
+    *,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw where a filter keeps or removes the wrong points, with counts.
 
     Parameters
@@ -64,8 +77,15 @@ def difference(
 
 @styled
 def worst(
-    cloud, labels_yours, labels_expected, *, view="above", title=None, limits=None, axes=None
-):
+    cloud: ArrayLike,
+    labels_yours: ArrayLike,
+    labels_expected: ArrayLike,
+    *,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Sequence[Axes] | np.ndarray | None = None,
+) -> np.ndarray:
     """Draw two labellings side by side, and ring the points on which they differ.
 
     Clusters may be numbered differently: each of yours takes the colour of the expected cluster
@@ -118,7 +138,7 @@ def worst(
     return axes
 
 
-def _around(across, up):
+def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
     """Return a region (2, 2) around points, with a quarter of it or two metres to spare."""
     placed = np.isfinite(across) & np.isfinite(up)
     if not placed.any():
@@ -128,7 +148,7 @@ def _around(across, up):
     return np.stack([spans[:, 0] - spare, spans[:, 1] + spare], axis=1)
 
 
-def _one_per_cell(axes, across, up):
+def _one_per_cell(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Choose points that lie apart in the view: a ring for each of a crowd would be a blot."""
     corner, far_corner = np.transpose([axes.get_xlim(), axes.get_ylim()])
     placed = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
@@ -137,7 +157,7 @@ def _one_per_cell(axes, across, up):
     return placed[first]
 
 
-def _overlaps(first, second):
+def _overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the labels of both, and the matrix of how many points share each pair of them."""
     rows, row_of = np.unique(np.maximum(first, 0), return_inverse=True)
     columns, column_of = np.unique(np.maximum(second, 0), return_inverse=True)
@@ -146,7 +166,7 @@ def _overlaps(first, second):
     return rows, columns, counts
 
 
-def _matched(yours, expected):
+def _matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
     """Return `yours` in the numbers of `expected`: the biggest overlaps are matched first."""
     rows, columns, counts = _overlaps(yours, expected)
     pairs = np.argwhere(counts > 0)
@@ -166,7 +186,9 @@ def _matched(yours, expected):
 
 
 @styled
-def label_confusion(true, predicted, *, title=None, axes=None):
+def label_confusion(
+    true: ArrayLike, predicted: ArrayLike, *, title: str | None = None, axes: Axes | None = None
+) -> Axes:
     """Draw how many points each pair of labels shares.
 
     One full cell in each row and column is a perfect match, whatever the numbers are. Several

@@ -1,10 +1,16 @@
 """Boxes given by eight corners in any order: their outlines, and one box with its numbers."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from numpy.typing import ArrayLike
 
 from utils.plots.clouds import dots, mark_sensor
-from utils.plots.data import as_cloud, drawn_rows, marker_size, project
+from utils.plots.data import as_cloud, as_names, drawn_rows, marker_size, project
 from utils.plots.grouping import write
 from utils.plots.style import (
     BLUE,
@@ -24,17 +30,17 @@ from utils.plots.style import (
 
 @styled
 def boxes(
-    corners,
+    corners: ArrayLike,
     *,
-    cloud=None,
-    view="above",
-    names=None,
-    label=None,
-    reference=False,
-    title=None,
-    limits=None,
-    axes=None,
-):
+    cloud: ArrayLike | None = None,
+    view: str = "above",
+    names: bool | Sequence[str | int] | None = None,
+    label: str | None = None,
+    reference: bool = False,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw the outlines of boxes, on the `cloud` or on whatever `axes` show.
 
     Parameters
@@ -45,7 +51,7 @@ def boxes(
     cloud : (n, 3) or (n, 4) array_like of float, optional
         Drawn pale below the boxes.
     view : {"above", "side"}
-    names : bool or sequence of str, optional
+    names : bool or sequence of str or int, optional
         Written at each box; True for its row number.
     label : str, optional
         Entry in the legend, where the number of boxes is added.
@@ -61,7 +67,7 @@ def boxes(
     matplotlib.axes.Axes
     """
     corners = _as_corners(corners)
-    names = _as_names(names, len(corners))
+    names = as_names(names, len(corners))
     across, up, across_label, up_label = project(corners, view)
     axes = canvas(axes)
     remark = ""
@@ -90,7 +96,7 @@ def boxes(
 
 
 @styled
-def corner_numbers(box, *, title=None, axes=None):
+def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | None = None) -> Axes:
     """Draw one box obliquely, with the number of each corner: the row it has in `box`.
 
     The edges are found from the corners themselves (the four lowest make the floor), so that a
@@ -137,7 +143,7 @@ def corner_numbers(box, *, title=None, axes=None):
     return finish(axes, title)
 
 
-def _as_corners(corners):
+def _as_corners(corners: ArrayLike) -> np.ndarray:
     try:
         corners = np.asarray(corners, dtype=float)
     except (TypeError, ValueError):
@@ -152,23 +158,14 @@ def _as_corners(corners):
     return corners
 
 
-def _as_names(names, count):
-    if names is None or names is False:
-        return []
-    names = [str(name) for name in (range(count) if names is True else names)]
-    if len(names) != count:
-        raise ValueError(f"names must hold one name per box: {count}, not {len(names)}.")
-    return names
-
-
-def _outline(across, up):
+def _outline(across: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Return the convex hull of points as a closed line (m, 2); flat and single ones are fine.
 
     Andrew's monotone chain (1979): scipy's hull refuses points that all lie on a line.
     """
     points = np.unique(np.stack([across, up], axis=1), axis=0)
 
-    def half(points):
+    def half(points: np.ndarray) -> list[np.ndarray]:
         chain = []
         for point in points:
             while len(chain) > 1:
@@ -183,7 +180,7 @@ def _outline(across, up):
     return np.array([*lower, *upper[1:]])
 
 
-def _edges(box):
+def _edges(box: np.ndarray) -> list[tuple[int, int]]:
     """Return the twelve edges of a box as pairs of rows: floor, roof, and the posts between."""
     order = np.argsort(box[:, 2], kind="stable")
     floor, roof = (_around(box, rows) for rows in (order[:4], order[4:]))
@@ -194,13 +191,13 @@ def _edges(box):
     return edges
 
 
-def _around(box, rows):
+def _around(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Return `rows` in the order of their direction from the middle."""
     spokes = box[rows, :2] - box[rows, :2].mean(axis=0)
     return rows[np.argsort(np.arctan2(spokes[:, 1], spokes[:, 0]))]
 
 
-def _oblique(points, *, depth=False):
+def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
     """Look at points from behind, right and above: to the drawing (n, 2), or their depth (n,)."""
     turn, tilt = np.radians([-62.0, 24.0])
     right = np.array([-np.sin(turn), np.cos(turn), 0])
@@ -210,7 +207,7 @@ def _oblique(points, *, depth=False):
     return points @ np.stack([right, np.cross(right, away)], axis=1)
 
 
-def _draw_directions(axes, start, length):
+def _draw_directions(axes: Axes, start: np.ndarray, length: float) -> None:
     """Draw the directions of x, y and z."""
     for name, direction in zip("xyz", _oblique(np.eye(3)), strict=True):
         end = start + length * direction

@@ -1,6 +1,12 @@
 """Numbers rather than places: histograms, theory against practice, bars."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+
 import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
 
 from utils.plots.data import as_values
 from utils.plots.style import (
@@ -19,7 +25,15 @@ from utils.plots.style import (
 
 
 @styled
-def histogram(values, *, bins=60, label=None, marks=None, title=None, axes=None):
+def histogram(
+    values: ArrayLike,
+    *,
+    bins: int | ArrayLike = 60,
+    label: str | None = None,
+    marks: Mapping[str, float] | None = None,
+    title: str | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw how often each value occurs.
 
     Parameters
@@ -52,7 +66,7 @@ def histogram(values, *, bins=60, label=None, marks=None, title=None, axes=None)
     return finish(axes, title, label or "value", "number of points")
 
 
-def _draw_marks(axes, marks):
+def _draw_marks(axes: Axes, marks: Mapping[str, float]) -> None:
     """Draw named vertical lines, with each name on the side where there is more room for it."""
     marks = {name: float(value) for name, value in marks.items() if np.isfinite(value)}
     for place, value in enumerate(marks.values()):
@@ -78,7 +92,15 @@ def _draw_marks(axes, marks):
 
 
 @styled
-def curves(theory, measured=None, *, across=None, up=None, title=None, axes=None):
+def curves(
+    theory: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    measured: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
+    *,
+    across: str | None = None,
+    up: str | None = None,
+    title: str | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw what theory says as lines, and measurements as markers on them.
 
     Parameters
@@ -118,7 +140,13 @@ def curves(theory, measured=None, *, across=None, up=None, title=None, axes=None
 
 
 @styled
-def compare(values, *, label=None, title=None, axes=None):
+def compare(
+    values: Mapping[str, float],
+    *,
+    label: str | None = None,
+    title: str | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw named numbers as bars, each with its number written at its end.
 
     Parameters

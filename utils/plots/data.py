@@ -1,6 +1,14 @@
 """What the figures accept: shapes checked with a sentence, rows chosen for drawing."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from utils.plots.style import counted
 
 MOST_POINTS = 30_000
 """Larger clouds are thinned for drawing: more dots than this only hide each other."""
@@ -11,7 +19,7 @@ VIEWS = {
 }
 
 
-def as_cloud(cloud, *, planar=False):
+def as_cloud(cloud: ArrayLike, *, planar: bool = False) -> np.ndarray:
     """Return `cloud` as a float array (n, 3) or (n, 4); `planar` also allows (n, 2)."""
     widths = (2, 3, 4) if planar else (3, 4)
     try:
@@ -33,7 +41,7 @@ def as_cloud(cloud, *, planar=False):
     )
 
 
-def as_points(points, name="points"):
+def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
     """Return two-dimensional `points` as a float array (n, 2)."""
     try:
         points = np.asarray(points, dtype=float)
@@ -46,7 +54,7 @@ def as_points(points, name="points"):
     return points
 
 
-def as_mask(mask, count, name="keep"):
+def as_mask(mask: ArrayLike, count: int, name: str = "keep") -> np.ndarray:
     """Return `mask` as a bool array (count,)."""
     mask = np.asarray(mask)
     if mask.size == 0:
@@ -58,7 +66,7 @@ def as_mask(mask, count, name="keep"):
     return _one_each(mask, count, name)
 
 
-def as_labels(labels, count, name="labels"):
+def as_labels(labels: ArrayLike, count: int, name: str = "labels") -> np.ndarray:
     """Return `labels` as an int array (count,); whole numbers of any dtype are welcome."""
     labels = np.asarray(labels)
     try:
@@ -72,7 +80,7 @@ def as_labels(labels, count, name="labels"):
     return _one_each(whole, count, name)
 
 
-def as_values(values, count, name="values"):
+def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray:
     """Return `values` as a float array (count,)."""
     try:
         values = np.asarray(values, dtype=float)
@@ -81,7 +89,17 @@ def as_values(values, count, name="values"):
     return _one_each(values, count, name)
 
 
-def _one_each(array, count, name):
+def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
+    """Return one text for each of `count` boxes, or none at all; True for the row numbers."""
+    if names is None or names is False:
+        return []
+    texts = [str(name) for name in (range(count) if names is True else names)]
+    if len(texts) != count:
+        raise ValueError(f"names must hold one name per box: {count}, not {len(texts)}.")
+    return texts
+
+
+def _one_each(array: np.ndarray, count: int, name: str) -> np.ndarray:
     if array.shape != (count,):
         raise ValueError(
             f"{name} must hold one entry per point: shape ({count},); yours has {array.shape}."
@@ -89,7 +107,7 @@ def _one_each(array, count, name):
     return array
 
 
-def project(cloud, view):
+def project(cloud: np.ndarray, view: str) -> tuple[np.ndarray, np.ndarray, str, str]:
     """Return the two drawn columns of `cloud`, each (n,), and the names of their axes."""
     if view not in VIEWS:
         raise ValueError(f'view must be "above" or "side"; yours is {view!r}.')
@@ -101,7 +119,7 @@ def project(cloud, view):
     return cloud[..., first], cloud[..., second], across, up
 
 
-def drawn_rows(axes, across, up):
+def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, str]:
     """Choose the points to draw into the view of `axes`, and say what was left out.
 
     Points with a non-finite coordinate have no place. Of the others, one is taken from each run of
@@ -125,22 +143,22 @@ def drawn_rows(axes, across, up):
         remarks.append(f"1 of {step} points shown")
     missing = np.count_nonzero(~placed)
     if missing:
-        remarks.append(f"{missing:,} invalid {'row' if missing == 1 else 'rows'} not shown")
+        remarks.append(f"{counted(missing, 'invalid row')} not shown")
     return np.sort(np.concatenate([rows, others])), " · ".join(remarks)
 
 
-def _between(values, limits):
+def _between(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
     low, high = sorted(limits)
     return (values >= low) & (values <= high)
 
 
-def _thinned(rows):
+def _thinned(rows: np.ndarray) -> tuple[np.ndarray, int]:
     step = max(1, -(-len(rows) // MOST_POINTS))
     starts = np.arange(0, len(rows), step)
     offsets = np.random.default_rng(0).integers(step, size=len(starts))
     return rows[np.minimum(starts + offsets, len(rows) - 1)], step
 
 
-def marker_size(count):
+def marker_size(count: int) -> float:
     """Return a marker size in points that suits `count` points: large for few, small for many."""
     return float(np.clip(22 / max(count, 1) ** 0.27, 1.4, 7.0))

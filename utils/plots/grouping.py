@@ -1,8 +1,16 @@
 """Clusters: labelled points, neighbour graphs, and how a cluster grows."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
 import matplotlib.patheffects
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from numpy.typing import ArrayLike
 
 from utils.plots.clouds import dots, mark_sensor
 from utils.plots.data import as_cloud, as_labels, drawn_rows, marker_size, project
@@ -32,7 +40,16 @@ UNTOUCHED, WAITING, DONE = 0, 1, 2
 
 
 @styled
-def clusters(cloud, labels, *, view="above", names=False, title=None, limits=None, axes=None):
+def clusters(
+    cloud: ArrayLike,
+    labels: ArrayLike,
+    *,
+    view: str = "above",
+    names: bool = False,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw each cluster in its own pair of colour and marker, and noise as pale crosses.
 
     Seven colours and six markers make 42 different pairs; a label always has the same one.
@@ -71,7 +88,7 @@ def clusters(cloud, labels, *, view="above", names=False, title=None, limits=Non
     return finish(axes, title, across_label, up_label)
 
 
-def draw_labels(axes, across, up, labels):
+def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
     """Draw checked points with the colour and marker of their label."""
     size = marker_size(len(labels))
     noise = labels <= 0
@@ -84,7 +101,7 @@ def draw_labels(axes, across, up, labels):
         dots(axes, across[chosen], up[chosen], marker, colour, size * 1.15)
 
 
-def _write_names(axes, across, up, labels):
+def _write_names(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
     found, counts = np.unique(labels[labels > 0], return_counts=True)
     for label in found[np.argsort(-counts, kind="stable")[:MOST_NAMES]]:
         chosen = (labels == label) & np.isfinite(across) & np.isfinite(up)
@@ -92,7 +109,17 @@ def _write_names(axes, across, up, labels):
             write(axes, np.median(across[chosen]), np.median(up[chosen]), str(label), weight="bold")
 
 
-def write(axes, across, up, text, *, offset=(0, 0), size=10.5, weight="normal", ha="center"):
+def write(
+    axes: Axes,
+    across: float,
+    up: float,
+    text: str,
+    *,
+    offset: ArrayLike = (0, 0),
+    size: float = 10.5,
+    weight: str = "normal",
+    ha: str = "center",
+) -> Annotation:
     """Write `text` at a place of the drawing, with a paper-coloured edge that keeps it readable."""
     written = axes.annotate(
         text,
@@ -111,7 +138,7 @@ def write(axes, across, up, text, *, offset=(0, 0), size=10.5, weight="normal", 
     return written
 
 
-def write_rows(axes, points):
+def write_rows(axes: Axes, points: np.ndarray) -> None:
     """Write the row number of each point beside it, on the side away from its neighbours."""
     for row in np.flatnonzero(np.isfinite(points).all(axis=1)):
         away = points[row] - points
@@ -125,8 +152,16 @@ def write_rows(axes, points):
 
 @styled
 def graph(
-    cloud, edges=(), *, view="above", labels=None, names=False, title=None, limits=None, axes=None
-):
+    cloud: ArrayLike,
+    edges: ArrayLike = (),
+    *,
+    view: str = "above",
+    labels: ArrayLike | None = None,
+    names: bool = False,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw points joined to their neighbours: how a chain of close points makes one cluster.
 
     Meant for up to a few hundred points.
@@ -165,7 +200,7 @@ def graph(
     return finish(axes, title, across_label, up_label)
 
 
-def _as_edges(edges, count):
+def _as_edges(edges: ArrayLike, count: int) -> np.ndarray:
     edges = np.asarray(edges)
     if edges.size == 0:
         return np.empty((0, 2), dtype=int)
@@ -181,8 +216,15 @@ def _as_edges(edges, count):
 
 @styled
 def growth(
-    cloud, frames_of_labels, *, titles=None, view="above", title=None, limits=None, axes=None
-):
+    cloud: ArrayLike,
+    frames_of_labels: Iterable[ArrayLike],
+    *,
+    titles: Sequence[str] | None = None,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Sequence[Axes] | np.ndarray | None = None,
+) -> np.ndarray:
     """Draw a cluster growing step by step, one small picture for each step.
 
     Parameters
@@ -238,7 +280,7 @@ def growth(
     return axes
 
 
-def shared_key(figure, axes, entries):
+def shared_key(figure: Figure, axes: Axes, entries: Sequence[tuple[str, str, str]]) -> None:
     """Write one legend below all panels of `figure`, of entries `(name, marker, colour)`."""
     lines = [
         axes.plot([], [], linestyle="none", marker=marker, color=colour, markersize=6)[0]

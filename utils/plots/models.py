@@ -1,7 +1,11 @@
 """RANSAC's models: a line or a plane, its tolerance band, inliers and outliers."""
 
+from __future__ import annotations
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
+from numpy.typing import ArrayLike
 
 from utils.plots.clouds import Group, draw_groups
 from utils.plots.data import as_cloud, as_mask, as_points
@@ -13,8 +17,15 @@ FACE_ON = 0.5
 
 @styled
 def line_model(
-    points, line=None, inliers=None, tolerance=None, *, title=None, limits=None, axes=None
-):
+    points: ArrayLike,
+    line: ArrayLike | None = None,
+    inliers: ArrayLike | None = None,
+    tolerance: float | None = None,
+    *,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw points of the plane with a line, its tolerance band, inliers and outliers.
 
     Parameters
@@ -43,16 +54,16 @@ def line_model(
 
 @styled
 def plane_model(
-    cloud,
-    plane=None,
-    inliers=None,
-    tolerance=None,
+    cloud: ArrayLike,
+    plane: ArrayLike | None = None,
+    inliers: ArrayLike | None = None,
+    tolerance: float | None = None,
     *,
-    view="side",
-    title=None,
-    limits=None,
-    axes=None,
-):
+    view: str = "side",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw a cloud with a plane cut open: the line in which the plane meets the drawing.
 
     From the side the plane is cut at y = 0, through the sensor; from above at the middle height of
@@ -95,7 +106,7 @@ def plane_model(
     return finish(axes, title)
 
 
-def _groups(inliers, count, outlier_colour):
+def _groups(inliers: ArrayLike | None, count: int, outlier_colour: str) -> tuple[Group, ...]:
     if inliers is None:
         return (Group("points", np.ones(count, dtype=bool), "o", BLUE),)
     inliers = as_mask(inliers, count, "inliers")
@@ -105,7 +116,7 @@ def _groups(inliers, count, outlier_colour):
     )
 
 
-def _coefficients(model, count, name):
+def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
     """Return the model's coefficients with a normal of length 1."""
     letters = ", ".join("abcd"[:count])
     try:
@@ -123,7 +134,7 @@ def _coefficients(model, count, name):
     return model / length
 
 
-def _draw_line(axes, line, tolerance, name):
+def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str) -> None:
     """Draw a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance."""
     normal = line[:2]
     squared = normal @ normal

@@ -4,11 +4,16 @@ A node is any object with `point`, `index`, `left` and `right`; the root may be 
 node is its depth modulo 2. A wrong tree is drawn as it is, and a loop in it is walked only once.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Rectangle
+from numpy.typing import ArrayLike
 
 from utils.plots.clouds import dots
 from utils.plots.data import as_points, marker_size
@@ -30,6 +35,9 @@ from utils.plots.style import (
     styled,
 )
 
+if TYPE_CHECKING:
+    from utils.visits import Node
+
 MOST_NAMES = 40
 AXIS_LOOKS = (("x", BLUE, "-"), ("y", VERMILION, "--"))
 
@@ -37,15 +45,23 @@ AXIS_LOOKS = (("x", BLUE, "-"), ("y", VERMILION, "--"))
 class _Place(NamedTuple):
     """A node, its parent, its depth, and the region that it divides: two corners (2,)."""
 
-    node: object
-    parent: object
+    node: Node | None
+    parent: Node | None
     depth: int
     lower: np.ndarray
     upper: np.ndarray
 
 
 @styled
-def kd_splits(points, root, *, names=None, title=None, limits=None, axes=None):
+def kd_splits(
+    points: ArrayLike,
+    root: Node | None,
+    *,
+    names: bool | None = None,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw how a kd-tree divides the plane: each node cuts the region it falls into.
 
     Parameters
@@ -75,18 +91,18 @@ def kd_splits(points, root, *, names=None, title=None, limits=None, axes=None):
 
 @styled
 def kd_search(
-    points,
-    root,
-    target,
-    tolerance,
-    visited=None,
+    points: ArrayLike,
+    root: Node | None,
+    target: ArrayLike,
+    tolerance: float,
+    visited: Iterable[int] | None = None,
     *,
-    found=None,
-    names=None,
-    title=None,
-    limits=None,
-    axes=None,
-):
+    found: Iterable[int] | None = None,
+    names: bool | None = None,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw a search in a kd-tree: circle and box, nodes looked at, regions never entered.
 
     Parameters
@@ -130,7 +146,7 @@ def kd_search(
     return finish(axes, title, "x (m)", "y (m)")
 
 
-def _draw_window(axes, target, tolerance):
+def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
     axes.add_patch(
         Rectangle(
             target - tolerance,
@@ -153,7 +169,7 @@ def _draw_window(axes, target, tolerance):
     key(axes, "target and tolerance", "+", colour=INK, size=9, markeredgewidth=1.8)
 
 
-def _draw_pruned(axes, root, visited):
+def _draw_pruned(axes: Axes, root: Node | None, visited: set[int]) -> None:
     """Hatch the largest regions in which no node was visited."""
     places = _places(axes, root)
     entered = set()
@@ -189,7 +205,7 @@ def _draw_pruned(axes, root, visited):
         )
 
 
-def _draw_splits(axes, root, *, strength):
+def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
     cuts, widths = ([], []), ([], [])
     for place in _places(axes, root):
         axis = place.depth % 2
@@ -205,18 +221,20 @@ def _draw_splits(axes, root, *, strength):
         )
 
 
-def _draw_points(axes, points, names):
+def _draw_points(axes: Axes, points: np.ndarray, names: bool | None) -> None:
     dots(axes, *points.T, "o", INK, marker_size(len(points)), zorder=3)
     if names or (names is None and len(points) <= MOST_NAMES):
         write_rows(axes, points)
 
 
-def _ring(axes, points, marker, colour, size, label):
+def _ring(
+    axes: Axes, points: np.ndarray, marker: str, colour: str, size: float, label: str
+) -> None:
     look = {"markerfacecolor": "none", "markeredgewidth": 1.4}
     axes.plot(*points.T, marker, color=colour, markersize=size, zorder=3.5, label=label, **look)
 
 
-def _as_rows(rows, count, name):
+def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:
     rows = np.asarray(list(rows))
     if rows.size == 0:
         return np.empty(0, dtype=int)
@@ -225,7 +243,7 @@ def _as_rows(rows, count, name):
     return rows
 
 
-def _places(axes, root):
+def _places(axes: Axes, root: Node | None) -> list[_Place]:
     """Return a :class:`_Place` for each node, parents first; the root divides the whole view."""
     view = np.sort([axes.get_xlim(), axes.get_ylim()], axis=1)
     places, seen = [], set()

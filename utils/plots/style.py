@@ -5,13 +5,21 @@ calling :mod:`utils.plots` leaves the reader's own ``rcParams`` as they were. Th
 opaque and light, so that a figure reads the same in a light and in a dark notebook.
 """
 
+from __future__ import annotations
+
 import functools
+from collections.abc import Callable, Sequence
+from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
+from numpy.typing import ArrayLike
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 # Okabe and Ito's colour-blind-safe palette (https://jfly.uni-koeln.de/color/), without its yellow,
 # which small points on white do not show, and with the strongest colours first.
@@ -52,14 +60,14 @@ STYLE = {
 }
 
 
-def styled(draw):
+def styled(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     """Decorate a function: it draws with the course's settings and gives the reader's back.
 
     When it fails, the figure that it may have opened is closed: a notebook would show it empty.
     """
 
     @functools.wraps(draw)
-    def drawn(*arguments, **options):
+    def drawn(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
         figures = plt.get_fignums()
         settings = {name: matplotlib.rcParams[name] for name in STYLE}
         try:
@@ -77,7 +85,7 @@ def styled(draw):
     return drawn
 
 
-def canvas(axes=None, *, size=(WIDTH, HEIGHT)):
+def canvas(axes: Axes | None = None, *, size: tuple[float, float] = (WIDTH, HEIGHT)) -> Axes:
     """Return `axes` in the course's look, or the axes of a new figure of notebook width."""
     if axes is None:
         _, axes = plt.subplots(figsize=size, layout="compressed")
@@ -99,7 +107,13 @@ def canvas(axes=None, *, size=(WIDTH, HEIGHT)):
     return axes
 
 
-def panels(count, axes=None, *, columns, size=None):
+def panels(
+    count: int,
+    axes: Sequence[Axes] | np.ndarray | None = None,
+    *,
+    columns: int,
+    size: tuple[float, float] | None = None,
+) -> np.ndarray:
     """Return `count` axes in the course's look, in rows of `columns`, as a flat array."""
     if axes is None:
         rows = -(-max(count, 1) // columns)
@@ -118,7 +132,14 @@ def panels(count, axes=None, *, columns, size=None):
     return axes
 
 
-def frame(axes, across, up, limits=None, *, equal=True):
+def frame(
+    axes: Axes,
+    across: ArrayLike,
+    up: ArrayLike,
+    limits: ArrayLike | None = None,
+    *,
+    equal: bool = True,
+) -> None:
     """Fix the visible region before anything is drawn.
 
     Given `limits` win; axes that already show something keep their view, so that figures can be
@@ -154,7 +175,7 @@ def frame(axes, across, up, limits=None, *, equal=True):
     axes.set_ylim(*spans[1])
 
 
-def _spans_of(limits):
+def _spans_of(limits: ArrayLike) -> np.ndarray:
     """Return limits in either notation as a (2, 2) array; a sentence for anything else."""
     try:
         spans = np.asarray(limits, dtype=float).reshape(2, 2)
@@ -168,7 +189,7 @@ def _spans_of(limits):
     return spans
 
 
-def _span(values, *, all_of_it=False):
+def _span(values: ArrayLike, *, all_of_it: bool = False) -> tuple[float, float]:
     """Return (low, high) around the finite values, with a margin and never of zero width."""
     values = np.asarray(values, dtype=float)
     values = values[np.isfinite(values)]
@@ -181,14 +202,25 @@ def _span(values, *, all_of_it=False):
     return low - margin, high + margin
 
 
-def key(axes, label, marker="", *, colour=INK, line="none", size=6.0, **options):
+def key(
+    axes: Axes,
+    label: str,
+    marker: str = "",
+    *,
+    colour: str = INK,
+    line: str = "none",
+    size: float = 6.0,
+    **options: Any,
+) -> None:
     """Add an entry to the legend that :func:`finish` draws: a line without points."""
     axes.plot(
         [], [], marker=marker, color=colour, linestyle=line, markersize=size, label=label, **options
     )
 
 
-def finish(axes, title=None, across=None, up=None):
+def finish(
+    axes: Axes, title: str | None = None, across: str | None = None, up: str | None = None
+) -> Axes:
     """Write title and axis labels; put the legend between title and axes, where no data are."""
     if across is not None:
         axes.set_xlabel(across, color=INK, fontsize=10.5)
@@ -219,17 +251,17 @@ def finish(axes, title=None, across=None, up=None):
     return axes
 
 
-def number(value):
+def number(value: float) -> str:
     """Return a number as text, short and with a real minus sign."""
     return f"{value:.4g}".replace("-", "−")
 
 
-def counted(count, noun):
+def counted(count: int, noun: str) -> str:
     """Return "1 cluster", "2 clusters"."""
     return f"{count:,} {noun}" + ("" if count == 1 else "s")
 
 
-def note(axes, text):
+def note(axes: Axes, text: str) -> None:
     """Write what the picture leaves out into the lower right corner."""
     if text:
         axes.text(

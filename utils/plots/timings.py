@@ -1,13 +1,25 @@
 """Run time against the number of points, with the exponent of its growth."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
+from numpy.typing import ArrayLike
 
 from utils.plots.style import INK, MARKERS, MUTED, PALETTE, canvas, finish, styled
 
 
 @styled
-def timing(series, *, fit=True, title=None, axes=None):
+def timing(
+    series: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    *,
+    fit: bool = True,
+    title: str | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw run time against the number of points, both logarithmic.
 
     On such axes a power n^k is a straight line of slope k, so the exponent can be read off.
@@ -60,7 +72,9 @@ def timing(series, *, fit=True, title=None, axes=None):
     return finish(axes, title, "number of points n", "time (s)")
 
 
-def _measurements(name, measured):
+def _measurements(
+    name: str, measured: tuple[ArrayLike, ArrayLike]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return n and seconds that have a logarithm."""
     try:
         n, seconds = (np.asarray(part, dtype=float).ravel() for part in measured)
@@ -75,7 +89,7 @@ def _measurements(name, measured):
     return n[usable], seconds[usable]
 
 
-def _name_ends(axes, ends):
+def _name_ends(axes: Axes, ends: list[tuple[float, float, str]]) -> None:
     """Write each name beside the end of its series, moved apart where they would overlap."""
     if not ends:
         return
@@ -102,7 +116,7 @@ def _name_ends(axes, ends):
         )
 
 
-def _write_powers(axes):
+def _write_powers(axes: Axes) -> None:
     """Write ticks as 200, 1 k and 10 ms, with steps of 2 and 5 where there are few decades."""
     for axis, (low, high), unit in (
         (axes.xaxis, axes.get_xlim(), ""),

@@ -4,7 +4,12 @@ A node is any object with `point`, `index`, `left` and `right`; the root may be 
 is drawn as it is, and a loop in it is walked only once.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from utils.plots.grouping import write
@@ -23,6 +28,9 @@ from utils.plots.style import (
     styled,
 )
 
+if TYPE_CHECKING:
+    from utils.visits import Node
+
 MOST_NAMES, MOST_POINTS = 40, 15
 """Larger trees are drawn without indices, and without coordinates."""
 
@@ -30,7 +38,7 @@ AXIS_LOOKS = (("x", "o", BLUE), ("y", "s", VERMILION), ("z", "D", GREEN))
 
 
 @styled
-def kd_tree(root, *, title=None, axes=None):
+def kd_tree(root: Node | None, *, title: str | None = None, axes: Axes | None = None) -> Axes:
     """Draw a kd-tree as a tree: depth downwards, smaller to the left, equal or greater right.
 
     Parameters
@@ -66,7 +74,7 @@ def kd_tree(root, *, title=None, axes=None):
     return finish(axes, title, None, "depth")
 
 
-def _draw_nodes(axes, order):
+def _draw_nodes(axes: Axes, order: list[tuple[Node, int]]) -> None:
     """Draw (node, depth) by rank and depth, in the colour and shape of the axis it splits."""
     dimensions = len(np.ravel(order[0][0].point)) if order else 2
     few = len(order) <= MOST_NAMES
@@ -89,13 +97,15 @@ def _draw_nodes(axes, order):
             )
 
 
-def _node_size(axes, count):
+def _node_size(axes: Axes, count: int) -> float:
     """Return a marker size at which neighbouring leaves, two ranks apart, do not touch."""
     width = 72 * axes.get_window_extent().width / axes.figure.dpi
     return float(np.clip(1.9 * width / max(1, count), 13, 17))
 
 
-def _name_node(axes, node, place, *, font_size, with_point):
+def _name_node(
+    axes: Axes, node: Node, place: tuple[float, float], *, font_size: float, with_point: bool
+) -> None:
     axes.annotate(
         str(node.index),
         place,
@@ -113,7 +123,7 @@ def _name_node(axes, node, place, *, font_size, with_point):
         written.set_bbox({"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})
 
 
-def _in_order(root):
+def _in_order(root: Node | None) -> list[tuple[Node, int]]:
     """Return (node, depth) from left to right, without recursion: bad trees are deep."""
     order, path, seen = [], [], set()
     node, depth = root, 0

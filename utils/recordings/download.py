@@ -73,7 +73,7 @@ def _resume(path: Path) -> Callable:
     """Make a downloader for pooch that goes on from ``<path>.part``."""
     part = path.with_name(path.name + ".part")
 
-    def downloader(url: str, target: str, _pooch) -> None:
+    def downloader(url: str, target: str, _pooch: object) -> None:
         complete = False
         while not complete:
             before = _size(part)

@@ -150,7 +150,7 @@ def _label_rows(path: Path, columns: int) -> list[tuple[list[str], list[float]]]
     return rows
 
 
-def _box(kind: str, identity: int, numbers: list[float], calibration: Calibration):
+def _box(kind: str, identity: int, numbers: list[float], calibration: Calibration) -> Box:
     """Turn height, width, length, position and rotation in the camera frame into a box."""
     height, width, length, x, y, z, rotation = numbers
     sensor_from_camera = np.linalg.inv(calibration.camera_from_sensor)

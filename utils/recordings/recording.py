@@ -1,5 +1,7 @@
 """Recordings as lazy sequences of frames, with true boxes where somebody labelled them."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -47,7 +49,7 @@ class Recording(Sequence):
     def __len__(self) -> int:
         return len(self.clouds)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> RecordedFrame | Recording:
         """Read frame `index`; a slice is again a lazy recording."""
         if isinstance(index, slice):
             return Recording(self.clouds[index], self.times[index], self.boxes[index])

@@ -4,18 +4,25 @@ The `rosbags` library takes the recordings apart; what a PointCloud2 message mea
 https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/PointCloud2.html
 """
 
+from __future__ import annotations
+
 import io
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
 from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file
-from utils.clouds.pcd_header import INTENSITY_NAMES
+from utils.clouds.pcd_header import cloud_fields
+
+if TYPE_CHECKING:
+    from rosbags.rosbag1 import Reader as Reader1
+    from rosbags.rosbag2 import Reader as Reader2
 
 MESSAGE = "sensor_msgs/msg/PointCloud2"
 KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
@@ -50,7 +57,7 @@ class Bag(Sequence):
     def __len__(self) -> int:
         return len(self.timestamps)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> np.ndarray | Bag:
         """Read cloud `index`; a slice is again a lazy sequence."""
         if isinstance(index, slice):
             return Bag(self.path, self.topic, self.timestamps[index], self.repeats[index])
@@ -63,7 +70,7 @@ class Bag(Sequence):
             for index in range(len(self)):
                 yield self._read(reader, index)
 
-    def _read(self, reader, index: int) -> np.ndarray:
+    def _read(self, reader: Reader1 | Reader2, index: int) -> np.ndarray:
         time = int(self.timestamps[index])
         connections = [each for each in reader.connections if each.topic == self.topic]
         messages = reader.messages(connections, start=time, stop=time + 1)
@@ -127,7 +134,7 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
         return Bag(path, topic, np.array(timestamps, np.int64), np.array(repeats, np.int64))
 
 
-def decode_message(message, name: str, number: int = 0) -> np.ndarray:
+def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     """Turn a PointCloud2 message into a cloud.
 
     Parameters
@@ -150,7 +157,7 @@ def decode_message(message, name: str, number: int = 0) -> np.ndarray:
     """
     place = f"message {number}"
     fields = {entry.name.lower(): entry for entry in reversed(message.fields)}
-    wanted = ["x", "y", "z", *[each for each in INTENSITY_NAMES if each in fields][:1]]
+    wanted = cloud_fields(fields)
     if not fields.keys() >= set("xyz") or any(
         fields[each].datatype not in KINDS for each in wanted
     ):
@@ -189,7 +196,7 @@ def decode_message(message, name: str, number: int = 0) -> np.ndarray:
 
 
 @contextmanager
-def _opened(path: Path):
+def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
     """Open a recording with the reader of its kind; whatever goes wrong names the file."""
     if path.suffix not in SUFFIXES and not path.is_dir():
         raise file_error(
@@ -224,7 +231,7 @@ def _opened(path: Path):
 
 
 @cache
-def _unpacker(generation: int):
+def _unpacker(generation: int) -> Callable[[bytes, str], Any]:
     """The function that unpacks a message; PointCloud2 is the same in all releases of a ROS."""
     from rosbags.typesys import Stores, get_typestore
 
@@ -239,13 +246,13 @@ class _BoundedPath(type(Path())):
     Lengths in a damaged recording are arbitrary; rosbags asks for as many bytes as they say.
     """
 
-    def open(self, mode="r", *arguments, **options):
+    def open(self, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:
         if mode != "rb":
             return super().open(mode, *arguments, **options)
         return _BoundedFile(io.FileIO(self, "rb"))
 
 
 class _BoundedFile(io.BufferedReader):
-    def read(self, size=-1):
+    def read(self, size: int | None = -1) -> bytes:
         remaining = max(os.fstat(self.fileno()).st_size - self.tell(), 0)
         return super().read(remaining if size is None or size < 0 else min(size, remaining))

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
-from utils.plots.data import as_cloud, as_labels, as_values
+import numpy as np
+from numpy.typing import ArrayLike
+
+from utils.plots.data import as_cloud, as_labels, as_names, as_values
 from utils.plots.style import (
     BLUE,
     COLOURS,
@@ -31,6 +35,9 @@ from utils.scene3d.parts import (
     dot_size,
 )
 
+if TYPE_CHECKING:
+    from utils.visits import Node
+
 MAGENTA, ASPHALT = "#C2158A", "#D3D7DB"
 BOX_LOOKS = {"boxes": (VERMILION, 2.0), "oriented_boxes": (BLUE, 3.0)}
 MOST_NAMES = 12
@@ -44,7 +51,14 @@ SINK = 0.12
 """Metres by which the road is drawn too low."""
 
 
-def cloud_parts(cloud, values, colour, size, layer, name) -> list[Part]:
+def cloud_parts(
+    cloud: ArrayLike,
+    values: ArrayLike | None,
+    colour: str | None,
+    size: float | None,
+    layer: str,
+    name: str,
+) -> list[Part]:
     """The points of a cloud, in one colour or coloured by `values` or by height."""
     cloud = as_cloud(cloud)
     if colour is not None:
@@ -54,7 +68,7 @@ def cloud_parts(cloud, values, colour, size, layer, name) -> list[Part]:
     return [_points(cloud, colours, size, layer, name or LAYERS[layer])]
 
 
-def cluster_parts(cloud, labels, names) -> list[Part]:
+def cluster_parts(cloud: ArrayLike, labels: ArrayLike, names: bool) -> list[Part]:
     """Points in the colour of their cluster, pale noise, and labels at the biggest clusters."""
     cloud = as_cloud(cloud)
     labels = as_labels(labels, len(cloud))
@@ -76,7 +90,7 @@ def cluster_parts(cloud, labels, names) -> list[Part]:
     return parts
 
 
-def plane_parts(cloud, plane) -> list[Part]:
+def plane_parts(cloud: ArrayLike, plane: Sequence[float] | np.ndarray | None) -> list[Part]:
     """The points of a plane in green and, where the plane itself is given, a piece of it."""
     cloud = as_cloud(cloud)
     parts = cloud_parts(cloud, None, GREEN, None, "plane_cloud", "")
@@ -88,7 +102,7 @@ def plane_parts(cloud, plane) -> list[Part]:
     return parts
 
 
-def kd_parts(root, low, high, depth) -> list[Part]:
+def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> list[Part]:
     """The planes of a kd-tree in the colours of their axes, the first ones with number and axis."""
     cuts = list(solids.kd_cuts(root, low, high, depth))
     parts: list[Part] = []
@@ -106,7 +120,7 @@ def kd_parts(root, low, high, depth) -> list[Part]:
     return parts
 
 
-def ray_parts(cloud, origin, most) -> list[Part]:
+def ray_parts(cloud: ArrayLike, origin: ArrayLike, most: int) -> list[Part]:
     """Lines from the sensor to some of its returns."""
     ends = as_cloud(cloud)[:, :3]
     ends = ends[np.isfinite(ends).all(axis=1)]
@@ -119,10 +133,16 @@ def ray_parts(cloud, origin, most) -> list[Part]:
     return [Segments(rays, ORANGE, 1.0, "lidar_rays", name, 0.3)]
 
 
-def box_parts(corners, names, reference, name, layer) -> list[Part]:
+def box_parts(
+    corners: ArrayLike,
+    names: bool | Sequence[str | int] | None,
+    reference: bool,
+    name: str,
+    layer: str,
+) -> list[Part]:
     """Boxes as edges and faces one looks through; dashed and grey edges for a reference."""
     corners = _as_corners(corners)
-    texts = _as_texts(names, len(corners))
+    texts = as_names(names, len(corners))
     finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
     corners = solids.ordered(corners[finite])
     parts: list[Part] = [
@@ -139,14 +159,14 @@ def box_parts(corners, names, reference, name, layer) -> list[Part]:
     return [*parts, Segments(edges, colour, width, layer, name), faces]
 
 
-def ego_parts(minimum, maximum) -> list[Part]:
+def ego_parts(minimum: Iterable[float], maximum: Iterable[float]) -> list[Part]:
     """The box of the ego car in magenta."""
     corners = solids.upright_box(minimum, maximum)[None]
     edges = Segments(solids.edges_of(corners), MAGENTA, 2.5, "ego_car_box", LAYERS["ego_car_box"])
     return [edges, _faces(solids.faces_of(corners), MAGENTA, "ego_car_box", 0.25)]
 
 
-def road_parts(height, length, width) -> list[Part]:
+def road_parts(height: float, length: float, width: float) -> list[Part]:
     """A straight road with two lane lines, `height` metres below the sensor."""
     ends = (-length / 2, length / 2)
     # A little low: half of the noisy returns would else be hidden below the surface.
@@ -158,7 +178,7 @@ def road_parts(height, length, width) -> list[Part]:
     ]
 
 
-def car_parts(corners, colour) -> list[Part]:
+def car_parts(corners: ArrayLike, colour: str) -> list[Part]:
     """A block car in each box, opaque."""
     corners = _as_corners(corners)
     corners = solids.ordered(corners[np.isfinite(corners).all(axis=(1, 2))])
@@ -171,7 +191,9 @@ def car_parts(corners, colour) -> list[Part]:
     ]
 
 
-def _points(cloud, colours, size, layer, name) -> Points:
+def _points(
+    cloud: np.ndarray, colours: np.ndarray, size: float | None, layer: str, name: str
+) -> Points:
     finite = np.isfinite(cloud[:, :3]).all(axis=1)
     xyz = np.ascontiguousarray(cloud[finite, :3], dtype=np.float32)
     size = dot_size(len(xyz)) if size is None else float(size)
@@ -179,19 +201,27 @@ def _points(cloud, colours, size, layer, name) -> Points:
     return Points(xyz, colours, size, layer, f"{len(xyz):,} {name}")
 
 
-def _faces(triangles, colour, layer, opacity, name="", *, shaded=True) -> Faces:
+def _faces(
+    triangles: np.ndarray,
+    colour: str,
+    layer: str,
+    opacity: float,
+    name: str = "",
+    *,
+    shaded: bool = True,
+) -> Faces:
     colours = np.tile(bytes_of(colour), (len(triangles), 1))
     if shaded:
         colours = solids.lit(triangles, colours)
     return Faces(triangles, colours, opacity, layer, name)
 
 
-def _label_above(points, text, layer) -> Label:
+def _label_above(points: np.ndarray, text: str, layer: str) -> Label:
     middle = np.median(points[:, :2], axis=0)
     return Label(np.array([*middle, points[:, 2].max() + LABEL_RISE]), text, layer)
 
 
-def _coloured(values) -> np.ndarray:
+def _coloured(values: np.ndarray) -> np.ndarray:
     """Colours (n, 3) of values; the outermost hundredths share the colours at the ends."""
     finite = values[np.isfinite(values)]
     low, high = np.percentile(finite, [1, 99]) if len(finite) else (0.0, 1.0)
@@ -199,7 +229,7 @@ def _coloured(values) -> np.ndarray:
     return COLOURS(np.ma.masked_invalid(shares), bytes=True)[:, :3]
 
 
-def _as_corners(corners) -> np.ndarray:
+def _as_corners(corners: ArrayLike) -> np.ndarray:
     """Boxes as a float array (N, 8, 3); a sentence for any other shape."""
     try:
         corners = np.asarray(corners, dtype=float)
@@ -213,13 +243,3 @@ def _as_corners(corners) -> np.ndarray:
             f"yours have {corners.shape}."
         )
     return corners
-
-
-def _as_texts(names, count) -> list[str]:
-    """One text for each box, or none at all."""
-    if names is None or names is False:
-        return []
-    texts = [str(name) for name in (range(count) if names is True else names)]
-    if len(texts) != count:
-        raise ValueError(f"names must hold one name per box: {count}, not {len(texts)}.")
-    return texts

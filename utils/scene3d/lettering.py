@@ -18,7 +18,7 @@ MARGIN = 10
 
 
 @lru_cache(maxsize=16)
-def _font(size: int, bold: bool = False):
+def _font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
     """The font of matplotlib's figures, which every installation has."""
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name, size)
@@ -66,7 +66,13 @@ def write(
     return np.asarray(picture)
 
 
-def _write_labels(draw, parts, camera, size, font):
+def _write_labels(
+    draw: ImageDraw.ImageDraw,
+    parts: Iterable[Part],
+    camera: Camera,
+    size: tuple[int, int],
+    font: ImageFont.FreeTypeFont,
+) -> None:
     """Write the labels, the nearest first; one that would cover another is left out."""
     labels = [part for part in parts if isinstance(part, Label)]
     if not labels:
@@ -87,7 +93,9 @@ def _write_labels(draw, parts, camera, size, font):
         draw.text(place, text, fill=labels[row].colour, font=font, anchor="ms")
 
 
-def _write_line(draw, place, text, font) -> int:
+def _write_line(
+    draw: ImageDraw.ImageDraw, place: tuple[float, float], text: str, font: ImageFont.FreeTypeFont
+) -> float:
     """Write a line on paper of its own; return where the next one begins."""
     left, top, right, bottom = draw.textbbox(place, text, font=font)
     draw.rectangle((left - 4, top - 3, right + 4, bottom + 3), (255, 255, 255, 215))
@@ -95,7 +103,13 @@ def _write_line(draw, place, text, font) -> int:
     return bottom + 8
 
 
-def _write_legend(draw, down, width, entries, font):
+def _write_legend(
+    draw: ImageDraw.ImageDraw,
+    down: float,
+    width: int,
+    entries: Iterable[tuple[str, str, str]],
+    font: ImageFont.FreeTypeFont,
+) -> None:
     across = MARGIN
     for text, colour, kind in entries:
         room = 24 + draw.textlength(text, font=font)

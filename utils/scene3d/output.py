@@ -9,11 +9,17 @@ import os
 import sys
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from utils.scene3d import opengl
 from utils.scene3d.cameras import Camera, as_camera
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+    from utils.scene3d.scene import Scene
 
 NOT_TRUSTED = "<p>To turn it, run this cell, or trust the notebook.</p>"
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
@@ -36,7 +42,9 @@ def _say_once(sentence: str) -> None:
     print(sentence)  # not to standard error, which graders take for a failure
 
 
-def picture_of(scene, camera: str | Camera, size, renderer: str | None) -> np.ndarray:
+def picture_of(
+    scene: Scene, camera: str | Camera, size: tuple[int, int], renderer: str | None
+) -> np.ndarray:
     """Draw a scene: uint8, (height, width, 3)."""
     camera, size = as_camera(camera), _as_size(size)
     if renderer_for(renderer) == "matplotlib":
@@ -49,7 +57,14 @@ def picture_of(scene, camera: str | Camera, size, renderer: str | None) -> np.nd
         return studio.picture(scene, camera)
 
 
-def show(scene, camera, interactive, size, renderer, alt) -> None:
+def show(
+    scene: Scene,
+    camera: str | Camera,
+    interactive: bool,
+    size: tuple[int, int],
+    renderer: str | None,
+    alt: str,
+) -> None:
     """Show a scene in the notebook, else in a window, else say how to keep it."""
     if in_notebook():
         from IPython.display import display
@@ -66,7 +81,14 @@ def show(scene, camera, interactive, size, renderer, alt) -> None:
         print('There is no screen here. Keep the picture instead: scene.save("scene.png")')
 
 
-def bundle_of(scene, camera, interactive, size, renderer, alt) -> dict[str, str]:
+def bundle_of(
+    scene: Scene,
+    camera: str | Camera,
+    interactive: bool,
+    size: tuple[int, int],
+    renderer: str | None,
+    alt: str,
+) -> dict[str, str]:
     """The scene for a notebook: as HTML, which can hold an alternative text, and as words."""
     size = _as_size(size)
     alt = alt or describe(scene, camera)
@@ -97,7 +119,7 @@ def encoded(image: np.ndarray, kind: str) -> bytes:
     return buffer.getvalue()
 
 
-def in_few_colours(image: np.ndarray, colours: int, like=None):
+def in_few_colours(image: np.ndarray, colours: int, like: Image.Image | None = None) -> Image.Image:
     """An image (height, width, 3) with a palette, its own or that of `like`, and white paper."""
     from PIL import Image
 
@@ -114,7 +136,9 @@ def in_few_colours(image: np.ndarray, colours: int, like=None):
     return picture
 
 
-def save(scene, path: str | os.PathLike, camera, size) -> Path:
+def save(
+    scene: Scene, path: str | os.PathLike, camera: str | Camera, size: tuple[int, int]
+) -> Path:
     """Write a picture or the interactive view, by the suffix of `path`."""
     path = Path(path)
     if path.suffix.lower() == ".html":
@@ -131,7 +155,7 @@ def save(scene, path: str | os.PathLike, camera, size) -> Path:
     return path
 
 
-def describe(scene, camera) -> str:
+def describe(scene: Scene, camera: str | Camera) -> str:
     """The scene's own description, or one made of its parts."""
     if scene.alt:
         return scene.alt
@@ -148,7 +172,7 @@ def in_notebook() -> bool:
     return shell is not None and hasattr(shell, "kernel")
 
 
-def _as_size(size) -> tuple[int, int]:
+def _as_size(size: tuple[int, int]) -> tuple[int, int]:
     width, height = (int(length) for length in size)
     if not (16 <= width <= 8192 and 16 <= height <= 8192):
         raise ValueError(f"A picture is 16 to 8192 pixels wide and high, not {width} x {height}.")

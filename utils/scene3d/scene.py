@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
 
 from utils.plots.style import BLUE
 from utils.scene3d import builders, output
 from utils.scene3d.cameras import Camera
 from utils.scene3d.parts import LAYERS, Part, Points
+
+if TYPE_CHECKING:
+    from utils.visits import Node
 
 EGO_MINIMUM, EGO_MAXIMUM = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 """Where the roof of the ego car returns echoes to a 64-beam sensor above it, in metres."""
@@ -46,7 +53,7 @@ class Scene:
     >>> scene.show(interactive=True)   # one to turn and zoom
     """
 
-    def __init__(self, title: str = "", *, alt: str = ""):
+    def __init__(self, title: str = "", *, alt: str = "") -> None:
         self.title = title
         self.alt = alt
         self.caption = ""
@@ -83,7 +90,14 @@ class Scene:
     # What can be added ---------------------------------------------------------------------
 
     def add_cloud(
-        self, cloud, *, values=None, colour=None, size=None, layer="data_points", name=""
+        self,
+        cloud: ArrayLike,
+        *,
+        values: ArrayLike | None = None,
+        colour: str | None = None,
+        size: float | None = None,
+        layer: str = "data_points",
+        name: str = "",
     ) -> Scene:
         """Add the points of a cloud.
 
@@ -105,17 +119,19 @@ class Scene:
         _check_layer(layer)
         return self._add(builders.cloud_parts(cloud, values, colour, size, layer, name))
 
-    def add_plane(self, cloud, plane=None) -> Scene:
+    def add_plane(
+        self, cloud: ArrayLike, plane: Sequence[float] | np.ndarray | None = None
+    ) -> Scene:
         """Add the points of the road (green) and, given (a, b, c, d), a piece of that plane."""
         return self._add(builders.plane_parts(cloud, plane))
 
-    def add_obstacles(self, cloud) -> Scene:
+    def add_obstacles(self, cloud: ArrayLike) -> Scene:
         """Add the points of what stands on the road (red)."""
         return self._add(
             builders.cloud_parts(cloud, None, builders.VERMILION, None, "obstacle_cloud", "")
         )
 
-    def add_clusters(self, cloud, labels, *, names=True) -> Scene:
+    def add_clusters(self, cloud: ArrayLike, labels: ArrayLike, *, names: bool = True) -> Scene:
         """Add points in the colour of their cluster; the twelve biggest also carry their label.
 
         Parameters
@@ -128,7 +144,14 @@ class Scene:
         """
         return self._add(builders.cluster_parts(cloud, labels, names))
 
-    def add_kd_tree(self, root, minimum=None, maximum=None, *, depth=3) -> Scene:
+    def add_kd_tree(
+        self,
+        root: Node | None,
+        minimum: ArrayLike | None = None,
+        maximum: ArrayLike | None = None,
+        *,
+        depth: int = 3,
+    ) -> Scene:
         """Add the planes in which the first levels of a kd-tree cut a region.
 
         Parameters
@@ -145,11 +168,20 @@ class Scene:
         high = high if maximum is None else maximum
         return self._add(builders.kd_parts(root, low, high, depth))
 
-    def add_rays(self, cloud, origin=(0.0, 0.0, 0.0), *, most=1_000) -> Scene:
+    def add_rays(
+        self, cloud: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0), *, most: int = 1_000
+    ) -> Scene:
         """Add the rays from the sensor to its returns, at most `most` of them."""
         return self._add(builders.ray_parts(cloud, origin, most))
 
-    def add_boxes(self, corners, *, names=None, reference=False, name="") -> Scene:
+    def add_boxes(
+        self,
+        corners: ArrayLike,
+        *,
+        names: bool | Sequence[str | int] | None = None,
+        reference: bool = False,
+        name: str = "",
+    ) -> Scene:
         """Add regular boxes.
 
         Parameters
@@ -157,7 +189,7 @@ class Scene:
         corners : (N, 8, 3) array_like of float
             Eight corners of each box in metres, in any order. Boxes with a non-finite corner are
             left out.
-        names : bool or sequence of str
+        names : bool or sequence of str or int
             Written above each box; True for its row number.
         reference : bool
             Dashed and grey, for true boxes or those of the frame before.
@@ -166,25 +198,40 @@ class Scene:
         """
         return self._add(builders.box_parts(corners, names, reference, name, "boxes"))
 
-    def add_oriented_boxes(self, corners, *, names=None, reference=False, name="") -> Scene:
+    def add_oriented_boxes(
+        self,
+        corners: ArrayLike,
+        *,
+        names: bool | Sequence[str | int] | None = None,
+        reference: bool = False,
+        name: str = "",
+    ) -> Scene:
         """Add boxes turned about z, with thicker lines; see `add_boxes`."""
         return self._add(builders.box_parts(corners, names, reference, name, "oriented_boxes"))
 
-    def add_ego_car(self, minimum=EGO_MINIMUM, maximum=EGO_MAXIMUM) -> Scene:
+    def add_ego_car(
+        self, minimum: Iterable[float] = EGO_MINIMUM, maximum: Iterable[float] = EGO_MAXIMUM
+    ) -> Scene:
         """Add the box of the car that carries the sensor (magenta)."""
         return self._add(builders.ego_parts(minimum, maximum))
 
-    def add_road(self, height=2.6, *, length=50.0, width=12.0) -> Scene:
+    def add_road(self, height: float = 2.6, *, length: float = 50.0, width: float = 12.0) -> Scene:
         """Add a straight road with lane lines, `height` metres below the sensor."""
         return self._add(builders.road_parts(height, length, width))
 
-    def add_cars(self, corners, *, colour=BLUE) -> Scene:
+    def add_cars(self, corners: ArrayLike, *, colour: str = BLUE) -> Scene:
         """Add a block car into each box (N, 8, 3), its length along the longer side."""
         return self._add(builders.car_parts(corners, colour))
 
     # How it is shown -----------------------------------------------------------------------
 
-    def picture(self, camera: str | Camera = "XY", *, size=SIZE, renderer=None) -> np.ndarray:
+    def picture(
+        self,
+        camera: str | Camera = "XY",
+        *,
+        size: tuple[int, int] = SIZE,
+        renderer: str | None = None,
+    ) -> np.ndarray:
         """Draw the scene.
 
         Parameters
@@ -202,7 +249,13 @@ class Scene:
         return output.picture_of(self, camera, size, renderer)
 
     def show(
-        self, camera: str | Camera = "XY", *, interactive=False, size=SIZE, renderer=None, alt=""
+        self,
+        camera: str | Camera = "XY",
+        *,
+        interactive: bool = False,
+        size: tuple[int, int] = SIZE,
+        renderer: str | None = None,
+        alt: str = "",
     ) -> None:
         """Show the scene in the notebook; outside of one, in a window where there is a screen.
 
@@ -218,11 +271,13 @@ class Scene:
         """
         output.show(self, camera, interactive, size, renderer, alt)
 
-    def save(self, path: str | os.PathLike, camera: str | Camera = "XY", *, size=SIZE) -> Path:
+    def save(
+        self, path: str | os.PathLike, camera: str | Camera = "XY", *, size: tuple[int, int] = SIZE
+    ) -> Path:
         """Write a picture (.png, .jpg, .webp) or the interactive view (.html)."""
         return output.save(self, path, camera, size)
 
-    def draw(self, camera: str | Camera = "XY", *, axes=None):
+    def draw(self, camera: str | Camera = "XY", *, axes: Axes | None = None) -> Axes:
         """Draw with matplotlib into `axes`, or into a new figure, and return the axes."""
         from utils.scene3d.with_matplotlib import draw
 
@@ -232,7 +287,9 @@ class Scene:
         """Say in a sentence what a picture shows: the scene's `alt`, or what its parts are."""
         return output.describe(self, camera)
 
-    def _repr_mimebundle_(self, include=None, exclude=None) -> dict[str, str]:
+    def _repr_mimebundle_(
+        self, include: Iterable[str] | None = None, exclude: Iterable[str] | None = None
+    ) -> dict[str, str]:
         return output.bundle_of(self, "XY", False, SIZE, None, "")
 
     def _add(self, parts: list[Part]) -> Scene:

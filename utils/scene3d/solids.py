@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from utils.visits import Node
 
 RING = ((0, 1), (1, 2), (2, 3), (3, 0))
 EDGES = np.array([*RING, *((a + 4, b + 4) for a, b in RING), *((k, k + 4) for k in range(4))])
@@ -59,7 +63,7 @@ def lit(triangles: np.ndarray, colour: np.ndarray) -> np.ndarray:
     return np.clip((0.72 + 0.28 * facing)[:, None] * colour, 0, 255).astype(np.uint8)
 
 
-def upright_box(minimum, maximum) -> np.ndarray:
+def upright_box(minimum: Iterable[float], maximum: Iterable[float]) -> np.ndarray:
     """Corners (8, 3) of an axis-aligned box: the floor anticlockwise, then the roof."""
     (x, y, z), (far_x, far_y, far_z) = minimum, maximum
     floor = [(x, y), (far_x, y), (far_x, far_y), (x, far_y)]
@@ -78,7 +82,7 @@ def block_car(corners: np.ndarray) -> np.ndarray:
     # Corners 0 and 1 lie on one long side, 3 and 2 opposite them on the other.
     opposite = [1, 0, 3, 2]
 
-    def shortened(ring):
+    def shortened(ring: np.ndarray) -> np.ndarray:
         return 0.75 * ring + 0.25 * ring[opposite]
 
     cabin = np.concatenate([shortened(waist), shortened(roof)])
@@ -92,7 +96,9 @@ def rectangle(x: tuple[float, float], y: tuple[float, float], height: float) -> 
     return ring[[[0, 1, 2], [0, 2, 3]]]
 
 
-def plane_patch(plane, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def plane_patch(
+    plane: Sequence[float] | np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """The part of a x + b y + c z + d = 0 near points (n, 3): triangles and a grid of segments."""
     normal = np.asarray(plane[:3], dtype=float)
     length = np.linalg.norm(normal)
@@ -111,7 +117,7 @@ def plane_patch(plane, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     flat = (points - origin) @ np.stack([along, across], axis=1)
     low, high = (flat.min(axis=0), flat.max(axis=0)) if len(flat) else ([-10, -10], [10, 10])
 
-    def lifted(u, v):
+    def lifted(u: ArrayLike, v: ArrayLike) -> np.ndarray:
         u, v = np.broadcast_arrays(u, v)
         return origin + u[..., None] * along + v[..., None] * across
 
@@ -134,7 +140,7 @@ class Cut(NamedTuple):
     corners: np.ndarray
 
 
-def kd_cuts(root, minimum, maximum, depth: int) -> Iterator[Cut]:
+def kd_cuts(root: Node | None, minimum: ArrayLike, maximum: ArrayLike, depth: int) -> Iterator[Cut]:
     """The cuts of the first `depth` levels of a kd-tree, parents first.
 
     A tree over two dimensions cuts from the floor of the region to its roof. A wrong tree is

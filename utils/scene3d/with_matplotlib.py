@@ -6,7 +6,11 @@ matplotlib knows no depth. Its own 3-D axes cannot stand in the middle of a clou
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -14,13 +18,16 @@ from matplotlib.figure import Figure
 from utils.plots.style import PAPER, canvas
 from utils.scene3d.cameras import NEAREST, Camera, as_camera, cut_off
 from utils.scene3d.lettering import write
-from utils.scene3d.parts import Faces, Label, Points, Segments
+from utils.scene3d.parts import Faces, Label, Part, Points, Segments
 from utils.scene3d.shading import eye_dome
+
+if TYPE_CHECKING:
+    from utils.scene3d.scene import Scene
 
 DOTS_PER_INCH = 100
 
 
-def picture(scene, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+def picture(scene: Scene, camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """Draw a scene: uint8, (height, width, 3)."""
     width, height = size
     figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
@@ -31,7 +38,7 @@ def picture(scene, camera: Camera, size: tuple[int, int]) -> np.ndarray:
     return write(image, scene.parts, camera, scene.title, scene.caption)
 
 
-def draw(scene, camera: str | Camera, axes=None):
+def draw(scene: Scene, camera: str | Camera, axes: Axes | None = None) -> Axes:
     """Draw a scene into `axes`, or into the axes of a new figure of notebook width."""
     camera = as_camera(camera)
     axes = canvas(axes)
@@ -56,7 +63,7 @@ def draw(scene, camera: str | Camera, axes=None):
     return axes
 
 
-def _fill(axes, scene, camera, size) -> None:
+def _fill(axes: Axes, scene: Scene, camera: Camera, size: tuple[int, int]) -> None:
     """Draw all that is no text, in coordinates of pixels."""
     axes.set_axis_off()
     parts = scene.parts
@@ -88,7 +95,9 @@ def _fill(axes, scene, camera, size) -> None:
     axes.set(xlim=(0, size[0]), ylim=(size[1], 0))
 
 
-def _add_faces(axes, parts, camera, size, zorder) -> None:
+def _add_faces(
+    axes: Axes, parts: list[Faces], camera: Camera, size: tuple[int, int], zorder: float
+) -> None:
     """Draw triangles, the farthest first; those that reach behind the camera are left out."""
     kept = [part for part in parts if len(part.triangles)]
     if not kept:
@@ -114,7 +123,7 @@ def _add_faces(axes, parts, camera, size, zorder) -> None:
     )
 
 
-def _dotted(parts, camera, size) -> np.ndarray:
+def _dotted(parts: Iterable[Part], camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """All points as an image (height, width, 4) that is transparent between them."""
     width, height = size
     image = np.zeros((height, width, 3), dtype=np.uint8)

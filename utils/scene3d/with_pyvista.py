@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,11 @@ from utils.scene3d.lettering import write
 from utils.scene3d.opengl import quiet, without_screen
 from utils.scene3d.parts import Faces, Label, Part, Points, Segments
 from utils.scene3d.shading import eye_dome
+
+if TYPE_CHECKING:
+    import pyvista
+
+    from utils.scene3d.scene import Scene
 
 SMOOTHED = 2
 """How much wider dots and lines are drawn where super-sampling makes them thinner again."""
@@ -28,7 +34,7 @@ class Studio:
         Width and height of the pictures in pixels.
     """
 
-    def __init__(self, size: tuple[int, int]):
+    def __init__(self, size: tuple[int, int]) -> None:
         import pyvista
 
         with without_screen():
@@ -39,7 +45,7 @@ class Studio:
         self.plotter.enable_anti_aliasing("ssaa")
         self.size = size
 
-    def picture(self, scene, camera: Camera) -> np.ndarray:
+    def picture(self, scene: Scene, camera: Camera) -> np.ndarray:
         """Draw a scene: uint8, (height, width, 3)."""
         self.plotter.clear_actors()
         for part in scene.parts:
@@ -72,7 +78,7 @@ class Studio:
     def __enter__(self) -> Studio:
         return self
 
-    def __exit__(self, *problem) -> None:
+    def __exit__(self, *problem: object) -> None:
         self.close()
 
 
@@ -82,7 +88,7 @@ class Window:
     The mouse turns and zooms; F1 to F4 choose a camera, space halts, q closes the window.
     """
 
-    def __init__(self, size: tuple[int, int], camera: Camera):
+    def __init__(self, size: tuple[int, int], camera: Camera) -> None:
         import pyvista
 
         self.plotter = pyvista.Plotter(window_size=list(size), lighting="none", notebook=False)
@@ -95,7 +101,7 @@ class Window:
         self.plotter.iren.add_observer("ExitEvent", self._leave)  # q, or the window's own cross
         aim(self.plotter, camera)
 
-    def put(self, scene) -> None:
+    def put(self, scene: Scene) -> None:
         """Show a scene in place of the one before; the reader's view stays."""
         self.plotter.clear_actors()
         for part in scene.parts:
@@ -123,19 +129,19 @@ class Window:
     def _halt(self) -> None:
         self.halted = not self.halted
 
-    def _leave(self, *event) -> None:
+    def _leave(self, *event: object) -> None:
         self.open = False
         self.plotter.iren.terminate_app()
 
 
-def aim(plotter, camera: Camera) -> None:
+def aim(plotter: pyvista.Plotter, camera: Camera) -> None:
     """Put the plotter's camera in place."""
     plotter.camera_position = [camera.position, camera.target, camera.up]
     plotter.camera.view_angle = camera.view_angle
     plotter.reset_camera_clipping_range()
 
 
-def add(plotter, part: Part, widening: float = 1) -> None:
+def add(plotter: pyvista.Plotter, part: Part, widening: float = 1) -> None:
     """Add a part that is no text; dots and lines `widening` times as wide."""
     import pyvista
 
@@ -175,7 +181,7 @@ def add(plotter, part: Part, widening: float = 1) -> None:
         )
 
 
-def _add_labels(plotter, scene) -> None:
+def _add_labels(plotter: pyvista.Plotter, scene: Scene) -> None:
     """Add text that follows the camera: in a window the reader turns the scene."""
     labels = [part for part in scene.parts if isinstance(part, Label)]
     if labels:
@@ -196,5 +202,5 @@ def _add_labels(plotter, scene) -> None:
         plotter.add_text(text, position="upper_left", font_size=10, color=INK, render=False)
 
 
-def _aiming(plotter, camera: Camera) -> Callable[[], None]:
+def _aiming(plotter: pyvista.Plotter, camera: Camera) -> Callable[[], None]:
     return lambda: aim(plotter, camera)

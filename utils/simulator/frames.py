@@ -46,7 +46,7 @@ class Stream(Sequence):
     def __len__(self) -> int:
         return len(self.numbers)
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: int | slice) -> Frame | Stream:
         chosen = self.numbers[index]
         return Stream(self.render, chosen) if isinstance(index, slice) else self.render(chosen)
 

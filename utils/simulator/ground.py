@@ -1,9 +1,9 @@
-"""The ground: a straight road with slope, crown and kerbs, or an open plane.
+r"""The ground: a straight road with slope, crown and kerbs, or an open plane.
 
 Seen along the road, the surface is a roof of two slightly falling lanes, a kerb on each side
 and a pavement that rises again outwards:
 
-    \\__                          __/
+    \__                          __/
        |____------^^^------____|
 """
 
@@ -115,7 +115,9 @@ class Ground:
                 np.copyto(cosine, np.abs(across), where=met)
         return distance, cosine
 
-    def _road_coordinates(self, x, y):
+    def _road_coordinates(
+        self, x: float | np.ndarray, y: float | np.ndarray
+    ) -> tuple[float | np.ndarray, float | np.ndarray]:
         """Metres along the road and to the left of its crown."""
         cosine, sine = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
         x, y = x - self.pose.x, y - self.pose.y

@@ -112,7 +112,9 @@ def _gap(rng: np.random.Generator, plan: Plan, mean: float) -> float:
     return plan.clearance + mean * rng.random() * 2
 
 
-def _parked(rng, plan, first, last, side) -> Iterator[Obstacle]:
+def _parked(
+    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+) -> Iterator[Obstacle]:
     """Cars along the kerb, heading with the traffic."""
     x = first + _gap(rng, plan, plan.parked)
     while x < last:
@@ -125,7 +127,9 @@ def _parked(rng, plan, first, last, side) -> Iterator[Obstacle]:
         x += length + _gap(rng, plan, plan.parked)
 
 
-def _furniture(rng, plan, first, last, side) -> Iterator[Obstacle]:
+def _furniture(
+    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+) -> Iterator[Obstacle]:
     """Trees, lamp posts and signs beside the kerb."""
     x = first + _gap(rng, plan, plan.furniture)
     while x < last:
@@ -141,7 +145,9 @@ def _furniture(rng, plan, first, last, side) -> Iterator[Obstacle]:
         x += 0.6 + _gap(rng, plan, plan.furniture)
 
 
-def _walkers(rng, plan, first, last, side) -> Iterator[Obstacle]:
+def _walkers(
+    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+) -> Iterator[Obstacle]:
     """People on the pavement, now and then two side by side."""
     x = first + _gap(rng, plan, plan.walkers)
     yaw = math.pi * (rng.random() < 0.5)
@@ -152,7 +158,9 @@ def _walkers(rng, plan, first, last, side) -> Iterator[Obstacle]:
         x += 0.6 + _gap(rng, plan, plan.walkers)
 
 
-def _driving(rng, plan, first, last, side) -> Iterator[Obstacle]:
+def _driving(
+    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+) -> Iterator[Obstacle]:
     """Cars, cyclists and lorries in the lane, but none where the ego car drives."""
     heading = 0.0 if side < 0 else math.pi
     speed = 4.5 + 2.0 * rng.random()
@@ -171,7 +179,9 @@ def _driving(rng, plan, first, last, side) -> Iterator[Obstacle]:
         x += length + 2.0 + _gap(rng, plan, plan.driving)
 
 
-def _fronts(rng, plan, first, last, side) -> Iterator[Obstacle]:
+def _fronts(
+    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+) -> Iterator[Obstacle]:
     """House fronts with gaps between them, some closed by a hedge or a garden wall."""
     x, yaw = first, 0.0 if side > 0 else math.pi
     while x + 7.0 < last:

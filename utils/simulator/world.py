@@ -71,7 +71,7 @@ class World:
     ego: tuple[Solid, ...] = ()
 
     def seen_from(self, vehicle: Pose, time: float = 0.0) -> World:
-        """This world `time` seconds later in the frame of a vehicle that stands at `vehicle`."""
+        """The world `time` seconds later in the frame of a vehicle that stands at `vehicle`."""
         outer = replace(vehicle, z=0.0).inverse()
         moved = (obstacle.at(time) for obstacle in self.obstacles)
         return replace(

@@ -1,0 +1,69 @@
+"""What is loaded when something of utils is imported, and what utils never imports."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).resolve().parent.parent
+
+HEAVY = {"matplotlib", "pyvista", "vtk", "vtkmodules", "scipy", "sklearn", "rosbags", "IPython"}
+WITHOUT_A_PICTURE = (
+    "utils",
+    "utils.boxes",
+    "utils.checks",
+    "utils.clouds",
+    "utils.datasets",
+    "utils.ground",
+    "utils.notebooks",
+    "utils.recordings",
+    "utils.scenes",
+    "utils.scoring",
+    "utils.simulator",
+    "utils.streets",
+    "utils.traffic",
+    "utils.visits",
+)
+WITH_PICTURES = ("utils.films", "utils.play", "utils.plots", "utils.scene3d")
+
+
+def loaded_with(module):
+    """The packages that a fresh interpreter holds when it has imported `module`."""
+    command = f"import sys, {module}; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", command], cwd=PROJECT, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return {name.partition(".")[0] for name in done.stdout.split()}
+
+
+@pytest.mark.parametrize("module", WITHOUT_A_PICTURE)
+def test_what_draws_nothing_loads_nothing_heavy(module):
+    assert not loaded_with(module) & HEAVY
+
+
+@pytest.mark.parametrize("module", WITH_PICTURES)
+def test_what_draws_loads_matplotlib_and_nothing_else_heavy(module):
+    assert loaded_with(module) & HEAVY == {"matplotlib"}
+
+
+def test_utils_alone_does_not_even_load_numpy():
+    assert "numpy" not in loaded_with("utils")
+
+
+def imported_by(path):
+    """Every module that a file imports, at its top or within a function."""
+    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+
+
+def test_utils_imports_no_grader():
+    imports = {path: set(imported_by(path)) for path in (PROJECT / "utils").rglob("*.py")}
+    assert any("numpy" in names for names in imports.values())  # the files were really read
+    for path, names in imports.items():
+        assert not [name for name in names if name.partition(".")[0] == "grader"], path
