@@ -204,6 +204,41 @@ def test_an_error_names_the_cell_and_the_line():
     assert (str(last.frame.code.raw.co_filename), last.lineno + 1) == ("code cell 2", 4)
 
 
+@pytest.mark.parametrize(
+    "above",
+    [
+        "\n  \n%%time\n",
+        "%%capture out\n\n%%time\n\n",
+        "!ls \\\n  -l \\\n  /\n",
+        "\n\n%matplotlib \\\n inline\nprint?\n",
+        "\nfiles = %sx ls \\\n  -l\n",
+        "In [1]: x = 1\n   ...: y = 2\n%who\n",
+        "text = '''\n% of the points\n!\n'''\n%who\n",
+    ],
+)
+def test_magics_leave_every_line_in_its_place(above):
+    statements, problems = slicing.parse_notebook([above + "def f():\n    %who\n    return 1 / 0"])
+    assert not problems
+    assert statements[-1].node.body[-1].lineno == above.count("\n") + 3
+    _, problems = slicing.parse_notebook([above + "def g(:"])
+    assert f"(line {above.count(chr(10)) + 1}: 'def g(:')" in problems[0]
+
+
+def test_magics_do_nothing_and_are_nothing():
+    namespace, source, _ = sliced(
+        "x = %sx ls\ny = %who\nz = get_ipython().user_ns_of(1)\ndef f(): return x, y, z", "f"
+    )
+    assert namespace["f"]() == (None, None, None)
+    assert "ipython" not in source
+
+
+def test_what_is_checked_after_its_definition_is_an_exercise():
+    cells = ["check(f)", "def f(): pass", "def g(): pass", "check(g, 'h')\nplain = 1", "check(fg)"]
+    statements, _ = slicing.parse_notebook(cells)
+    names = ("f", "g", "plain", "nothing")
+    assert [slicing.is_checked(name, statements) for name in names] == [False, True, False, False]
+
+
 def test_what_the_lesson_does_after_the_check_is_not_the_students():
     text = """
 def near(point): return point + 1
