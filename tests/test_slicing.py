@@ -162,6 +162,25 @@ def test_leaves_out_what_it_does_not_need(line):
     assert "slow" not in source and "this_is_not_needed" not in source and len(source) < 90
 
 
+@pytest.mark.parametrize(
+    "comprehension",
+    [
+        "[n for n in slow_experiment()]",
+        "{n for n in slow_experiment()}",
+        "{n: k for n, k in slow_experiment()}",
+        "sum([[n for n in row] for row in slow_experiment()], [])",
+        "[max(n for n in row) for row in slow_experiment()]",
+    ],
+)
+def test_names_of_a_comprehension_are_its_own(comprehension):
+    text = f"n = k = row = 42\n---\nothers = {comprehension}\n---\ndef f(): return n + k - row"
+    namespace, source, problems = sliced(text)
+    assert namespace["f"]() == 42 and not problems
+    assert "slow" not in source
+    needs = f"others = {comprehension}\n---\nn = k = row = 0\n---\ndef f(): return others"
+    assert "row = 0" not in sliced(needs.replace("slow_experiment()", "[]"))[1]
+
+
 def test_the_last_definition_wins_as_it_does_in_a_notebook():
     namespace, _, _ = sliced("def f(): return 1\n---\ndef f(): return 2\n---\nf = f or None")
     assert namespace["f"]() == 2

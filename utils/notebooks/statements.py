@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import copy
 import symtable
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -51,7 +52,7 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     -------
     Statement
     """
-    table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
+    table = symtable.symtable(_source(node), "<cell>", "exec")
     symbols = table.get_symbols()
     uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
     binds = {
@@ -75,6 +76,28 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
         frozenset(_called_names(node)),
         future,
     )
+
+
+def _source(node: ast.stmt) -> str:
+    """Text of a statement in which the names of comprehensions are their own."""
+    comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
+    if any(isinstance(inner, comprehensions) for inner in _walk_without_functions(node)):
+        node = _Generators().visit(copy.deepcopy(node))
+    return ast.unparse(node)
+
+
+class _Generators(ast.NodeTransformer):
+    """Makes generators of comprehensions: Python 3.12 counts names of those to what is around."""
+
+    def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.GeneratorExp:
+        self.generic_visit(node)
+        return ast.GeneratorExp(node.elt, node.generators)
+
+    visit_SetComp = visit_ListComp
+
+    def visit_DictComp(self, node: ast.DictComp) -> ast.GeneratorExp:
+        self.generic_visit(node)
+        return ast.GeneratorExp(ast.Tuple([node.key, node.value], ast.Load()), node.generators)
 
 
 def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
