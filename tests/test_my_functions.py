@@ -3,9 +3,11 @@
 import json
 import traceback
 
+import matplotlib.pyplot as plt
 import pytest
 
 from grader.course.lessons import find_lesson
+from grader.judging.judge import run_tests
 from utils.notebooks.my_functions import load_my_functions
 
 STORY = """\
@@ -175,3 +177,138 @@ def test_a_failing_function_shows_its_own_line(here):
         load_my_functions("a.ipynb").f(1)
     assert "return x / 0  # here" in "".join(traceback.format_exception(caught.value))
     assert str(caught.traceback[-1].path) == "<a.ipynb, code cell 2>"
+
+
+def test_an_error_after_magics_names_the_line_of_its_author(here):
+    cell = "\n%matplotlib inline\n!echo \\\n    two lines\n\ndef f(x):\n    return x / 0  # here"
+    write(here / "a.ipynb", "def before(): pass", cell)
+    with pytest.raises(ZeroDivisionError) as caught:
+        load_my_functions("a.ipynb").f(1)
+    assert "return x / 0  # here" in "".join(traceback.format_exception(caught.value))
+    assert caught.traceback[-1].lineno + 1 == 7
+
+
+# Each notebook defines `f` so that f() is 42, in cells parted by ---.
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import numpy as np\nAXES = np.array([40, 2])\n---\ndef f(): return AXES.sum()",
+        "def make_table(): return {n: STEP * n for n in range(22)}\n---\nSTEP = int('2')\n---\n"
+        "TABLE = make_table()\n---\ndef f(): return TABLE[21]",
+        "TABLE = list()\n---\nTABLE.append(42)\n---\ndef f(): return TABLE[0]",
+        "TABLE = dict()\n---\ndef f(): return TABLE['a']\n---\nTABLE['a'] = 42",
+        "TABLE = []\nfor n in range(43):\n    print(n)\n    TABLE.append(n)\n---\n"
+        "def f(): return TABLE[-1]",
+        "def f(): return g()\n---\ndef g(): return h()\n---\ndef h(): return K\n---\nK = int('42')",
+        "def load(): return [1, 2, 42]\n---\ncloud = load()\nhigh = cloud[-1]\n---\n"
+        "def f(): return high",
+        "def f(): return math.floor(42.5)\n---\nimport math",
+        "def f(): return int(path.basename('a/42'))\n---\nfrom os import path",
+        "def twice(function): return lambda: 2 * function()\n---\n@twice\ndef f(): return 21",
+        "import functools\n---\n@functools.lru_cache(maxsize=int('1'))\ndef f(): return 42",
+        "K = int('2')\nclass Table:\n    rows = [k * K for k in range(22)]\n---\n"
+        "def f(): return Table.rows[21]",
+        "class Tree: pass\n---\ndef size(self): return 42\nTree.size = size\n---\n"
+        "def f(): return Tree().size()",
+        "from __future__ import annotations\n---\nfrom dataclasses import dataclass\n---\n"
+        "@dataclass\nclass Node:\n    value: int\n    left: Node = None\n---\n"
+        "def f(): return Node(42).value",
+        "try:\n    import a_module_that_nobody_has as fast\nexcept ImportError:\n    fast = None\n"
+        "---\ndef f(): return 1 if fast else 42",
+        "f = None\n---\ng = lambda: 42\n---\nf = g",
+        "def f(): return 1\n---\ndef f(): return 42\n---\nprint(f())",
+        "N = 42\n%time pass\n---\ndef f():\n    %matplotlib inline\n    return N",
+        "import sys\nN = 42\nsys.exit()\n---\ndef f(): return N",
+        "import sys\nN = 42\nM = sys.exit()\n---\ndef f(): return N if 'M' not in globals() else M",
+    ],
+)
+def test_functions_come_with_what_they_need(here, capfd, text):
+    write(here / "a.ipynb", STORY, *text.split("\n---\n"), "largest = max(tell())\nprint(largest)")
+    assert load_my_functions("a.ipynb").f() == 42
+    assert capfd.readouterr().out == ""
+
+
+def test_a_cloud_is_loaded_only_for_a_function_that_uses_it(here):
+    load = "from pathlib import Path\ndef load():\n    Path('loaded').touch()\n    return [7]"
+    write(here / "a.ipynb", load, "cloud = load()", "def f(cloud):\n    return cloud")
+    assert load_my_functions("a.ipynb").f(1) == 1
+    assert not (here / "loaded").exists()
+    write(here / "b.ipynb", load, "cloud = load()\nprint(cloud)", "def f():\n    return cloud")
+    assert load_my_functions("b.ipynb").f() == [7]
+    assert (here / "loaded").exists()
+
+
+def test_the_story_is_not_told_for_a_function_that_needs_its_pictures(here):
+    write(
+        here / "a.ipynb",
+        "from pathlib import Path",
+        "import matplotlib.pyplot as plt\nfrom utils import check, scenes",
+        "def measure():\n    Path('measured').touch()\n    return 3",
+        "figure, axes = plt.subplots()\ntimes = measure()\nLOW = -1.2",
+        "def draw(points):\n    axes.plot(points, LOW, times)",
+        "def lowest(show=False):\n    return axes if show else LOW",
+        "street = list(scenes.highway(frames=1))",
+        "def exercise():\n    return len(street)",
+        "check(exercise)",
+    )
+    mine = load_my_functions("a.ipynb")
+    assert sorted(vars(mine)) == ["draw", "exercise", "lowest", "measure"]
+    assert mine.lowest() == -1.2
+    with pytest.raises(NameError, match="axes"):
+        mine.lowest(show=True)
+    assert not plt.get_fignums() and not (here / "measured").exists()
+    # The judge would make the street, too.
+    assert mine.exercise() == 1
+
+
+def test_a_needed_line_that_fails_is_told_by_the_call(here):
+    write(here / "a.ipynb", "cloud = load_the_street()", "def f():\n    return cloud")
+    with pytest.raises(NameError, match="'cloud' is not defined"):
+        load_my_functions("a.ipynb").f()
+
+
+def test_commands_to_the_notebook_are_not_given_again(here, monkeypatch):
+    asked = []
+    monkeypatch.setattr("builtins.get_ipython", lambda: asked.append(1), raising=False)
+    write(
+        here / "a.ipynb",
+        "N = get_ipython().run_line_magic('who', '')\nget_ipython().system('ls')",
+        "%matplotlib inline\nM = %who\ndef f():\n    %who\n    return N, M",
+    )
+    assert load_my_functions("a.ipynb").f() == (None, None)
+    assert not asked
+
+
+def test_annotations_are_what_their_notebook_makes_of_them(here):
+    write(here / "a.ipynb", "def f(x: 1 + 1):\n    return x")
+    assert load_my_functions("a.ipynb").f.__annotations__ == {"x": 2}
+
+
+def test_notebooks_may_load_each_other(here):
+    load = "from utils import load_my_functions\nother = load_my_functions('{}.ipynb')"
+    write(here / "a.ipynb", load.format("b"), "def f():\n    return other.g()")
+    write(here / "b.ipynb", load.format("a"), "def g():\n    return 5\ndef h():\n    other.f()")
+    assert load_my_functions("a.ipynb").f() == 5
+    assert load_my_functions("a.ipynb").f() == 5
+
+
+def test_the_old_format_is_read(here):
+    cell = {"cell_type": "code", "input": ["def f():\n", "    return 1"], "language": "python"}
+    old = {"nbformat": 3, "worksheets": [{"cells": [cell]}]}
+    (here / "a.ipynb").write_text(json.dumps(old))
+    assert load_my_functions("a.ipynb").f() == 1
+
+
+def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
+    figures = plt.get_fignums()
+    mine = load_my_functions(lesson.solved)
+    assert set(lesson.names) <= set(vars(mine))
+    assert not [name for name in lesson.names if hasattr(getattr(mine, name), "is_stub")]
+    assert capfd.readouterr() == ("", "")
+    assert plt.get_fignums() == figures
+
+
+@pytest.mark.slow
+def test_exercises_of_solved_lessons_work(lesson):
+    results = run_tests(lesson, load_my_functions(lesson.solved), 1)
+    assert [(name, str(error)) for name, _, error in results if error] == []

@@ -162,6 +162,25 @@ def test_leaves_out_what_it_does_not_need(line):
     assert "slow" not in source and "this_is_not_needed" not in source and len(source) < 90
 
 
+@pytest.mark.parametrize(
+    "comprehension",
+    [
+        "[n for n in slow_experiment()]",
+        "{n for n in slow_experiment()}",
+        "{n: k for n, k in slow_experiment()}",
+        "sum([[n for n in row] for row in slow_experiment()], [])",
+        "[max(n for n in row) for row in slow_experiment()]",
+    ],
+)
+def test_names_of_a_comprehension_are_its_own(comprehension):
+    text = f"n = k = row = 42\n---\nothers = {comprehension}\n---\ndef f(): return n + k - row"
+    namespace, source, problems = sliced(text)
+    assert namespace["f"]() == 42 and not problems
+    assert "slow" not in source
+    needs = f"others = {comprehension}\n---\nn = k = row = 0\n---\ndef f(): return others"
+    assert "row = 0" not in sliced(needs.replace("slow_experiment()", "[]"))[1]
+
+
 def test_the_last_definition_wins_as_it_does_in_a_notebook():
     namespace, _, _ = sliced("def f(): return 1\n---\ndef f(): return 2\n---\nf = f or None")
     assert namespace["f"]() == 2
@@ -202,6 +221,41 @@ def test_an_error_names_the_cell_and_the_line():
         namespace["f"]()
     last = raised.traceback[-1]
     assert (str(last.frame.code.raw.co_filename), last.lineno + 1) == ("code cell 2", 4)
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "\n  \n%%time\n",
+        "%%capture out\n\n%%time\n\n",
+        "!ls \\\n  -l \\\n  /\n",
+        "\n\n%matplotlib \\\n inline\nprint?\n",
+        "\nfiles = %sx ls \\\n  -l\n",
+        "In [1]: x = 1\n   ...: y = 2\n%who\n",
+        "text = '''\n% of the points\n!\n'''\n%who\n",
+    ],
+)
+def test_magics_leave_every_line_in_its_place(above):
+    statements, problems = slicing.parse_notebook([above + "def f():\n    %who\n    return 1 / 0"])
+    assert not problems
+    assert statements[-1].node.body[-1].lineno == above.count("\n") + 3
+    _, problems = slicing.parse_notebook([above + "def g(:"])
+    assert f"(line {above.count(chr(10)) + 1}: 'def g(:')" in problems[0]
+
+
+def test_magics_do_nothing_and_are_nothing():
+    namespace, source, _ = sliced(
+        "x = %sx ls\ny = %who\nz = get_ipython().user_ns_of(1)\ndef f(): return x, y, z", "f"
+    )
+    assert namespace["f"]() == (None, None, None)
+    assert "ipython" not in source
+
+
+def test_what_is_checked_after_its_definition_is_an_exercise():
+    cells = ["check(f)", "def f(): pass", "def g(): pass", "check(g, 'h')\nplain = 1", "check(fg)"]
+    statements, _ = slicing.parse_notebook(cells)
+    names = ("f", "g", "plain", "nothing")
+    assert [slicing.is_checked(name, statements) for name in names] == [False, True, False, False]
 
 
 def test_what_the_lesson_does_after_the_check_is_not_the_students():

@@ -13,12 +13,13 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
-from grader.intake.notebook import UnreadableNotebook, read_file, read_notebook
+from grader.intake.notebook import read_file, read_notebook
 from grader.judging.verdict import ExerciseResult, TestResult, Verdict
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.student import Student, StudentError, StudentStopped
 from utils.checks import CheckFailed
 from utils.checks.tips import tip_for
+from utils.notebooks.reading import UnreadableNotebook
 
 _PYTEST = (
     "-p",

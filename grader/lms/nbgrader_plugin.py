@@ -21,9 +21,10 @@ from grader.classroom.grade import Submission, current_verdict
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
-from grader.intake.notebook import UnreadableNotebook, read_notebook
+from grader.intake.notebook import read_notebook
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
+from utils.notebooks.reading import UnreadableNotebook
 
 
 class Judge(NbGraderPreprocessor):

@@ -1,7 +1,6 @@
 """Fetch functions out of a notebook of one's own, without running the notebook.
 
-A notebook tells a story: it loads, draws, plays. Of that only what defines something is
-executed: functions, classes, imports and plain constants.
+A notebook tells a story: it loads, draws, plays. Of that only what the functions need is executed.
 """
 
 from __future__ import annotations
@@ -9,15 +8,31 @@ from __future__ import annotations
 import ast
 import contextlib
 import difflib
-import json
+import io
 import linecache
 import os
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import FunctionType, SimpleNamespace
+from types import FunctionType, ModuleType, SimpleNamespace
+
+from utils.notebooks import slicing
+from utils.notebooks.reading import UnreadableNotebook, decode_notebook
+from utils.notebooks.statements import Statement
 
 _PROJECT = Path(__file__).resolve().parents[2]
-# Their bodies are Python of the notebook's own namespace; other cell magics hold other things.
-_PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
+# What these do at the top level of a notebook is its story: pictures, films, and streets that
+# take seconds to simulate.
+_STORY = (
+    "matplotlib.pyplot",
+    "utils.films",
+    "utils.plots",
+    "utils.recording",
+    "utils.scene3d",
+    "utils.scenes",
+)
+_LOADING: set[Path] = set()  # a notebook may load one that loads it
+_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
@@ -43,22 +58,28 @@ def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
     ValueError
         The file is not a notebook.
 
+    Notes
+    -----
+    What the functions need runs: a table that they look things up in, a cloud that one of them
+    uses. Pictures, films and simulated streets are made for none but those that the notebook
+    checks, and whatever the notebook prints stays there.
+
     Examples
     --------
     >>> ground = load_my_functions("06_filter_ground.ipynb")
     >>> obstacles = ground.filter_ground(cloud, -1.2)
     """
     path = _find(Path(name).expanduser())
-    namespace = {"__name__": path.stem}
-    found = {}
-    for number, source in enumerate(_code_cells(path), start=1):
-        tree, filename = _parse(source), f"<{path.name}, code cell {number}>"
-        # So that Python can show the line in which one of these functions fails.
-        linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
-        for node in filter(_defines, tree.body):
-            bound = _execute(node, namespace, path.name, filename)
-            found.update({key: namespace[key] for key in bound})
-    return SimpleNamespace(**found)
+    if path in _LOADING:
+        raise RecursionError(f"{path.name} is waiting for its own functions.")
+    _LOADING.add(path)
+    try:
+        # Sliders run what they decorate.
+        statements = [one for one in _statements(path) if not _is_slider(one.node)]
+        names = _functions(statements)
+        return SimpleNamespace(**_execute(_needed(names, statements), names, path.name))
+    finally:
+        _LOADING.remove(path)
 
 
 def _find(wanted: Path) -> Path:
@@ -92,82 +113,114 @@ def _find(wanted: Path) -> Path:
     )
 
 
-def _code_cells(path: Path) -> list[str]:
-    """Source of each code cell."""
+def _statements(path: Path) -> list[Statement]:
+    """What stands in a notebook; cells that are no Python are passed over."""
     try:
-        cells = json.loads(path.read_bytes().decode("utf-8-sig"))["cells"]
-        return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    except (ValueError, KeyError, TypeError):
+        cells = decode_notebook(path.read_bytes(), path.name).cells
+    except UnreadableNotebook:
         raise ValueError(
             f"{path} cannot be read as a notebook. Open it in Jupyter, save it "
             "there, and try again."
         ) from None
+    for number, source in enumerate(cells, start=1):
+        # So that Python can show the line in which one of these functions fails.
+        filename = _filename(path.name, number)
+        linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
+    return slicing.parse_notebook(cells)[0]
 
 
-def _parse(source: str) -> ast.Module:
-    """A cell as Python, line by line where it stands; empty where it is something else."""
-    try:
-        return ast.parse(source)
-    except (SyntaxError, ValueError):
-        lines = source.splitlines()
-        if lines and lines[0].startswith("%%"):
-            if not lines[0].startswith(_PYTHON_MAGICS):
-                return ast.Module([], [])
-            lines[0] = ""
-    # `%matplotlib inline`, `!pip list`, `?plot`, `plot?`: commands of the notebook, not Python.
-    plain = [
-        "" if line.lstrip()[:1] in ("%", "!", "?") or line.rstrip().endswith("?") else line
-        for line in lines
-    ]
-    try:
-        return ast.parse("\n".join(plain))
-    except (SyntaxError, ValueError):
-        return ast.Module([], [])
+def _filename(notebook: str, cell: int) -> str:
+    return f"<{notebook}, code cell {cell}>"
 
 
-def _defines(node: ast.stmt) -> bool:
-    if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-        # Sliders run what they decorate.
-        return not any(
-            "interact" in ast.unparse(decorator).split("(")[0] for decorator in node.decorator_list
-        )
-    if isinstance(node, (ast.Import, ast.ImportFrom)):
-        return True
+def _is_slider(node: ast.stmt) -> bool:
+    return isinstance(node, _DEFINITIONS) and any(
+        "interact" in ast.unparse(decorator).split("(")[0] for decorator in node.decorator_list
+    )
+
+
+def _functions(statements: list[Statement]) -> set[str]:
+    """Names of the functions and classes that the statements define."""
+    names = set()
+    for statement in statements:
+        value = getattr(statement.node, "value", None)
+        if isinstance(statement.node, _DEFINITIONS):
+            names.add(statement.node.name)
+        elif isinstance(statement.node, (ast.Assign, ast.AnnAssign)) and (
+            isinstance(value, ast.Lambda) or isinstance(value, ast.Name) and value.id in names
+        ):
+            names |= statement.binds
+    return names
+
+
+def _needed(names: set[str], statements: list[Statement]) -> list[Statement]:
+    """The statements that functions need, in the order of the notebook.
+
+    An exercise gets all that it needs, as the judge gives it. Another function gets that too,
+    unless the story would be told for it: then it gets definitions and plain constants.
+    """
+    story = set(_story_names(statements))
+    plain = [statement for statement in statements if _is_plain(statement.node)]
+    kept = set()
+    for name in names:
+        needed = slicing.slice_for([name], statements)
+        if not slicing.is_checked(name, statements) and any(
+            statement.uses & story and not isinstance(statement.node, _DEFINITIONS)
+            for statement in needed
+        ):
+            needed = slicing.slice_for([name], plain)
+        kept.update(needed)
+    return [statement for statement in statements if statement in kept]
+
+
+def _story_names(statements: list[Statement]) -> Iterator[str]:
+    """Names under which a notebook imports what tells its story."""
+    for statement in statements:
+        if isinstance(statement.node, (ast.Import, ast.ImportFrom)):
+            module = getattr(statement.node, "module", None)
+            for alias in statement.node.names:
+                origin = f"{module}.{alias.name}" if module else alias.name
+                if any(f"{origin}.".startswith(f"{teller}.") for teller in _STORY):
+                    yield alias.asname or alias.name.split(".")[0]
+
+
+def _is_plain(node: ast.stmt) -> bool:
+    """Whether a statement defines or imports something, or names a constant without a call."""
     if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-        plain = all(isinstance(target, (ast.Name, ast.Tuple)) for target in targets)
-        return plain and (
-            isinstance(node.value, ast.Lambda)
-            or not any(
-                isinstance(part, (ast.Call, ast.Await, ast.NamedExpr, ast.Yield, ast.comprehension))
-                for part in ast.walk(node.value)
-            )
+        return isinstance(node.value, ast.Lambda) or not any(
+            isinstance(part, (ast.Call, ast.Await, ast.NamedExpr, ast.Yield, ast.comprehension))
+            for part in ast.walk(node)
         )
-    return False
+    return isinstance(node, (*_DEFINITIONS, ast.Import, ast.ImportFrom))
 
 
-def _execute(node: ast.stmt, namespace: dict, notebook: str, filename: str) -> list[str]:
-    """Execute one definition; the names of the functions and classes that it binds."""
-    before = dict(namespace)
+def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[str, Callable]:
+    """Execute statements; the functions and classes of these names as they were last defined."""
+    # Data classes look their module up. Nobody can import one with a dot before the suffix.
+    module = sys.modules[notebook] = ModuleType(notebook)
+    found = {}
+    with contextlib.redirect_stdout(io.StringIO()):  # what a notebook prints is for its reader
+        for statement in needed:
+            _execute_one(statement, module)
+            found.update(
+                (name, getattr(module, name))
+                for name in statement.binds & names
+                if callable(getattr(module, name, None))
+            )
+    return found
+
+
+def _execute_one(statement: Statement, module: ModuleType) -> None:
+    """Execute a statement in a module; a stub says that it is one when it is called."""
+    node, notebook = statement.node, module.__name__
     if isinstance(node, ast.FunctionDef) and _is_stub(node):
-        namespace[node.name] = _stub(node.name, notebook)
-    else:
-        code = compile(ast.Module([node], type_ignores=[]), filename, "exec")
-        try:
-            exec(code, namespace)
-        except Exception:
-            # A constant made from a cloud, a module that is not installed: part of the story.
-            # Whoever needs it gets Python's own words when the function is called.
-            return []
-    if isinstance(node, (ast.Import, ast.ImportFrom)):
-        return []
-    return [
-        name
-        for name, value in namespace.items()
-        if value is not before.get(name)
-        and isinstance(value, (FunctionType, type))
-        or name == getattr(node, "name", None)
-    ]
+        setattr(module, node.name, _stub(node.name, notebook))
+        return
+    # A statement that fails is passed over. Whoever needs it gets Python's own words when the
+    # function is called.
+    with contextlib.suppress(Exception, SystemExit):
+        code = slicing.compile_statement(statement, _filename(notebook, statement.cell))
+        exec(code, vars(module))
 
 
 def _is_stub(function: ast.FunctionDef) -> bool:
@@ -180,7 +233,7 @@ def _is_stub(function: ast.FunctionDef) -> bool:
 
 
 def _stub(name: str, notebook: str) -> FunctionType:
-    def stub(*arguments, **keywords):
+    def stub(*arguments: object, **keywords: object) -> None:
         raise NotImplementedError(
             f"{name} in {notebook} is still a stub. Write it there, save the notebook, and run "
             "load_my_functions again."

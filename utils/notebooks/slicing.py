@@ -1,9 +1,10 @@
 """The part of a notebook that an exercise needs.
 
-A notebook is a story: it loads a street, draws it, tries things out. The judge wants the
-student's functions and what those functions use, and nothing that costs time or can fail
-beside them. So the notebook is cut backwards from the functions' names: a top-level statement
-stays when it binds, or changes, a name that is needed; the names it uses are then needed too.
+A notebook is a story: it loads a street, draws it, tries things out. The judge, and another
+notebook, want the student's functions and what those functions use, and nothing that costs time
+or can fail beside them. So the notebook is cut backwards from the functions' names: a top-level
+statement stays when it binds, or changes, a name that is needed; the names it uses are then
+needed too.
 
 This module reads text that strangers wrote, and runs in the sandbox for that reason.
 """
@@ -11,44 +12,19 @@ This module reads text that strangers wrote, and runs in the sandbox for that re
 import __future__
 
 import ast
-import symtable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from types import CodeType
+
+from utils.notebooks.magics import parse_cell
+from utils.notebooks.statements import Statement, describe
 
 
-@dataclass(frozen=True)
-class Statement:
-    """One top-level statement.
-
-    Attributes
-    ----------
-    cell : int
-        Number of its code cell.
-    node : ast.stmt
-    binds, uses : frozenset of str
-        Names.
-    changes : frozenset of str
-        Names whose objects it changes.
-    calls : frozenset of str
-        Names of which it calls a method for its effect alone: a change, unless they are modules.
-    future : int
-        Compiler flags of the ``from __future__ import`` statements so far.
-    """
-
-    cell: int
-    node: ast.stmt
-    binds: frozenset
-    uses: frozenset
-    changes: frozenset
-    calls: frozenset
-    future: int
-
-
-def parse_notebook(cells):
+def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
     """Top-level statements of a notebook's code cells.
 
     Parameters
     ----------
-    cells : list of str
+    cells : iterable of str
         Source of each code cell.
 
     Returns
@@ -60,9 +36,9 @@ def parse_notebook(cells):
     statements, problems, future = [], [], 0
     for number, source in enumerate(cells, start=1):
         try:
-            nodes = _parse(source).body
+            nodes = parse_cell(source).body
             future |= _future_flags(nodes)
-            statements += [_describe(number, node, future) for node in nodes]
+            statements += [describe(number, node, future) for node in nodes]
         except SyntaxError as error:
             line = (error.text or "").strip()
             problems.append(
@@ -76,7 +52,7 @@ def parse_notebook(cells):
     return statements, problems
 
 
-def slice_for(names, statements):
+def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Statement]:
     """The statements that `names` need, in the order of the notebook.
 
     Parameters
@@ -92,7 +68,22 @@ def slice_for(names, statements):
     return [statements[position] for position in sorted(kept)]
 
 
-def _needed_by(name, statements):
+def is_checked(name: str, statements: list[Statement]) -> bool:
+    """Whether a `check(name)` follows the last definition: then it is an exercise.
+
+    Parameters
+    ----------
+    name : str
+    statements : list of Statement
+
+    Returns
+    -------
+    bool
+    """
+    return _end_of_exercise(name, statements) < len(statements)
+
+
+def _needed_by(name: str, statements: list[Statement]) -> set[int]:
     """Positions of the statements that one function needs."""
     # `sys.setrecursionlimit(...)` and its like work by what they do to the interpreter, so
     # they count even when no function names `sys`.
@@ -120,7 +111,7 @@ def _needed_by(name, statements):
     return kept
 
 
-def _end_of_exercise(name, statements):
+def _end_of_exercise(name: str, statements: list[Statement]) -> int:
     """Position of the `check(name)` that follows its last definition; the end without one."""
     last = max(
         (
@@ -136,15 +127,36 @@ def _end_of_exercise(name, statements):
     return len(statements)
 
 
-def compile_statement(statement, filename):
-    """Code object of a statement; `filename` is what tracebacks will say."""
-    return compile(
-        ast.Module([statement.node], type_ignores=[]), filename, "exec", flags=statement.future
-    )
+def compile_statement(statement: Statement, filename: str) -> CodeType:
+    """Compile a statement.
+
+    Parameters
+    ----------
+    statement : Statement
+    filename : str
+        What tracebacks will say.
+
+    Returns
+    -------
+    types.CodeType
+    """
+    module = ast.Module([statement.node], type_ignores=[])
+    return compile(module, filename, "exec", flags=statement.future, dont_inherit=True)
 
 
-def imported_modules(statements):
-    """Yield (cell, dotted module name) for everything that the statements import."""
+def imported_modules(statements: Iterable[Statement]) -> Iterator[tuple[int, str]]:
+    """Find what statements import, wherever it stands in them.
+
+    Parameters
+    ----------
+    statements : iterable of Statement
+
+    Yields
+    ------
+    cell : int
+    module : str
+        Its dotted name.
+    """
     for statement in statements:
         for node in ast.walk(statement.node):
             if isinstance(node, ast.Import):
@@ -154,30 +166,7 @@ def imported_modules(statements):
                 yield from ((statement.cell, f"{node.module}.{alias.name}") for alias in node.names)
 
 
-def _parse(source):
-    try:
-        return ast.parse(source)
-    except SyntaxError:
-        plain = _without_magics(source)
-        if plain == source:
-            raise
-        return ast.parse(plain)
-
-
-def _without_magics(source):
-    """Python text of a cell with IPython magics; needed for few cells and slow to import."""
-    from IPython.core.inputtransformer2 import TransformerManager
-
-    first, _, rest = source.lstrip().partition("\n")
-    if first.startswith("%%"):
-        # The bodies of these run in the notebook's own namespace; other cell magics hold
-        # another language, or throw-away code.
-        names = ("%%time", "%%capture", "%%prun")
-        return _without_magics(rest) if first.split()[0] in names else ""
-    return TransformerManager().transform_cell(source)
-
-
-def _future_flags(nodes):
+def _future_flags(nodes: list[ast.stmt]) -> int:
     """Compiler flags that hold from a cell on; statements are compiled one by one."""
     names = [
         alias.name
@@ -192,85 +181,3 @@ def _future_flags(nodes):
             if name in __future__.all_feature_names
         }
     )
-
-
-def _describe(cell, node, future):
-    table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
-    symbols = table.get_symbols()
-    uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
-    binds = {
-        symbol.get_name() for symbol in symbols if symbol.is_assigned() or symbol.is_imported()
-    }
-    for inner in _inner_tables(table):
-        uses |= {symbol.get_name() for symbol in inner.get_symbols() if symbol.is_global()}
-    binds |= {
-        inner.target.id
-        for inner in _walk_without_functions(node)
-        if isinstance(inner, ast.NamedExpr)
-    }  # one in a comprehension binds outside of it
-    if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
-        binds.add("sys")  # it may bind anything, so it always stays
-    return Statement(
-        cell,
-        node,
-        frozenset(binds),
-        frozenset(uses),
-        frozenset(_changed_names(node)),
-        frozenset(_called_names(node)),
-        future,
-    )
-
-
-def _inner_tables(table):
-    for child in table.get_children():
-        yield child
-        yield from _inner_tables(child)
-
-
-def _changed_names(node):
-    """Names whose objects a statement changes.
-
-    ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
-    ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
-    """
-    for inner in _walk_without_functions(node):
-        if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
-            inner.ctx, (ast.Store, ast.Del)
-        ):
-            yield _root(inner)
-        elif (
-            isinstance(inner, ast.Call)
-            and isinstance(inner.func, ast.Name)
-            and inner.func.id in ("setattr", "delattr")
-            and inner.args
-        ):
-            yield _root(inner.args[0])
-        elif _is_bare_call(inner) and inner.value.func.attr.startswith(("set", "seed")):
-            yield _root(inner.value.func)
-
-
-def _called_names(node):
-    """Names of which a statement calls a method and drops the result: ``a.append(b)``."""
-    return (
-        _root(inner.value.func) for inner in _walk_without_functions(node) if _is_bare_call(inner)
-    )
-
-
-def _is_bare_call(node):
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Call)
-        and isinstance(node.value.func, ast.Attribute)
-    )
-
-
-def _walk_without_functions(node):
-    """The nodes of a statement, less definitions: those change nothing until they are called."""
-    if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-        yield from ast.walk(node)
-
-
-def _root(node):
-    while isinstance(node, (ast.Attribute, ast.Subscript)):
-        node = node.value
-    return node.id if isinstance(node, ast.Name) else ""

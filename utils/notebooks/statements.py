@@ -1,0 +1,155 @@
+"""What a top-level statement of a notebook does with names: it binds, uses or changes them."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import symtable
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One top-level statement.
+
+    Attributes
+    ----------
+    cell : int
+        Number of its code cell.
+    node : ast.stmt
+    binds, uses : frozenset of str
+        Names.
+    changes : frozenset of str
+        Names whose objects it changes.
+    calls : frozenset of str
+        Names of which it calls a method for its effect alone: a change, unless they are modules.
+    future : int
+        Compiler flags of the ``from __future__ import`` statements so far.
+    """
+
+    cell: int
+    node: ast.stmt
+    binds: frozenset[str]
+    uses: frozenset[str]
+    changes: frozenset[str]
+    calls: frozenset[str]
+    future: int
+
+
+def describe(cell: int, node: ast.stmt, future: int) -> Statement:
+    """Find out what a statement does with names.
+
+    Parameters
+    ----------
+    cell : int
+        Number of its code cell.
+    node : ast.stmt
+    future : int
+        Compiler flags under which it stands.
+
+    Returns
+    -------
+    Statement
+    """
+    table = symtable.symtable(_source(node), "<cell>", "exec")
+    symbols = table.get_symbols()
+    uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
+    binds = {
+        symbol.get_name() for symbol in symbols if symbol.is_assigned() or symbol.is_imported()
+    }
+    for inner in _inner_tables(table):
+        uses |= {symbol.get_name() for symbol in inner.get_symbols() if symbol.is_global()}
+    binds |= {
+        inner.target.id
+        for inner in _walk_without_functions(node)
+        if isinstance(inner, ast.NamedExpr)
+    }  # one in a comprehension binds outside of it
+    if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
+        binds.add("sys")  # it may bind anything, so it always stays
+    return Statement(
+        cell,
+        node,
+        frozenset(binds),
+        frozenset(uses),
+        frozenset(_changed_names(node)),
+        frozenset(_called_names(node)),
+        future,
+    )
+
+
+def _source(node: ast.stmt) -> str:
+    """Text of a statement in which the names of comprehensions are their own."""
+    comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
+    if any(isinstance(inner, comprehensions) for inner in _walk_without_functions(node)):
+        node = _Generators().visit(copy.deepcopy(node))
+    return ast.unparse(node)
+
+
+class _Generators(ast.NodeTransformer):
+    """Makes generators of comprehensions: Python 3.12 counts names of those to what is around."""
+
+    def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.GeneratorExp:
+        self.generic_visit(node)
+        return ast.GeneratorExp(node.elt, node.generators)
+
+    visit_SetComp = visit_ListComp
+
+    def visit_DictComp(self, node: ast.DictComp) -> ast.GeneratorExp:
+        self.generic_visit(node)
+        return ast.GeneratorExp(ast.Tuple([node.key, node.value], ast.Load()), node.generators)
+
+
+def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
+    for child in table.get_children():
+        yield child
+        yield from _inner_tables(child)
+
+
+def _changed_names(node: ast.stmt) -> Iterator[str]:
+    """Names whose objects a statement changes.
+
+    ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
+    ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
+    """
+    for inner in _walk_without_functions(node):
+        if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
+            inner.ctx, (ast.Store, ast.Del)
+        ):
+            yield _root(inner)
+        elif (
+            isinstance(inner, ast.Call)
+            and isinstance(inner.func, ast.Name)
+            and inner.func.id in ("setattr", "delattr")
+            and inner.args
+        ):
+            yield _root(inner.args[0])
+        elif _is_bare_call(inner) and inner.value.func.attr.startswith(("set", "seed")):
+            yield _root(inner.value.func)
+
+
+def _called_names(node: ast.stmt) -> Iterator[str]:
+    """Names of which a statement calls a method and drops the result: ``a.append(b)``."""
+    return (
+        _root(inner.value.func) for inner in _walk_without_functions(node) if _is_bare_call(inner)
+    )
+
+
+def _is_bare_call(node: ast.AST) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and isinstance(node.value.func, ast.Attribute)
+    )
+
+
+def _walk_without_functions(node: ast.stmt) -> Iterator[ast.AST]:
+    """The nodes of a statement, less definitions: those change nothing until they are called."""
+    if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+        yield from ast.walk(node)
+
+
+def _root(node: ast.expr) -> str:
+    while isinstance(node, (ast.Attribute, ast.Subscript)):
+        node = node.value
+    return node.id if isinstance(node, ast.Name) else ""
