@@ -26,12 +26,16 @@ class Header:
     ----------
     forbidden : tuple of str
         Modules that may not be used because they do the exercise.
+    packages : tuple of str
+        Installed packages, as pip calls them, that may be used beside NumPy, SciPy and
+        matplotlib.
     given : tuple of str
-        Functions and classes that the lesson's own code defines and the judge calls, beside the
-        exercises.
+        Functions and classes that the lesson's own code defines and that answers rely on. The
+        judge takes them from the lesson, whatever a notebook makes of them.
     """
 
     forbidden: tuple[str, ...] = ()
+    packages: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
 
 

@@ -4,6 +4,7 @@ A lesson registers itself: by the name of its source, by what the source's heade
 the nbgrader metadata of its cells. Nothing about a lesson is written down a second time.
 """
 
+import ast
 import functools
 import json
 import re
@@ -78,6 +79,22 @@ class Lesson:
     def names(self) -> tuple[str, ...]:
         """Functions and classes of the notebook that the judge uses."""
         return (*(exercise.name for exercise in self.machine_graded), *self.header.given)
+
+    def source_of(self, names: tuple[str, ...]) -> str:
+        """Source of some functions of the released notebook, and of what they need of it.
+
+        Without the exercises: those are the student's.
+        """
+        mine = {exercise.name for exercise in self.machine_graded}
+        cells = json.loads(self.released.read_text("utf-8"))["cells"]
+        code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        statements, _ = slicing.parse_notebook(code)
+        needed = [
+            statement
+            for statement in slicing.slice_for(names, statements)
+            if not statement.binds & mine
+        ]
+        return "\n".join(ast.unparse(statement.node) for statement in needed)
 
     @property
     def machine_graded(self) -> tuple[Exercise, ...]:

@@ -17,7 +17,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.sandbox.boundary import SHOWN
+from grader.course.paths import PROJECT
+from grader.sandbox.boundary import (
+    BASE_PREFIX,
+    PREFIX,
+    PYTHON,
+    SHOWN,
+    SYSTEM,
+    files_of_packages,
+    folders_of_packages,
+)
+from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.protocol import Limits, SandboxUnavailable
 from grader.sandbox.workers import Worker, launch
 
@@ -38,7 +48,22 @@ class Bubblewrap:
                 "trust without one, add: --sandbox process"
             )
 
-    def start(self, limits: Limits, forbidden: Iterable[str] = ()) -> Worker:
+    def walls(self) -> str:
+        """Say which walls there are on this machine, for whoever grades."""
+        user = (
+            "an unused user for each notebook"
+            if _is_root()
+            else "a user namespace of its own for each notebook"
+        )
+        calls = "" if os.uname().machine in MACHINES else " (no filter of system calls on this one)"
+        return (
+            f"no network, no process of others, {user}, a list of what is shown, limits on "
+            f"memory, processes, files and time{calls}"
+        )
+
+    def start(
+        self, limits: Limits, forbidden: Iterable[str] = (), packages: Iterable[str] = ()
+    ) -> Worker:
         """Start a worker behind walls; see `grader.sandbox.protocol.Sandbox`."""
         # Without a process table of its own this would count all processes of whoever grades.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
@@ -47,7 +72,8 @@ class Bubblewrap:
             "limits": resources,
             "forbidden": list(forbidden),
         }
-        walls = [*_walls(limits), *_windows(forbidden), "--remount-ro", "/", "--"]
+        windows = _windows(tuple(packages), forbidden)
+        walls = [*_walls(limits), *windows, "--remount-ro", "/", "--"]
         return launch(walls, "/tmp", rules, limits)
 
 
@@ -107,7 +133,7 @@ def _walls(limits: Limits) -> list[str]:
     else:
         options += ["--unshare-user", "--disable-userns"]
     system = [
-        ("--ro-bind-try", path, path) for path in ("/usr", "/etc/ld.so.cache", "/etc/alternatives")
+        ("--ro-bind-try", path, path) for path in (*SYSTEM, "/etc/ld.so.cache", "/etc/alternatives")
     ]
     system += [
         ("--symlink", os.readlink(path), path)
@@ -122,6 +148,12 @@ def _walls(limits: Limits) -> list[str]:
         *itertools.chain(*system),
         "--proc",
         "/proc",
+        # Process 1 is bubblewrap's own, without our limits and filter of system calls. For an
+        # ordinary user it is a process of the same user: its memory could be written to.
+        "--tmpfs",
+        "/proc/1",
+        "--remount-ro",
+        "/proc/1",
         "--dev",
         "/dev",
         "--perms",
@@ -143,36 +175,33 @@ def _walls(limits: Limits) -> list[str]:
     ]
 
 
-def _windows(forbidden: Iterable[str]) -> list[str]:
+def _windows(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
     """Options that show Python and what the boundary lets through, less what is forbidden."""
-    shown = [sys.base_prefix, sys.prefix, *map(str, SHOWN)]
-    parents = {str(parent) for path in shown for parent in Path(path).parents}
-    # Folders that bubblewrap makes by itself are closed to all but their owner.
-    options = list(
-        itertools.chain(*(("--perms", "0755", "--dir", path) for path in sorted(parents, key=len)))
-    )
-    options += itertools.chain(*(("--ro-bind", path, path) for path in dict.fromkeys(shown)))
+    files = [path for path in files_of_packages(packages)]
+    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files))]
+    shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
+    # The project may lie in a folder that is shown; then its place is empty but for this.
+    covered = [str(PROJECT), *map(str, folders_of_packages())]
+    covered = [path for path in covered if _lies_in(path, (*SYSTEM, BASE_PREFIX))]
+    options = [] if _lies_in(BASE_PREFIX, SYSTEM) else _seen([BASE_PREFIX])
+    options += itertools.chain(*(("--tmpfs", path) for path in covered))
+    options += _seen(shown)
     for module in forbidden:
-        for folder in _folders_of(module):
-            options += ["--tmpfs", folder, "--remount-ro", folder]
+        for folder in folders_of_packages():
+            hidden = str(folder / module.replace(".", "/"))
+            if os.path.isdir(hidden) and _lies_in(hidden, map(str, files)):
+                options += ["--tmpfs", hidden, "--remount-ro", hidden]
+    options += itertools.chain(*(("--remount-ro", path) for path in covered))
     return options
 
 
-@functools.cache
-def _folders_of(module: str) -> tuple[str, ...]:
-    """Every folder of a module that can be seen inside; the system's Python may have it too."""
-    libraries = [
-        Path(root, name)
-        for root in (sys.prefix, sys.base_prefix, "/usr", "/usr/local")
-        for name in ("lib", "lib64")
-    ]
-    pattern = f"python*/*-packages/{module.replace('.', '/')}"
-    return tuple(
-        dict.fromkeys(
-            str(folder)
-            for library in libraries
-            if not library.is_symlink()
-            for folder in library.glob(pattern)
-            if folder.is_dir()
-        )
-    )
+def _seen(paths: list[str]) -> list[str]:
+    """Options that show files and folders, and make the folders above them."""
+    parents = {str(parent) for path in paths for parent in Path(path).parents}
+    # Folders that bubblewrap makes by itself are closed to all but their owner.
+    folders = (("--perms", "0755", "--dir", path) for path in sorted(parents, key=len))
+    return [*itertools.chain(*folders), *itertools.chain(*(("--ro-bind", p, p) for p in paths))]
+
+
+def _lies_in(path: str, folders: Iterable[str]) -> bool:
+    return any(Path(path).is_relative_to(folder) for folder in folders)

@@ -23,7 +23,13 @@ class PlainProcess:
     def available(self) -> None:
         """Every machine has processes."""
 
-    def start(self, limits: Limits, forbidden: Iterable[str] = ()) -> Worker:
+    def walls(self) -> str:
+        """Say that there are none."""
+        return "none"
+
+    def start(
+        self, limits: Limits, forbidden: Iterable[str] = (), packages: Iterable[str] = ()
+    ) -> Worker:
         """Start a worker; see `grader.sandbox.protocol.Sandbox`."""
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
         return launch((), os.environ.get("HOME", "/tmp"), rules, limits)

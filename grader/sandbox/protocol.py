@@ -70,7 +70,12 @@ class Sandbox(Protocol):
             With the command that would mend it.
         """
 
-    def start(self, limits: Limits, forbidden: Iterable[str] = ()) -> Worker:
+    def walls(self) -> str:
+        """Say what stands between a student's code and this machine."""
+
+    def start(
+        self, limits: Limits, forbidden: Iterable[str] = (), packages: Iterable[str] = ()
+    ) -> Worker:
         """Start a worker; nothing of the student is in it yet.
 
         Parameters
@@ -78,6 +83,8 @@ class Sandbox(Protocol):
         limits : Limits
         forbidden : iterable of str
             Dotted names of modules that shall not exist inside.
+        packages : iterable of str
+            Installed packages, as pip calls them, that shall exist inside.
 
         Raises
         ------

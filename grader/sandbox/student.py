@@ -1,57 +1,63 @@
 """The judge's side of the pipe: a student's functions, called as if they were ours.
 
 ``student.filter_ground(cloud)`` sends the cloud into the sandbox and returns what comes back.
-Everything that comes back is a claim by a stranger: plain data or an exception, no more.
+Everything that comes back is a claim by a stranger: plain data or an exception, no more. Nothing
+that a function does to its arguments reaches our objects; `RemoteFunction.observe` looks at it.
 """
 
 from __future__ import annotations
 
+import builtins
 import contextlib
+import select
 import subprocess
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
-from grader.sandbox import Sandbox
 from grader.sandbox.inside import wire
-from grader.sandbox.protocol import Limits
+from grader.sandbox.program import Program
+from grader.sandbox.protocol import Limits, Sandbox
 from grader.sandbox.workers import Worker
+from utils.checks.vocabulary import Observed
 
 LONGEST_TEXT = 500
 MOST_PROBLEMS = 20
+# How many times its limit, by the clock on the wall, a call may take that gets no processor.
+PATIENCE = 3
+SOON = 0.05  # seconds, in which most answers come
+# Names that say something and that student code did not choose.
+KNOWN_EXCEPTIONS = {
+    name
+    for name, value in vars(builtins).items()
+    if isinstance(value, type) and issubclass(value, BaseException)
+} | {"LinAlgError", "AxisError", "QhullError"}
 
 
 class StudentError(Exception):
-    """A student's function raised; `str()` is the sentence to show."""
+    """A student's function raised; `str()` is the sentence to show.
 
-    def __init__(self, function: str, type_name: str, message: str, place: str | None) -> None:
+    Attributes
+    ----------
+    type_name, message : str
+        The student's words: not for the messages of hidden tests.
+    without_words : str
+        The same in our words alone: a type that Python or NumPy defines, and the place.
+    """
+
+    def __init__(
+        self, function: str, type_name: str, message: str = "", place: str | None = None
+    ) -> None:
         self.type_name, self.message = type_name, message
         where = f" ({place})" if place else ""
+        known = type_name if type_name in KNOWN_EXCEPTIONS else "an exception of its own"
+        self.without_words = f"{function} raised {known}{where}."
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 
 
 class StudentStopped(Exception):
     """A student's process hung, died or broke the protocol; `str()` is the sentence to show."""
-
-
-class RemoteObject:
-    """An object of a student's own class. It stays inside; its attributes and methods answer.
-
-    ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
-    """
-
-    def __init__(self, student: Student, number: int, worker: Worker, type_name: str) -> None:
-        self._student, self._held = student, _Held(number, worker)
-        self.type_name = type_name
-
-    def __repr__(self) -> str:
-        return f"<{self.type_name} of the student>"
-
-    def __getattr__(self, name: str) -> object:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return self._student._ask(name, held=self._held, call=False)
 
 
 @dataclass(frozen=True)
@@ -62,39 +68,67 @@ class _Held:
     worker: Worker
 
 
+class RemoteFunction:
+    """A function, a class or a method inside: call it, or observe what it does."""
+
+    def __init__(self, student: Student, name: str, held: _Held | None = None) -> None:
+        self._student, self.__name__, self._held = student, name, held
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Return what it returns."""
+        return self._student._ask(self.__name__, arguments, keywords, self._held)
+
+    def observe(self, *arguments: object) -> Observed:
+        """Call it, and look at what became of the arguments; see `utils.checks.vocabulary`."""
+        return self._student._ask(self.__name__, arguments, held=self._held, observe=True)
+
+
+class RemoteObject:
+    """An object of a student's own class. It stays inside; its attributes and methods answer.
+
+    ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
+    """
+
+    def __init__(self, student: Student, held: _Held, type_name: str) -> None:
+        self._student, self._held = student, held
+        self.type_name = type_name
+
+    def __repr__(self) -> str:
+        return "<an object of the student>"
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self._student._ask(name, held=self._held, call=False)
+
+
 class Student:
     """Proxy for the functions of one notebook.
 
     Parameters
     ----------
-    cells : list of str
-        Source of the notebook's code cells.
-    names : tuple of str
-        The functions and classes that will be called.
+    program : grader.sandbox.program.Program
     sandbox : grader.sandbox.Sandbox
-    limits : grader.sandbox.Limits
-    forbidden : tuple of str
-        Modules that the lesson does not allow.
+    limits : grader.sandbox.Limits, optional
 
     Attributes
     ----------
     problems : list of str
         What was wrong with the notebook's own cells, one sentence each.
+    exercise : str
+        What is asked about now: an exercise that hangs costs the others nothing.
+    starved : bool
+        Whether a call was given up that had hardly had a processor: on a quieter machine it may
+        be right.
     """
 
-    def __init__(
-        self,
-        cells: Iterable[str],
-        names: Iterable[str],
-        sandbox: Sandbox,
-        limits: Limits | None = None,
-        forbidden: Iterable[str] = (),
-    ) -> None:
-        self._cells, self._names, self._sandbox = list(cells), tuple(names), sandbox
-        self._limits, self._forbidden = limits or Limits(), tuple(forbidden)
-        self._worker, self._missing, self._stops, self._calls = None, set(), [], 0
+    def __init__(self, program: Program, sandbox: Sandbox, limits: Limits | None = None) -> None:
+        self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
+        self._worker, self._missing, self._calls = None, set(), 0
+        self._stops: dict[str, list[str]] = {}
         self._time_left = self._limits.total_seconds
-        self.problems = []
+        self._run_whole, self._told = True, False
+        self.problems, self.exercise, self.starved = [], "", False
 
     def __enter__(self) -> Student:
         return self
@@ -102,15 +136,10 @@ class Student:
     def __exit__(self, *error: object) -> None:
         self.close()
 
-    def __getattr__(self, name: str) -> object:
-        if name.startswith("_") or name not in self._names:
+    def __getattr__(self, name: str) -> RemoteFunction:
+        if name.startswith("_") or name not in self._program.names:
             raise AttributeError(name)
-
-        def function(*arguments: object, **keywords: object) -> object:
-            return self._ask(name, arguments, keywords)
-
-        function.__name__ = name
-        return function
+        return RemoteFunction(self, name)
 
     def close(self) -> None:
         """Stop the sandbox."""
@@ -125,12 +154,12 @@ class Student:
         keywords: dict | None = None,
         held: _Held | None = None,
         call: bool = True,
+        observe: bool = False,
     ) -> object:
         """Call a function, or a method or an attribute of an object that is held inside."""
         if held is not None and held.worker is not self._worker:
             raise StudentStopped(
-                "The notebook's process was stopped, and what it had built is "
-                f"gone. {self._stops[-1]}"
+                "The notebook's process was stopped, and what it had built is gone."
             )
         self._ensure_running()
         if held is None and name in self._missing:
@@ -138,7 +167,6 @@ class Student:
                 name,
                 "NameError",
                 "the notebook does not define it; keep the name of the function as it was given",
-                None,
             )
         self._calls += 1
         request = {
@@ -148,6 +176,7 @@ class Student:
             "keywords": keywords or {},
             "call": call,
             "object": held and held.number,
+            "observe": observe,
         }
         reply = self._exchange(
             f"{name} did not answer within {{seconds:.0f}} seconds; "
@@ -159,50 +188,87 @@ class Student:
         if type(number) is not int or number != self._calls:
             self._stop(f"{name} did not answer the question that was asked")
         if "error" in reply:
-            raise StudentError(name, *_read_error(reply["error"]))
-        if "object" in reply:
-            if reply.get("callable") is True and not call:
-                return lambda *values, **options: self._ask(name, values, options, held)
-            return RemoteObject(self, reply["object"], self._worker, _readable(reply.get("type")))
-        _apply_changes(reply.get("changed"), arguments)
-        return reply.get("result")
+            raise self._error(name, reply["error"])
+        if "object" not in reply:
+            result = reply.get("result")
+        elif reply.get("callable") is True and not call:
+            result = RemoteFunction(self, name, held)
+        else:
+            held = _Held(reply["object"], self._worker)
+            result = RemoteObject(self, held, wire.known_type(reply.get("type")))
+        if not observe:
+            return result
+        after, shared = reply.get("arguments"), reply.get("shared")
+        if not isinstance(after, list) or len(after) != len(arguments):
+            self._stop(f"{name} did not answer the question that was asked")
+        return Observed(result, tuple(after), frozenset(_positions(shared)))
+
+    def _error(self, name: str, error: object) -> StudentError:
+        if not isinstance(error, dict):
+            return StudentError(name, "Exception")
+        kind, message, place = (_readable(error.get(key)) for key in ("type", "message", "place"))
+        place = place if self._program.has_place(place) else None
+        return StudentError(name, kind or "Exception", message, place)
 
     def _ensure_running(self) -> None:
         if self._worker:
             return
-        if len(self._stops) > self._limits.restarts:
+        stops = self._stops.get(self.exercise, [])
+        if len(stops) > self._limits.restarts:
             raise StudentStopped(
-                f"Not tried: the notebook's code had to be stopped "
-                f"{len(self._stops)} times before. {self._stops[-1]}"
+                f"Not tried: this exercise's code had to be stopped {len(stops)} times before. "
+                f"{stops[-1]}"
             )
         if self._time_left <= 0:
             raise StudentStopped(
                 f"Not tried: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
             )
-        self._worker = self._sandbox.start(self._limits, self._forbidden)
-        first_time = not self.problems and not self._stops
-        seconds = self._limits.start_seconds
-        too_slow = "The notebook's own cells did not finish within {seconds:.0f} seconds."
-        found = self._exchange(
-            too_slow, seconds, {"cells": self._cells, "names": list(self._names)}
+        program = self._program
+        self._worker = self._sandbox.start(self._limits, program.forbidden, program.packages)
+        found = self._start(
+            {
+                "cells": list(program.cells),
+                "names": list(program.names),
+                "modules": program.modules,
+                "given": {"names": list(program.given.names), "source": program.given.source},
+            }
         )
-        failed = self._exchange(too_slow, seconds)
-        if not (isinstance(found, dict) and isinstance(failed, dict)):
-            self._stop("The notebook's own cells broke off the conversation with the judge.")
-        self._missing = {name for name in self._names if name in _texts(failed.get("missing"))}
-        if first_time:
+        failed = self._start()
+        self._missing = set(_texts(failed.get("missing"))) & set(program.names)
+        if not self._told:
             self.problems += _texts(found.get("problems")) + _texts(failed.get("problems"))
+            self._told = True
+        if self._missing and self._run_whole:
+            self._try_whole_notebook()
+
+    def _try_whole_notebook(self) -> None:
+        """Run every cell, for names that nobody can read off the text."""
+        try:
+            found = self._start({"whole": True})
+            self._missing &= set(_texts(found.get("missing")))
+        except StudentStopped:  # a cell that hangs or quits: only now does it do harm
+            self._run_whole = False
+            self._stops[self.exercise].pop()
+            self._ensure_running()
+
+    def _start(self, message: dict | None = None) -> dict:
+        """One step of starting a notebook."""
+        too_slow = "The notebook's own cells did not finish within {seconds:.0f} seconds."
+        answer = self._exchange(too_slow, self._limits.start_seconds, message)
+        if not isinstance(answer, dict):
+            self._stop("The notebook's own cells broke off the conversation with the judge.")
+        return answer
 
     def _exchange(self, too_slow: str, seconds: float, message: dict | None = None) -> object:
         """Send a message, if any, and return the next one."""
-        begin = time.monotonic()
-        deadline = begin + min(seconds, max(self._time_left, 0.1))
+        begin, seconds = time.monotonic(), min(seconds, max(self._time_left, 0.1))
         try:
             if message is not None:
-                wire.send(self._worker.write_end, message, deadline)
-            return wire.receive(self._worker.read_end, deadline)
+                wire.send(self._worker.write_end, message, begin + seconds)
+            self._wait(seconds)
+            return wire.receive(self._worker.read_end, time.monotonic() + seconds)
         except wire.WireTimeout:
-            self._stop(too_slow.format(seconds=deadline - begin))
+            self._stop(too_slow.format(seconds=seconds))
         except wire.WireError:
             self._stop(
                 "What came back was not an answer: code in the notebook wrote to the "
@@ -210,8 +276,30 @@ class Student:
             )
         except wire.WireClosed:
             self._stop(None)
+
+    def _wait(self, seconds: float) -> None:
+        """Wait until an answer begins, or until the worker has had its time.
+
+        That time is the processor's: on a busy machine a right answer comes late. Who waits
+        instead of working is given up after a few times as long.
+        """
+        poll = select.poll()
+        poll.register(self._worker.read_end, select.POLLIN)
+        if poll.poll(1000 * SOON):
+            return
+        begin, had = time.monotonic(), self._worker.cpu_seconds()
+        worked, waited, pause = 0.0, 0.0, seconds
+        try:
+            while not poll.poll(1000 * pause):
+                worked = self._worker.cpu_seconds() - had
+                waited = time.monotonic() - begin
+                if worked >= seconds or waited >= PATIENCE * seconds:
+                    self.starved |= worked < seconds / 2
+                    raise wire.WireTimeout
+                pause = max(SOON, min(seconds - worked, PATIENCE * seconds - waited))
         finally:
-            self._time_left -= time.monotonic() - begin
+            waited = time.monotonic() - begin
+            self._time_left -= max(worked, waited / PATIENCE)
 
     def _stop(self, sentence: str | None) -> NoReturn:
         """Kill the worker, remember why, and say so."""
@@ -221,7 +309,7 @@ class Student:
                 worker.process.wait(timeout=2)
             sentence = _why_it_ended(worker.process.poll())
         worker.stop()
-        self._stops.append(sentence)
+        self._stops.setdefault(self.exercise, []).append(sentence)
         raise StudentStopped(sentence) from None
 
 
@@ -235,30 +323,8 @@ def _why_it_ended(code: int | None) -> str:
         return "The notebook's process used up its processor time; is there a loop without end?"
     if code in (139, -11):
         return "The notebook's process crashed (segmentation fault)."
-    return (
-        f"The notebook's process ended in the middle of a call (exit code {code}), as "
-        "os._exit and the like do."
-    )
-
-
-def _read_error(error: object) -> tuple[str, str, str | None]:
-    if not isinstance(error, dict):
-        return "Exception", "", None
-    texts = [_readable(error.get(key) or "") for key in ("type", "message", "place")]
-    return texts[0] or "Exception", texts[1], texts[2] or None
-
-
-def _apply_changes(changed: object, arguments: Sequence) -> None:
-    """Write what the student changed in an argument into ours, as a local call would."""
-    for position, value in (changed or {}).items() if isinstance(changed, dict) else ():
-        if not isinstance(position, int) or not 0 <= position < len(arguments):
-            continue
-        ours = arguments[position]
-        if hasattr(ours, "shape") and getattr(value, "shape", None) == ours.shape:
-            if ours.flags.writeable:
-                ours[...] = value
-        elif isinstance(ours, list) and isinstance(value, list):
-            ours[:] = value
+    # Without the exit code: student code chooses it, and may have a hidden question in mind.
+    return "The notebook's process ended in the middle of a call, as os._exit and the like do."
 
 
 def _texts(values: object) -> list[str]:
@@ -272,3 +338,7 @@ def _readable(value: object) -> str:
     """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
     text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def _positions(values: object) -> list[int]:
+    return [v for v in values[:MOST_PROBLEMS] if type(v) is int] if isinstance(values, list) else []

@@ -6,19 +6,20 @@ import contextlib
 import os
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from grader.sandbox.boundary import WORKER
+from grader.sandbox.boundary import PYTHON, WORKER
 from grader.sandbox.inside import wire
-from grader.sandbox.protocol import Limits, SandboxUnavailable
+from grader.sandbox.processes import cpu_of_tree, memory_left, memory_of_tree
+from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
+LEAST_MEMORY_LEFT = 0.03
+MODEST_MEMORY = 1024 * MEBIBYTE
 # One thread each: classes are graded many notebooks at a time.
 ENVIRONMENT = {
     "PATH": "/usr/bin:/bin",
@@ -50,12 +51,20 @@ class Worker:
             os.close(end)
         return code
 
+    def cpu_seconds(self) -> float:
+        """Processor time that it and all it started have had."""
+        return cpu_of_tree(self.process.pid)
+
     def watch_memory(self, limit: int) -> None:
-        """Kill the worker when all its processes together take more than `limit` bytes."""
+        """Kill the worker when all its processes together take more than `limit` bytes.
+
+        Or less, when the machine runs out: a student may refuse to be the one that Linux ends.
+        """
 
         def watch() -> None:
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
-                if memory_of_tree(self.process.pid) > limit:
+                most = limit if memory_left() > LEAST_MEMORY_LEFT else MODEST_MEMORY
+                if memory_of_tree(self.process.pid) > most:
                     self.process.kill()
                     return
 
@@ -85,7 +94,7 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
     our_read, their_write = os.pipe()
     for end in (our_read, our_write):
         os.set_blocking(end, False)
-    command = [*walls, sys.executable, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
+    command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
     try:
         process = subprocess.Popen(
             command,
@@ -111,30 +120,3 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
     worker.watch_memory(limits.total_memory)
     return worker
-
-
-def memory_of_tree(pid: int) -> int:
-    """Bytes that a process and its descendants have mapped.
-
-    Mapped and not used, because used memory can hide: pages shared by two processes may be
-    in the page tables of neither.
-
-    Parameters
-    ----------
-    pid : int
-
-    Returns
-    -------
-    int
-        0 where there is no such process or no /proc.
-    """
-    try:
-        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[0])
-        children = [
-            child
-            for path in Path(f"/proc/{pid}/task").glob("*/children")
-            for child in path.read_text().split()
-        ]
-    except OSError:  # it has just ended
-        return 0
-    return pages * os.sysconf("SC_PAGE_SIZE") + sum(map(memory_of_tree, children))

@@ -6,7 +6,7 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     forbidden: [scipy.spatial, sklearn.neighbors]
-#     given: [KdTree]
+#     given: [Node, KdTree]
 # ---
 
 # %% [markdown]

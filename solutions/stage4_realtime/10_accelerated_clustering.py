@@ -6,6 +6,7 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     forbidden: [sklearn.cluster, scipy.cluster, hdbscan, dbscan, open3d, pcl]
+#     packages: [scikit-learn]
 # ---
 
 # %% [markdown]

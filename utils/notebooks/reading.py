@@ -81,14 +81,12 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
 
 
 def _code_cells(content: dict) -> Iterator[str]:
-    cells = (
-        content["cells"]
-        if "cells" in content
-        else [cell for sheet in content["worksheets"] for cell in sheet["cells"]]
-    )
-    for cell in cells:
+    # A file may hold both; a person with Jupyter sees those of its own format alone.
+    old = content["nbformat"] < 4 if "nbformat" in content else "cells" not in content
+    sheets = content["worksheets"] if old else [content]
+    for cell in (cell for sheet in sheets for cell in sheet["cells"]):
         if cell["cell_type"] == "code":
-            source = cell["source"] if "source" in cell else cell["input"]
+            source = cell["input" if old else "source"]
             yield source if isinstance(source, str) else "".join(source)
 
 

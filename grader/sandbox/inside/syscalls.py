@@ -1,6 +1,6 @@
 """Take away the system calls that no exercise needs.
 
-Some memory belongs to no process and so to no limit (System V segments, `memfd_create`); a
+Some memory belongs to no process and so to no limit (System V segments, queues, `memfd_create`); a
 user namespace gives everybody a root's view of the kernel; keyrings are inherited from whoever
 grades; virtual sockets reach through a namespace to the host. A seccomp filter answers all of
 them, for this process and all it will ever start, with "no such call".
@@ -23,6 +23,7 @@ MACHINES = {
             "shmget": 29,
             "semget": 64,
             "msgget": 68,
+            "mq_open": 240,
             "memfd_create": 319,
             "memfd_secret": 447,
             "ptrace": 101,
@@ -49,6 +50,7 @@ MACHINES = {
             "shmget": 194,
             "semget": 190,
             "msgget": 186,
+            "mq_open": 180,
             "memfd_create": 279,
             "memfd_secret": 447,
             "ptrace": 117,

@@ -9,7 +9,6 @@ Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE
 
 import builtins
 import contextlib
-import importlib.abc
 import os
 import resource
 import sys
@@ -17,35 +16,18 @@ import types
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-_HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(_HERE), str(_HERE.parents[2])]  # this folder, and the one that holds `utils`
+import numpy as np
 
+_HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(_HERE))
+
+import importing  # noqa: E402
 import syscalls  # noqa: E402
 import wire  # noqa: E402
 
 from utils.notebooks import slicing  # noqa: E402
 
 LONGEST_TEXT = 400
-
-
-class ForbiddenImports(importlib.abc.MetaPathFinder):
-    """Answers the import of a library that would do the exercise with a clear sentence."""
-
-    def __init__(self, modules: Iterable[str]) -> None:
-        self.modules = tuple(modules)
-
-    def find_spec(self, fullname: str, path: object = None, target: object = None) -> None:
-        """Refuse what is forbidden; leave everything else to other finders."""
-        if is_forbidden(fullname, self.modules):
-            raise ImportError(
-                f"{fullname} is not allowed in this lesson: it does the exercise for you"
-            )
-        return None
-
-
-def is_forbidden(name: str, modules: Iterable[str]) -> bool:
-    """True where `name` is one of `modules` or lies inside one."""
-    return any(name == module or name.startswith(module + ".") for module in modules)
 
 
 def main(read_end: int, write_end: int) -> None:
@@ -55,13 +37,15 @@ def main(read_end: int, write_end: int) -> None:
     become_nobody(rules["user"])
     set_limits(rules["limits"])
     syscalls.deny()
-    sys.meta_path.insert(0, ForbiddenImports(rules["forbidden"]))
+    sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
     wire.send(write_end, "ready")
 
     start = wire.receive(read_end)
+    sys.meta_path.append(importing.Beside(start["modules"]))
     statements, problems = slicing.parse_notebook(start["cells"])
+    statements = with_given_code(statements, start["given"])
     for cell, module in dict.fromkeys(slicing.imported_modules(statements)):
-        if is_forbidden(module, rules["forbidden"]):
+        if importing.is_forbidden(module, rules["forbidden"]):
             problems.append(
                 f"Code cell {cell} imports {module}, which is not allowed in this "
                 "lesson: it does the exercise for you."
@@ -71,20 +55,41 @@ def main(read_end: int, write_end: int) -> None:
 
     namespace = make_namespace()
     failures = run(needed, namespace)
-    wire.send(
-        write_end,
-        {
-            "problems": failures,
-            "missing": [name for name in start["names"] if name not in namespace],
-        },
-    )
+    missing = [name for name in start["names"] if name not in namespace]
+    wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
     while True:
         try:
             request = wire.receive(read_end)
         except wire.WireClosed:
             return
-        reply(write_end, request["id"], answer(request, namespace, objects))
+        if "whole" in request:
+            # `exec`, `globals()` and the like bind names that nobody can read off the text.
+            run(statements, namespace)
+            missing = [name for name in start["names"] if name not in namespace]
+            wire.send(write_end, {"missing": missing})
+        else:
+            reply(write_end, request["id"], answer(request, namespace, objects))
+
+
+def with_given_code(statements: list[slicing.Statement], given: dict) -> list[slicing.Statement]:
+    """Put the lesson's own code in the place of whatever the notebook makes of it.
+
+    Parameters
+    ----------
+    statements : list of slicing.Statement
+        The notebook's.
+    given : dict
+        ``names`` that the lesson gives, and their ``source`` as it was released.
+    """
+    names = frozenset(given["names"])
+    released, _ = slicing.parse_notebook([given["source"]])
+    kept = [
+        statement
+        for statement in statements
+        if not (statement.binds and statement.binds <= names) and not statement.changes & names
+    ]
+    return [*released, *kept]
 
 
 def volunteer_for_the_memory_killer() -> None:
@@ -148,7 +153,6 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     an earlier answer left here under a number.
     """
     arguments, keywords = request["arguments"], request["keywords"]
-    before = [wire.encode(argument) for argument in arguments]
     try:
         if request["object"] is None:
             wanted = namespace[request["name"]]
@@ -157,20 +161,27 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
         result = wanted(*arguments, **keywords) if request["call"] else wanted
     except BaseException as error:
         return {"error": describe(error)}
-    if not wire.is_plain(result):
-        objects[len(objects)] = result
-        return {
-            "object": len(objects) - 1,
-            "callable": callable(result),
-            "type": type(result).__name__[:100],
-        }
-    # The judge passes changes of an argument on to its own copy, as a real call would.
-    changed = {
-        position: argument
-        for position, argument in enumerate(arguments)
-        if wire.encode(argument) != before[position]
+    seen = observed(result, arguments) if request["observe"] else {}
+    if wire.is_plain(result):
+        return {"result": result, **seen}
+    objects[len(objects)] = result
+    return {
+        "object": len(objects) - 1,
+        "callable": callable(result),
+        "type": type(result).__name__,
+        **seen,
     }
-    return {"result": result, "changed": changed}
+
+
+def observed(result: object, arguments: list) -> dict:
+    """What became of the arguments, and which of them share their memory with the result."""
+    arrays = [value if isinstance(value, np.ndarray) else np.empty(0) for value in arguments]
+    shared = [
+        position
+        for position, array in enumerate(arrays)
+        if isinstance(result, np.ndarray) and np.shares_memory(result, array)
+    ]
+    return {"arguments": arguments, "shared": shared}
 
 
 def reply(write_end: int, number: int, content: dict) -> None:
@@ -205,6 +216,8 @@ def describe(error: BaseException) -> dict:
         message = str(error)
     except BaseException:
         message = ""
+    if isinstance(error, ModuleNotFoundError) and "." not in str(error.name):
+        message += ", where notebooks are judged: only the packages that the lesson needs are there"
     return {"type": type(error).__name__[:100], "message": message[:LONGEST_TEXT], "place": place}
 
 

@@ -1,0 +1,92 @@
+"""What a process and all it started take: memory, processor time, files; read from /proc.
+
+Each function gives 0 where there is no such process or no /proc. What is read may be gone in the
+same moment, so every read may fail.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+PAGE = os.sysconf("SC_PAGE_SIZE")
+TICK = os.sysconf("SC_CLK_TCK")
+# An empty file takes about as much of the kernel's memory, which no limit of ours counts.
+BYTES_OF_A_FILE = 1024
+
+
+def tree(pid: int) -> Iterator[int]:
+    """A process and its descendants."""
+    yield pid
+    for children in _of_threads(pid, "children"):
+        for child in children.split():
+            yield from tree(int(child))
+
+
+def memory_of_tree(pid: int) -> int:
+    """Bytes that a process and its descendants have mapped, and that their files take.
+
+    Mapped and not used, because used memory can hide: pages shared by two processes may be
+    in the page tables of neither.
+    """
+    members = list(tree(pid))
+    return sum(map(_mapped, members)) + max(map(_files, members), default=0)
+
+
+def cpu_of_tree(pid: int) -> float:
+    """Seconds of processor time that a process and its descendants have had."""
+    return sum(map(_cpu, tree(pid)))
+
+
+def memory_left() -> float:
+    """Share of the machine's memory that is available; 1 where that cannot be told."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+    except OSError:
+        return 1.0
+    known = {line.split(":")[0]: line.split()[1] for line in lines}
+    return int(known["MemAvailable"]) / int(known["MemTotal"])
+
+
+def _mapped(pid: int) -> int:
+    """Of its live threads: a leader that has ended shows no memory, and they share one."""
+    pages = (int(text.split()[0]) for text in _of_threads(pid, "statm"))
+    return max(pages, default=0) * PAGE
+
+
+def _of_threads(pid: int, name: str) -> Iterator[str]:
+    """A file of each thread; one that ends meanwhile hides none of the others."""
+    threads = []
+    with contextlib.suppress(OSError):
+        threads = os.listdir(f"/proc/{pid}/task")
+    for thread in threads:
+        with contextlib.suppress(OSError):
+            yield Path(f"/proc/{pid}/task/{thread}/{name}").read_text()
+
+
+def _files(pid: int) -> int:
+    """Of the two folders that a student may write to, as this process sees them."""
+    total = 0
+    for folder in ("tmp", "dev/shm"):
+        try:
+            system = os.statvfs(f"/proc/{pid}/root/{folder}")
+            of_its_own = (
+                os.stat(f"/proc/{pid}/root/{folder}").st_dev != os.stat(f"/{folder}").st_dev
+            )
+        except OSError:
+            continue
+        if of_its_own:
+            total += (system.f_files - system.f_ffree) * BYTES_OF_A_FILE
+    return total
+
+
+def _cpu(pid: int) -> float:
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return 0.0
+    # The second field is a name in parentheses, which may hold anything.
+    fields = text.rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / TICK

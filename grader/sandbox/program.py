@@ -1,0 +1,52 @@
+"""What runs behind the wall: a notebook's code, and what the lesson adds to it and allows."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+# What a lesson finds inside unless its header names more, as pip calls it.
+PACKAGES = ("numpy", "scipy", "matplotlib")
+
+
+@dataclass(frozen=True)
+class Given:
+    """Code of the lesson that takes the place of whatever a notebook makes of it."""
+
+    names: tuple[str, ...] = ()
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Program:
+    """All that a worker is told.
+
+    Attributes
+    ----------
+    cells : tuple of str
+        Source of the notebook's code cells.
+    names : tuple of str
+        The functions and classes that will be called.
+    modules : dict of str to str
+        Source of the modules that were handed in beside the notebook, by name.
+    given : Given
+    forbidden : tuple of str
+        Modules that the lesson does not allow.
+    packages : tuple of str
+        Installed packages that it does.
+    """
+
+    cells: tuple[str, ...]
+    names: tuple[str, ...]
+    modules: dict[str, str] = field(default_factory=dict)
+    given: Given = Given()
+    forbidden: tuple[str, ...] = ()
+    packages: tuple[str, ...] = PACKAGES
+
+    def has_place(self, text: str) -> bool:
+        """True if a text is a place in the notebook, such as ``code cell 3, line 12``."""
+        found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", text)
+        if not found:
+            return False
+        cell, line = int(found[1]), int(found[2])
+        return 0 < cell <= len(self.cells) and 0 < line <= self.cells[cell - 1].count("\n") + 1
