@@ -5,7 +5,7 @@ import pytest
 from utils.checks import checks_of
 
 
-def hidden(exercise, *, title, hint, weight=1.0):
+def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
     """Mark a test of `grader/tests` that is not in the notebook.
 
     Parameters
@@ -21,7 +21,7 @@ def hidden(exercise, *, title, hint, weight=1.0):
     )
 
 
-def visible_checks(*exercises):
+def visible_checks(*exercises: str) -> pytest.MarkDecorator:
     """Turn the notebook's own checks of some exercises into tests, as argument `check`."""
     return pytest.mark.parametrize(
         "check",

@@ -10,53 +10,54 @@ import functools
 import numpy as np
 
 from grader.course.paths import PROJECT
+from utils.checks.vocabulary import frozen
 from utils.clouds import read_cloud
 
 
 @functools.cache
-def course_cloud():
+def course_cloud() -> np.ndarray:
     """``data/cloud.txt``, read-only."""
-    return _frozen(read_cloud(PROJECT / "data" / "cloud.txt"))
+    return frozen(read_cloud(PROJECT / "data" / "cloud.txt"))
 
 
 @functools.lru_cache(maxsize=256)
-def patch_of_course_cloud(seed, n):
-    """N random rows of the course's cloud within 25 m, in random order, read-only."""
+def patch_of_course_cloud(seed: int, n: int) -> np.ndarray:
+    """Rows of the course's cloud within 25 m, n of them in random order, read-only."""
     cloud = course_cloud()
     rng = np.random.default_rng(seed)
     rows = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 25)
-    return _frozen(cloud[rng.choice(rows, n, replace=False)])
+    return frozen(cloud[rng.choice(rows, n, replace=False)])
 
 
 @functools.lru_cache(maxsize=64)
-def fresh_street(seed):
+def fresh_street(seed: int) -> np.ndarray:
     """A street nobody has seen: a full turn of a scanner, read-only, shape (n, 4)."""
     from utils.scenes import random_street
 
-    return _frozen(random_street(seed).cloud)
+    return frozen(random_street(seed).cloud)
 
 
 @functools.lru_cache(maxsize=256)
-def obstacles_of_street(seed, n):
-    """N points that stand above the road of a fresh street, within 20 m, read-only."""
+def obstacles_of_street(seed: int, n: int) -> np.ndarray:
+    """Points that stand above the road of a fresh street within 20 m, n at most, read-only."""
     cloud = fresh_street(seed)
     near = np.hypot(cloud[:, 0], cloud[:, 1]) < 20
     rows = np.flatnonzero(near & (cloud[:, 2] > -1.0))
     rng = np.random.default_rng(seed + 1)
-    return _frozen(cloud[rng.choice(rows, min(n, len(rows)), replace=False)])
+    return frozen(cloud[rng.choice(rows, min(n, len(rows)), replace=False)])
 
 
 @functools.lru_cache(maxsize=1024)
-def _cluster_labels(data, shape, threshold):
+def _cluster_labels(data: bytes, shape: tuple[int, ...], threshold: float) -> np.ndarray:
     from sklearn.cluster import DBSCAN
 
     points = np.frombuffer(data).reshape(shape)
     # With one sample per core every point is a core: DBSCAN is then single linkage. Its radius
     # is closed and ours is open; `without_ties` keeps clouds free of distances in between.
-    return _frozen(DBSCAN(eps=threshold, min_samples=1).fit_predict(points) + 1)
+    return frozen(DBSCAN(eps=threshold, min_samples=1).fit_predict(points) + 1)
 
 
-def cluster_labels(cloud, threshold):
+def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
     if not len(cloud):
         return np.empty(0, dtype=int)
@@ -64,7 +65,7 @@ def cluster_labels(cloud, threshold):
     return _cluster_labels(points.tobytes(), points.shape, float(threshold))
 
 
-def without_ties(cloud, threshold, margin=1e-3):
+def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
     """Rows of a cloud of which no two are at the threshold, give or take `margin` metres.
 
     Whether a pair at the very threshold counts depends on ``<`` against ``<=`` and on the last
@@ -76,10 +77,10 @@ def without_ties(cloud, threshold, margin=1e-3):
     outer = tree.query_pairs(threshold + margin, output_type="ndarray")
     distance = np.linalg.norm(cloud[outer[:, 0], :3] - cloud[outer[:, 1], :3], axis=1)
     doubtful = outer[distance > threshold - margin]
-    return _frozen(np.delete(cloud, np.unique(doubtful[:, 1]), axis=0))
+    return frozen(np.delete(cloud, np.unique(doubtful[:, 1]), axis=0))
 
 
-def voxel_centroids(cloud, voxel_size):
+def voxel_centroids(cloud: np.ndarray, voxel_size: float) -> np.ndarray:
     """Right answer for `voxel_grid`, cell by cell in plain Python; shape (m, columns)."""
     cells = {}
     for row in np.asarray(cloud, dtype=float).tolist():
@@ -87,9 +88,3 @@ def voxel_centroids(cloud, voxel_size):
     return np.array(
         [[sum(column) / len(rows) for column in zip(*rows, strict=True)] for rows in cells.values()]
     ).reshape(-1, cloud.shape[1])
-
-
-def _frozen(array):
-    array = np.ascontiguousarray(array)
-    array.flags.writeable = False
-    return array

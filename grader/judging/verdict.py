@@ -1,11 +1,19 @@
 """The outcome of judging one notebook, and how it is kept on disk."""
 
+from __future__ import annotations
+
 import dataclasses
 import json
 import os
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+# Asked for once: asking changes it for a moment, for all threads.
+_UMASK = os.umask(0o022)
+os.umask(_UMASK)
+
+JUDGED, FAILED = "judged", "judge_failed"
 
 
 @dataclass(frozen=True)
@@ -38,6 +46,8 @@ class Verdict:
     Attributes
     ----------
     lesson, student : str
+    status : {"judged", "judge_failed"}
+        Whether the score says anything about the student.
     score, max_score : float
         Points of what a machine grades.
     exercises : tuple of ExerciseResult
@@ -47,34 +57,49 @@ class Verdict:
         Wall-clock time that judging took.
     key : str
         Fingerprint of all that the verdict depends on.
+    faults : tuple of str
+        What went wrong in the judge, with tracebacks, for whoever grades.
+    starved : bool
+        Whether a time limit was reached by code that hardly had a processor.
     """
 
     lesson: str
     student: str
+    status: str
     score: float
     max_score: float
     exercises: tuple
     problems: tuple
     seconds: float
     key: str
+    faults: tuple = ()
+    starved: bool = False
 
     def as_dict(self) -> dict:
         """The published form: one JSON object."""
         content = dataclasses.asdict(self)
-        del content["key"]
+        for private in ("key", "faults", "starved"):
+            del content[private]
         return content
+
+    def believed(self) -> Verdict:
+        """The same, after it was reached with the machine to itself."""
+        return dataclasses.replace(self, starved=False)
 
 
 def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
     """Write a verdict so that a reader finds a whole one or none."""
-    path = Path(path)
+    write_atomically(json.dumps(dataclasses.asdict(verdict), indent=1), Path(path))
+
+
+def write_atomically(text: str, path: Path) -> None:
+    """Write a file so that a reader finds all of it or none; fellow graders may read it."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(dataclasses.asdict(verdict), indent=1)
-    with tempfile.NamedTemporaryFile(
-        "w", dir=path.parent, suffix=".part", delete=False, encoding="utf-8"
-    ) as file:
+    descriptor, draft = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    with open(descriptor, "w", encoding="utf-8") as file:
         file.write(text)
-    os.replace(file.name, path)
+    os.chmod(draft, 0o666 & ~_UMASK)
+    os.replace(draft, path)
 
 
 def read_verdict(path: str | os.PathLike) -> Verdict | None:
@@ -88,7 +113,12 @@ def read_verdict(path: str | os.PathLike) -> Verdict | None:
             for exercise in content["exercises"]
         )
         return Verdict(
-            **{**content, "exercises": exercises, "problems": tuple(content["problems"])}
+            **{
+                **content,
+                "exercises": exercises,
+                "problems": tuple(content["problems"]),
+                "faults": tuple(content["faults"]),
+            }
         )
     except (OSError, ValueError, TypeError, KeyError):
         return None
