@@ -1,12 +1,12 @@
 """The grammar of the command line, ``python -m grader``; what commands do is in `commands`."""
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from grader import commands
+from grader.classroom.executors import processors
 from grader.lms.exporters import EXPORTERS
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
@@ -74,6 +74,10 @@ def parser() -> argparse.ArgumentParser:
     )
     export.set_defaults(run=commands.run_export)
 
+    doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
+    add_workers(doctor)
+    doctor.set_defaults(run=commands.run_doctor)
+
     demo = kinds.add_parser("demo", help="grade a pretend class, end to end, in demo/")
     demo.add_argument(
         "--students",
@@ -104,12 +108,19 @@ def add_judging_options(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _positive(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("at least one notebook is judged at a time")
+    return number
+
+
 def add_workers(command: argparse.ArgumentParser) -> None:
     """How many notebooks to judge at a time."""
     command.add_argument(
         "--workers",
-        type=int,
-        default=os.cpu_count() or 1,
+        type=_positive,
+        default=processors(),
         metavar="N",
         help="notebooks judged at a time (default: one per core)",
     )

@@ -77,8 +77,8 @@ def run_grade(options: argparse.Namespace) -> int:
 
 def run_report(options: argparse.Namespace) -> int:
     """Run ``report``."""
-    from grader.classroom.grade import find_submissions
     from grader.classroom.report import write_report
+    from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
 
     course = Course()
@@ -108,6 +108,25 @@ def run_export(options: argparse.Namespace) -> int:
     path.write_text(EXPORTERS[options.format](results), "utf-8", errors="replace")
     print(f"Scores: {path}")
     return GOOD
+
+
+def run_doctor(options: argparse.Namespace) -> int:
+    """Run ``doctor``."""
+    from grader.classroom.doctor import examine
+    from grader.classroom.executors import EXECUTORS
+    from grader.course.seed import course_seed
+
+    course = Course()
+    try:
+        sandbox = choose_sandbox()
+    except SandboxUnavailable:
+        sandbox = SANDBOXES["process"]  # the solutions are our own code
+    good = True
+    with EXECUTORS["processes"](options.workers) as executor:
+        for finding in examine(course, course_seed(course), sandbox, executor):
+            console.print_finding(finding)
+            good &= finding.good
+    return GOOD if good else FAULT
 
 
 def run_demo(options: argparse.Namespace) -> int:
@@ -140,14 +159,19 @@ def grade_course(
 ) -> int:
     """Judge, enter, report: what `grade` and `demo` do."""
     from grader.classroom.executors import EXECUTORS
-    from grader.classroom.grade import judge_class
+    from grader.classroom.grade import RehearsalFailed, judge_class
     from grader.classroom.report import write_report
     from grader.lms.gradebook import GradebookTrouble, enter
 
     warning = warning or sandbox.warning
     begin = time.perf_counter()
-    with EXECUTORS["processes"](workers) as executor, console.progress_bar("Judging") as advance:
-        judged = judge_class(course, wanted, seed, sandbox, executor, advance)
+    open_executor = EXECUTORS["processes"]
+    try:
+        with console.progress_bar("Judging") as advance:
+            judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, advance)
+    except RehearsalFailed as error:
+        print(console.plain(error), file=sys.stderr)
+        return FAULT
     seconds = time.perf_counter() - begin
     if not judged:
         print(
@@ -161,7 +185,7 @@ def grade_course(
         try:
             enter(course, judged, seed, sandbox, advance)
         except GradebookTrouble as error:
-            print(error, file=sys.stderr)
+            print(console.plain(error), file=sys.stderr)
             status = FAULT
     path = write_report(course, judged, seconds, warning)
     console.print_class(judged)

@@ -14,7 +14,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from grader.classroom.grade import Submission
+    from grader.classroom.doctor import Finding
+    from grader.classroom.submissions import Submission
     from grader.judging.verdict import Verdict
     from grader.sandbox import Sandbox
 
@@ -33,6 +34,11 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
         yield lambda done, total, what: progress.update(task, completed=done, total=total)
 
 
+def plain(text: object) -> str:
+    """A text that can be printed, whatever a folder is called."""
+    return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in str(text))
+
+
 def warn_if_unprotected(sandbox: Sandbox) -> None:
     """Say loudly what a missing sandbox means."""
     if sandbox.warning:
@@ -43,7 +49,7 @@ def print_verdict(verdict: Verdict) -> None:
     """Print one verdict for a person."""
     console = Console(highlight=False)
     for sentence in verdict.problems:
-        console.print(f"! {sentence}", markup=False)
+        console.print(f"! {plain(sentence)}", markup=False)
     for exercise in verdict.exercises:
         console.print(
             f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points",
@@ -54,13 +60,21 @@ def print_verdict(verdict: Verdict) -> None:
             mark = "passed" if test.passed else "FAILED"
             console.print(f"  {mark}  {test.title}", markup=False)
             for line in test.message.splitlines():
-                console.print(f"          {line}", markup=False, style="dim")
+                console.print(f"          {plain(line)}", markup=False, style="dim")
     console.print(
         f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
         f"({verdict.seconds:.1f} s)",
         style="bold",
         markup=False,
     )
+
+
+def print_finding(finding: Finding) -> None:
+    """Print one finding of the doctor."""
+    mark = "good " if finding.good else "MEND "
+    style = "" if finding.good else "bold red"
+    text = f"{mark} {finding.subject}: {plain(finding.text)}"
+    Console(highlight=False, soft_wrap=True).print(text, markup=False, style=style)
 
 
 def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
@@ -84,11 +98,17 @@ def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
     table.add_column("First thing that went wrong", no_wrap=True, ratio=1)
     for student, verdicts in students.items():
         table.add_row(
-            escape(student),
-            *(f"{verdicts[lesson].score:.3g}" if lesson in verdicts else "-" for lesson in lessons),
+            escape(plain(student)),
+            *(_score(verdicts.get(lesson)) for lesson in lessons),
             _first_fault(verdicts.values()),
         )
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
+
+
+def _score(verdict: Verdict | None) -> str:
+    if verdict is None:
+        return "-"
+    return f"{verdict.score:.3g}" if verdict.status == "judged" else "?"
 
 
 def _first_fault(verdicts: Iterable[Verdict]) -> str:
@@ -105,4 +125,4 @@ def _first_fault(verdicts: Iterable[Verdict]) -> str:
         if not any(exercise.tests for exercise in verdict.exercises)
         for sentence in verdict.problems
     ]
-    return escape(next(iter(problems + faults), ""))
+    return escape(plain(next(iter(problems + faults), "")))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import statistics
 from collections import Counter
 from collections.abc import Sequence
@@ -15,10 +14,11 @@ import jinja2
 
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.judging.verdict import Verdict
+from grader.judging.messages import without_numbers
+from grader.judging.verdict import JUDGED, Verdict
 
 if TYPE_CHECKING:
-    from grader.classroom.grade import Submission
+    from grader.classroom.submissions import Submission
 
 BINS = 10
 
@@ -86,7 +86,11 @@ def write_report(
     ]
     students = {}
     for submission, verdict in judged:
-        students.setdefault(submission.student, {})[verdict.lesson] = verdict
+        # The name of a folder need not be text.
+        name = submission.student.encode("utf-8", "replace").decode()
+        students.setdefault(name, {})[verdict.lesson] = verdict
+    most = {verdict.lesson: verdict.max_score for verdict in verdicts}
+    counted = [verdict for verdict in verdicts if verdict.status == JUDGED]
     page = environment.get_template("report.html").render(
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
         seconds=seconds,
@@ -94,14 +98,18 @@ def write_report(
         students=students,
         lessons=lessons,
         notebooks=len(verdicts),
-        summaries=[summarise_lesson(lesson, verdicts) for lesson in lessons],
-        hardest=hardest_checks(verdicts),
-        mistakes=common_messages(verdicts),
+        most=most,
+        summaries=[
+            summarise_lesson(lesson, counted)
+            for lesson in lessons
+            if any(verdict.lesson == lesson.name for verdict in counted)
+        ],
+        hardest=hardest_checks(counted),
+        mistakes=common_messages(counted),
         slowest=sorted(judged, key=lambda pair: -pair[1].seconds)[:5],
     )
     path = course.report / "index.html"
     path.parent.mkdir(parents=True, exist_ok=True)
-    # The name of a folder need not be UTF-8.
     path.write_text(page, "utf-8", errors="replace")
     return path
 
@@ -146,14 +154,7 @@ def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[st
         for exercise in verdict.exercises:
             for test in exercise.tests:
                 if test.message:
-                    mistake = (exercise.name, _without_numbers(test.message.splitlines()[0]))
+                    mistake = (exercise.name, without_numbers(test.message.splitlines()[0]))
                     students.setdefault(mistake, set()).add(verdict.student)
     found = [(*mistake, len(names)) for mistake, names in students.items()]
     return sorted(found, key=lambda mistake: -mistake[2])[:most]
-
-
-def _without_numbers(message: str) -> str:
-    """A message without what differs from cloud to cloud, so that equal mistakes count as one."""
-    message = re.sub(r", for example \([^)]*\)", "", message)
-    message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(?!\w)", "…", message)
-    return re.sub(r"\(…(, …)*\)", "(…)", message).replace("… row ", "… rows ")

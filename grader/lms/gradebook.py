@@ -12,10 +12,10 @@ from nbgrader.converters import Autograde, GenerateAssignment
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
-from grader.classroom.grade import Submission
+from grader.classroom.submissions import Submission
 from grader.course.nbgrader_settings import configure, converter
 from grader.course.paths import Course
-from grader.judging.verdict import Verdict
+from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.results import ClassResults, NotebookResult
 from grader.sandbox import Sandbox
 
@@ -68,12 +68,18 @@ def enter(
     GradebookTrouble
         After everybody else has been entered.
     """
-    keys = {}
+    keys, failed = {}, []
     for submission, verdict in judged:
         group = keys.setdefault((submission.student, submission.lesson.stage), {})
         group[submission.lesson.name] = verdict.key
+    for submission, verdict in judged:
+        if verdict.status != JUDGED:  # no mark is better than a wrong one
+            keys.pop((submission.student, submission.lesson.stage), None)
+            failed.append(
+                f"{submission.student}, {submission.lesson.stage}: not entered, because the judge "
+                f"failed on {submission.lesson.name}; see {submission.verdict_path(course)}"
+            )
     register(course, dict.fromkeys(stage for _, stage in keys))
-    failed = []
     for done, ((student, stage), wanted) in enumerate(keys.items(), start=1):
         if not is_entered(course, student, stage, wanted):
             autograde = converter(
@@ -87,8 +93,8 @@ def enter(
         progress(done, len(keys), student)
     if failed:
         raise GradebookTrouble(
-            "nbgrader could not enter some submissions; run `nbgrader "
-            "autograde` on them to see why:\n" + "\n".join(failed)
+            "Some submissions were not entered into the gradebook. Where nbgrader could not, "
+            "`nbgrader autograde` on them says why:\n" + "\n".join(failed)
         )
 
 

@@ -17,12 +17,13 @@ from nbgrader.preprocessors import NbGraderPreprocessor
 from nbgrader.utils import is_grade, is_solution
 from traitlets import Enum, Integer
 
-from grader.classroom.grade import Submission, current_verdict
+from grader.classroom.grade import current_verdict
+from grader.classroom.submissions import Submission
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.notebook import read_notebook
-from grader.judging.verdict import ExerciseResult, Verdict
+from grader.judging.verdict import JUDGED, ExerciseResult, Verdict
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -64,6 +65,8 @@ class Judge(NbGraderPreprocessor):
             course_seed(course, self.seed),
             choose_sandbox(self.sandbox),
         )
+        if verdict.status != JUDGED:  # no mark is better than a wrong one
+            raise RuntimeError(verdict.problems[0])
         write_into(nb, verdict)
         return nb, resources
 

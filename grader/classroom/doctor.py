@@ -1,0 +1,130 @@
+"""Is everything ready to grade? One finding a line, each with what to do about it."""
+
+from __future__ import annotations
+
+import platform
+import re
+import shutil
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from importlib import metadata
+
+from grader.classroom.grade import RehearsalFailed, rehearse
+from grader.classroom.submissions import unaccounted_files
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT, Course
+from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
+from grader.sandbox.boundary import is_shown
+
+LEAST_SPACE = 2**30
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at.
+
+    Attributes
+    ----------
+    subject : str
+    good : bool
+    text : str
+        What was found; where it is not good, what to do.
+    """
+
+    subject: str
+    good: bool
+    text: str
+
+
+def examine(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> Iterator[Finding]:
+    """Look at all that grading relies on, the quick things first."""
+    yield from _versions()
+    yield from _sandboxes()
+    yield _boundary(course)
+    yield _space(course)
+    yield _seed(course)
+    yield _oracles(course, seed, sandbox, executor)
+    yield from _files(course)
+
+
+def _versions() -> Iterator[Finding]:
+    yield Finding("Python", True, f"{platform.python_version()} on {platform.platform()}")
+    pins = re.findall(r"^([\w-]+)==(\S+)", (PROJECT / "requirements.txt").read_text("utf-8"), re.M)
+    other = []
+    for name, wanted in pins:
+        try:
+            found = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found = "missing"
+        if found != wanted:
+            other.append(f"{name} {found} instead of {wanted}")
+    yield Finding(
+        "packages",
+        not other,
+        f"{', '.join(other)}. Run: pip install -r requirements.txt"
+        if other
+        else f"all {len(pins)} as in requirements.txt",
+    )
+
+
+def _sandboxes() -> Iterator[Finding]:
+    for sandbox in SANDBOXES.values():
+        if sandbox.warning:
+            yield Finding(f"sandbox {sandbox.name}", True, sandbox.warning)
+            continue
+        try:
+            sandbox.available()
+        except SandboxUnavailable as error:
+            yield Finding(f"sandbox {sandbox.name}", False, str(error))
+        else:
+            yield Finding(f"sandbox {sandbox.name}", True, sandbox.walls())
+
+
+def _boundary(course: Course) -> Finding:
+    seen = [path for path in (PROJECT / "grader" / "tests", course.root) if is_shown(path)]
+    if not seen:
+        return Finding("boundary", True, "student code sees neither hidden tests nor submissions")
+    return Finding(
+        "boundary",
+        False,
+        f"student code could read {seen[0]}, which lies in a folder that every sandbox shows. "
+        "Move it, for instance below your home.",
+    )
+
+
+def _space(course: Course) -> Finding:
+    free = shutil.disk_usage(course.root).free
+    return Finding("disk", free > LEAST_SPACE, f"{free / 2**30:.1f} GB free at {course.root}")
+
+
+def _seed(course: Course) -> Finding:
+    if not course.seed_file.exists():
+        return Finding("seed", True, "not drawn yet: the first grading does")
+    open_to_all = course.seed_file.stat().st_mode & 0o077
+    return Finding(
+        "seed",
+        not open_to_all,
+        f"{course.seed_file} can be read by others. Run: chmod 600 {course.seed_file}"
+        if open_to_all
+        else "drawn, and readable by you alone",
+    )
+
+
+def _oracles(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> Finding:
+    lessons = all_lessons()
+    try:
+        rehearse(course, lessons, seed, sandbox, executor)
+    except RehearsalFailed as error:
+        return Finding("oracles", False, str(error))
+    return Finding(
+        "oracles", True, f"the solutions of {len(lessons)} lessons earn everything on this seed"
+    )
+
+
+def _files(course: Course) -> Iterator[Finding]:
+    found = unaccounted_files(course)
+    if not found:
+        yield Finding("submitted", True, "every file is a submission, or belongs to one")
+    for path, reason in found:
+        yield Finding("submitted", False, f"{path}: {reason}")
