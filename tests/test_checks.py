@@ -1,8 +1,17 @@
 """The checks of a notebook: what a student sees, and in which words."""
 
+import copy
+import importlib
+import importlib.util
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from grader.course.lessons import all_lessons, load_reference
+from grader.course.paths import PROJECT
+from grader.judging.asking import run_tests
+from grader.judging.messages import message_of
 from utils.checks import CheckFailed, check, checks_of
 from utils.checks.core import ChecksFailed
 from utils.checks.tips import tip_for
@@ -103,9 +112,9 @@ def test_rows_in_any_form_are_accepted(answer):
         (CLOUD[KEEP] + 1, "values changed"),
         (CLOUD[KEEP][:, :3], "columns"),
         (KEEP, "columns"),
-        ("text", "str"),
+        ("text", "something else"),
         (CLOUD[[1, 2, 2]], "more than once"),
-        ([[1, 2], [3]], "list"),
+        ([[1, 2], [3]], "something else"),
         (CLOUD[KEEP].T, "columns"),
     ],
 )
@@ -164,14 +173,16 @@ def test_pictures_of_failures_can_be_drawn():
 
 
 def test_untouched():
-    assert_untouched(np.array([1.0, np.nan]), np.array([1.0, np.nan]))
+    assert_untouched(lambda values: None, np.array([1.0, np.nan]))
     with pytest.raises(CheckFailed, match="changed its input"):
-        assert_untouched(CLOUD, CLOUD + 1)
+        assert_untouched(lambda cloud: cloud.fill(1), CLOUD)
+    assert CLOUD[0, 0] == 1.0 and CLOUD[0, 1] == 2.0  # a copy was changed
 
 
 def test_labels_and_arrays_say_what_was_expected():
-    with pytest.raises(CheckFailed, match="dict"):
+    with pytest.raises(CheckFailed, match="something else") as caught:
         as_array({1: 2})
+    assert "dict" in caught.value.yours and "dict" not in caught.value.message
     with pytest.raises(CheckFailed, match="one label for each"):
         as_labels(np.zeros((3, 1)), 3)
 
@@ -212,3 +223,216 @@ def test_import_is_quick_and_light():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.strip() == "[]", done.stderr
+
+
+# ---- nothing that a function does reaches a check ----------------------------------------------
+
+
+def modules_of_checks():
+    """Every module that a check or a hidden test may keep a constant in."""
+    for path in sorted((PROJECT / "utils" / "checks").glob("*.py")):
+        yield importlib.import_module(f"utils.checks.{path.stem}".removesuffix(".__init__"))
+    for lesson in all_lessons():
+        spec = importlib.util.spec_from_file_location(lesson.tests.stem, lesson.tests)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        yield module
+
+
+def arrays_in(value):
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, dict):
+        for item in [*value.keys(), *value.values()]:
+            yield from arrays_in(item)
+    elif isinstance(value, (tuple, list, set, frozenset)):
+        for item in value:
+            yield from arrays_in(item)
+
+
+def test_constants_are_read_only(request):
+    request.config.addinivalue_line("markers", "judged: what hidden tests are marked with")
+    writeable = {
+        f"{module.__name__}.{name}"
+        for module in modules_of_checks()
+        for name, value in vars(module).items()
+        for array in arrays_in(value)
+        if array.flags.writeable or (array.base is not None and array.base.flags.writeable)
+    }
+    assert writeable == set()
+
+
+def spoiling(function, read_only):
+    """The function, as it would be if it ruined all that it is given, after use."""
+
+    def ruin(*arguments, **keywords):
+        given = [*arguments, *keywords.values()]
+        result = function(*(copy.deepcopy(value) if is_plain(value) else value for value in given))
+        for value in given:
+            if isinstance(value, np.ndarray) and not value.flags.writeable:
+                read_only.append(function.__name__)
+            elif isinstance(value, np.ndarray):
+                value[...] = np.array(99).astype(value.dtype)
+            elif isinstance(value, list):
+                value[:] = [99] * len(value)
+        return result
+
+    return ruin
+
+
+def is_plain(value):
+    return isinstance(value, (np.ndarray, list, tuple, np.random.Generator))
+
+
+@pytest.mark.slow
+def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson):
+    reference, read_only = load_reference(lesson.name), []
+    names = [exercise.name for exercise in lesson.machine_graded]
+    functions = {name: spoiling(getattr(reference, name), read_only) for name in names}
+    if hasattr(reference, "KdTree"):
+        vars(reference).update(functions)  # where its class finds them
+        functions["KdTree"] = reference.KdTree
+    student = SimpleNamespace(**functions, exercise="", close=lambda: None)
+    faults = {
+        one.name: f"{type(one.error).__name__}: {one.error}"
+        for one in run_tests(lesson, student, 3)
+        if one.error and "changed its input" not in str(one.error)
+    }
+    assert faults == {}
+    # Whoever writes into a copy for a good reason must not meet an array that forbids it.
+    allowed = {"filter_clusters"}  # a hidden test says that it may be read-only
+    assert set(read_only) <= allowed
+
+
+# ---- claims ------------------------------------------------------------------------------------
+
+
+def nested(depth):
+    value = 1
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+HUGE = {
+    "boxes": np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
+    "dimensions": np.zeros((6,) * 8, dtype=bool),
+    "dimensions and a model": [None, np.zeros((6,) * 8, dtype=bool)],
+    "nesting": nested(50),
+    "deep and wide": [nested(50)] * 20_000,
+    "a long list": list(range(10**6)),
+    "a longer list": [0.5] * (10**6 + 1),
+    "a long list of lists": [[0.0, 0.0, 0.0]] * 300_000,
+    "lists of nothing": [[]] * 900_000,
+    "digits": 10**10_000,
+    "many digits": [10**10_000] * 1000,
+    "a long text": "9" * 10**7,
+    "a long text among short ones": ["9" * 10**7] + ["9"] * 10_000,
+    "a set": set(range(500_000)),
+    "a dictionary": {number: number for number in range(500_000)},
+    "a large array": np.zeros(4 * 10**6),
+    "labels": np.arange(10**6),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HUGE)
+def test_a_huge_claim_is_refused_at_once(name):
+    from time import process_time
+
+    slow = {}
+    for lesson in all_lessons():
+        for exercise in lesson.machine_graded:
+            for one_check in checks_of(exercise.name):
+                begin = process_time()
+                try:
+                    one_check.run(huge_answers(exercise.name, HUGE[name]))
+                    caught = None
+                except Exception as error:
+                    caught = error
+                seconds = process_time() - begin
+                if seconds > 3 and not is_scene(one_check):
+                    slow[exercise.name, one_check.name] = seconds
+                assert isinstance(caught, CheckFailed), (exercise.name, one_check.name, caught)
+    assert slow == {}
+
+
+def is_scene(one_check):
+    """Whether a check draws a scene when it runs for the first time."""
+    return one_check.exercise == "detect_obstacles"
+
+
+def huge_answers(exercise, answer):
+    if exercise not in ("insert", "search"):
+        return lambda *arguments, **keywords: answer
+
+    class KdTree:
+        root = None
+
+        def insert(self, point, index):
+            self.root = SimpleNamespace(point=answer, index=answer, left=None, right=None)
+
+        def search(self, target, tolerance):
+            return answer
+
+    return KdTree
+
+
+def test_caps_are_named():
+    for claim, words in (
+        (HUGE["dimensions"], "three dimensions"),
+        (nested(50), "three dimensions"),
+        (HUGE["a longer list"], "a million"),
+        (HUGE["digits"], "nineteen digits"),
+    ):
+        with pytest.raises(CheckFailed, match=words):
+            as_array(claim)
+
+
+# ---- hidden tests tell nothing that the student chose --------------------------------------------
+
+SECRET = "Zebra7351"
+
+
+class Zebra7351:
+    """An answer whose name, text and attributes all tell something."""
+
+    type_name = SECRET
+
+    def __repr__(self):
+        return SECRET
+
+    __str__ = __repr__
+
+    def __array__(self, *arguments, **keywords):
+        raise ValueError(SECRET)
+
+
+WEIRD = {
+    "an object": Zebra7351(),
+    "its class": Zebra7351,
+    "a text": SECRET,
+    "a pair": (Zebra7351(), SECRET),
+    "a list": [SECRET, SECRET],
+    "a dictionary": {SECRET: SECRET},
+    "a set": {SECRET},
+    "an array of texts": np.array([SECRET] * 3),
+    "an array of objects": np.frompyfunc(lambda row: Zebra7351(), 1, 1)(np.arange(3)),
+    "a model of that name": ([SECRET], [SECRET]),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WEIRD)
+def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
+    names = [exercise.name for exercise in lesson.machine_graded]
+    functions = {one: lambda *arguments, **keywords: WEIRD[name] for one in names}
+    if "KdTree" in lesson.names:
+        functions["KdTree"] = huge_answers("search", WEIRD[name])
+        functions["KdTree"].plant = lambda self, *table: None
+    student = SimpleNamespace(**functions, exercise="", close=lambda: None)
+    for one in run_tests(lesson, student, 3):
+        if not one.mark["visible"]:
+            assert isinstance(one.error, CheckFailed), (one.name, one.error)
+            assert SECRET not in one.error.message
+            assert SECRET not in message_of(one)

@@ -164,4 +164,4 @@ def test_many_and_none(student, seed):
     cloud = rng.uniform(-30, 30, (600, 4))
     assert_boxed(student, cloud, rng.integers(0, 300, 600))
     none = np.zeros(600, dtype=int)
-    as_cluster_boxes(student.get_bounding_boxes(cloud.copy(), none), none)
+    as_cluster_boxes(student.get_bounding_boxes(cloud.copy(), none.copy()), none)

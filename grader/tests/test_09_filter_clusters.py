@@ -7,7 +7,7 @@ import numpy as np
 from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_09 import assert_filtered
-from utils.checks.vocabulary import assert_untouched
+from utils.checks.vocabulary import assert_left_alone, observe
 
 
 @visible_checks("filter_clusters")
@@ -26,9 +26,9 @@ def filtered_by_hand(labels, minimum):
 
 def assert_right(student, labels, *minimum):
     expected = filtered_by_hand(labels, *(minimum or (100,)))
-    given = labels.copy()
-    assert_filtered(student.filter_clusters(given, *minimum), labels, expected)
-    assert_untouched(labels, given)
+    seen = observe(student.filter_clusters, labels, *minimum)
+    assert_filtered(seen.result, labels, expected)
+    assert_left_alone(seen, labels)
 
 
 def clutter(rng, clusters, largest):
@@ -126,6 +126,7 @@ def test_kinds_of_numbers(student, seed):
     labels = clutter(np.random.default_rng(seed), 20, 30)
     assert_right(student, labels.astype(np.int32), 6)
     assert_right(student, np.repeat(labels, 2)[::2], 6)
+    assert_right(student, clutter(np.random.default_rng(seed + 1), 700, 20), 4)
     frozen = labels.copy()
     frozen.flags.writeable = False
     assert_filtered(student.filter_clusters(frozen, 6), labels, filtered_by_hand(labels, 6))

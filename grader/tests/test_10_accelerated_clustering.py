@@ -123,7 +123,7 @@ def test_extremes(student, seed):
     assert_clusters(student, cloud.astype(np.float32))
     assert_clusters(student, np.asfortranarray(cloud))
     assert_clusters(student, rng.uniform(0, 1, (60, 3)), 3.0)
-    assert_clusters(student, rng.uniform(-100, 100, (60, 4)), 0.05)
+    assert_clusters(student, rng.uniform(-100, 100, (600, 4)), 0.05)  # more than 255
     assert_clusters(student, np.repeat(rng.uniform(-9, 9, (5, 3)), 4, axis=0), 0.5)
     assert_clusters(student, rng.uniform(-3, 3, (200, 3)) * [1, 1, 0], 0.5)
 

@@ -11,6 +11,7 @@ from utils.checks.lesson_12 import (
     assert_boxes_real,
     assert_boxes_turned,
     assert_cars_found,
+    assert_gone,
     assert_matched,
     assert_own_car_free,
     assert_sees,
@@ -18,6 +19,7 @@ from utils.checks.lesson_12 import (
     cubes,
     half_sensor,
     square,
+    without,
 )
 from utils.checks.vocabulary import CheckFailed
 
@@ -137,9 +139,10 @@ def test_turned_cars(student, seed):
     hint="Nothing may depend on which return comes first.",
 )
 def test_order_and_precision(student, seed):
-    frame = square(seed)
+    frame = square(seed + 3)
     shuffled = np.random.default_rng(seed).permutation(frame.cloud)
     assert_detects(student, shuffled, frame)
+    frame = square(seed + 4)
     assert_detects(student, np.asfortranarray(frame.cloud[:, :3].astype(np.float32)), frame)
 
 
@@ -150,7 +153,7 @@ def test_order_and_precision(student, seed):
     hint="Let drop_invalid be the very first step.",
 )
 def test_dirty_scan(student, seed):
-    frame = square(seed)
+    frame = square(seed + 5)
     cloud = frame.cloud.copy()
     bad = np.random.default_rng(seed).choice(len(cloud), 3000, replace=False)
     cloud[bad[:1000], :3] = np.nan
@@ -167,7 +170,7 @@ def test_dirty_scan(student, seed):
     hint="filter_clusters removes clusters of a few points. Does the detector call it?",
 )
 def test_rain(student, seed):
-    frame, drops = square(seed), rain(seed)
+    frame, drops = square(seed + 6), rain(seed + 6)
     boxes = as_boxes(assert_detects(student, np.vstack([frame.cloud, drops]), frame))
     small = boxes[np.ptp(boxes, axis=1).max(axis=1) < 1.0].mean(axis=1)
     wet = sum((np.linalg.norm(small - drop[:3], axis=1) < 0.5).any() for drop in drops)
@@ -193,7 +196,10 @@ def test_empty_road(student, seed):
             yours=f"{len(boxes)} boxes",
             expected="0 boxes",
         )
-    assert_detects(student, square(seed).cloud.copy(), square(seed))
+    # Nor is there one where a car stood a moment ago.
+    car = clear_cars(square(seed))[seed % 3]
+    frame = without(car, square(seed))
+    assert_gone(assert_detects(student, frame.cloud.copy(), frame), car, frame)
 
 
 @hidden(
@@ -203,7 +209,8 @@ def test_empty_road(student, seed):
     hint="Some steps need three points or more; what do they do with one?",
 )
 def test_small_scans(student, seed):
-    cloud = square(seed).cloud
+    frame = square(seed + 3)
+    cloud = frame.cloud
     for count in (1, 2, 4):
         boxes = as_boxes(student.detect_obstacles(cloud[-count:].copy()))
         if len(boxes) > count:
@@ -212,7 +219,7 @@ def test_small_scans(student, seed):
                 yours=f"{len(boxes)} boxes",
                 expected=f"at most {count}",
             )
-    assert_detects(student, cloud.copy(), square(seed))
+    assert_detects(student, cloud.copy(), frame)
 
 
 def scattered(rng, count):

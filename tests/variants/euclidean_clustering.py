@@ -123,6 +123,29 @@ def euclidean_clustering(cloud, threshold=0.5):
     graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(n, n))
     return connected_components(graph, directed=False)[1] + 1
 
+# %% wrong: labels of eight bits
+# loses: test_extremes
+# says: different clusters have the same label
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(cloud), dtype=np.uint8)
+    done = np.zeros(len(cloud), dtype=bool)
+    current = 0
+    for start in range(len(cloud)):
+        if done[start]:
+            continue
+        current += 1
+        done[start] = True
+        todo = [start]
+        while todo:
+            point = todo.pop()
+            labels[point] = current % 256
+            distance = np.sqrt(((xyz - xyz[point]) ** 2).sum(axis=1))
+            near = np.flatnonzero((distance < threshold) & ~done)
+            done[near] = True
+            todo += near.tolist()
+    return labels
+
 # %% wrong: compares with the first point of the cluster only
 # loses: follows_chains, test_long_chain, test_fresh_streets
 # says: Points that belong together

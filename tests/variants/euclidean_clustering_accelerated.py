@@ -167,6 +167,27 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     joined_pairs = np.vstack([grid.pairs[near]] + [np.array(extra).reshape(-1, 2)])
     return (components(count, joined_pairs)[grid.of_point] + 1).tolist()
 
+# %% wrong: labels of eight bits
+# loses: test_extremes
+# says: different clusters have the same label
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    return (np.unique(label[cell_of_point], return_inverse=True)[1].ravel() + 1).astype(np.uint8)
+
 # %% wrong: the queue of lesson 05
 # loses: is_quick, test_whole_scan, test_heaps
 # says: work with cells instead of points

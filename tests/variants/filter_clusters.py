@@ -52,6 +52,25 @@ def filter_clusters(cluster_labels, min_num_points=100):
     filtered[np.isin(filtered, too_small(filtered, min_num_points))] = 0
     return filtered
 
+# %% wrong: labels of eight bits
+# loses: test_gaps_and_noise, test_kinds_of_numbers
+# says: What stays keeps its label
+def filter_clusters(cluster_labels, min_num_points=100):
+    names, which, counts = np.unique(cluster_labels, return_inverse=True, return_counts=True)
+    return np.where(counts[which] < min_num_points, 0, cluster_labels).astype(np.uint8)
+
+# %% wrong: its own input where nothing changes
+# loses: leaves_its_input
+# says: whoever changes one changes both
+def filter_clusters(cluster_labels, min_num_points=100):
+    names, which, counts = np.unique(cluster_labels, return_inverse=True, return_counts=True)
+    small = (counts[which] < min_num_points) & (cluster_labels != 0)
+    if not small.any():
+        return cluster_labels
+    labels = cluster_labels.copy()
+    labels[small] = 0
+    return labels
+
 # %% wrong: labels move up while the loop walks along them
 # loses: removes_small_clusters, removes_neighbours, test_swarms
 # says: both have to go

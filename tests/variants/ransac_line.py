@@ -415,6 +415,24 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
             best, best_mask = (*normal, -normal @ p), mask
     return best, best_mask
 
+# %% wrong: without the line that makes a generator of a seed
+# loses: takes_a_seed
+# says: rng may be a whole number: begin with rng = np.random.default_rng(rng)
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
 # %% wrong: indices instead of a mask
 # loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
 # says: Are these the indices of the inliers

@@ -411,7 +411,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: takes generators only
-# loses: finds_the_plane, test_streets
+# loses: takes_a_seed
 # says: makes a generator of a whole number
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)

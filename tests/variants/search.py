@@ -209,6 +209,25 @@ def search(tree, target, tolerance):
             stack += [node.left, node.right]
     return found
 
+# %% wrong: asks every node but those that stand in the wrong place
+# loses: leaves_regions_out, test_search_prunes
+# says: on the paths that the splits leave open
+def search(tree, target, tolerance):
+    found = []
+    stack = [(tree.root, 0, [-np.inf] * len(target), [np.inf] * len(target))]
+    while stack:
+        node, depth, low, high = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        in_place = all(a <= x <= b for a, x, b in zip(low, node.point, high))
+        if in_place and dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        above, below = list(low), list(high)
+        above[axis] = below[axis] = node.point[axis]
+        stack += [(node.left, depth + 1, low, below), (node.right, depth + 1, above, high)]
+    return found
+
 # %% wrong: prunes on one side only
 # loses: leaves_regions_out, test_search_prunes
 # says: beyond the tolerance

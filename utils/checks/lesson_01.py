@@ -12,50 +12,60 @@ from utils.checks.vocabulary import (
     assert_rows,
     assert_untouched,
     brief,
+    frozen,
 )
 
 # Points on the ground plane of the sensor, echoes without brightness: sides 3-4-5 and the like.
-_FLAT = np.array(
-    [
-        [3.0, 4.0, 0.0, 0.0],
-        [-6.0, 8.0, 0.0, 0.0],
-        [5.0, -12.0, 0.0, 0.0],
-        [0.0, 7.0, 0.0, 0.0],
-        [-2.0, 0.0, 0.0, 0.0],
+_FLAT = frozen(
+    np.array(
+        [
+            [3.0, 4.0, 0.0, 0.0],
+            [-6.0, 8.0, 0.0, 0.0],
+            [5.0, -12.0, 0.0, 0.0],
+            [0.0, 7.0, 0.0, 0.0],
+            [-2.0, 0.0, 0.0, 0.0],
+        ]
+    )
+)
+_FLAT_DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
+# The same from the road up to the tree tops, in all brightnesses.
+_STREET = frozen(
+    _FLAT
+    + [
+        [0, 0, -1.7, 0.1],
+        [0, 0, 4.0, 0.9],
+        [0, 0, -0.4, 0.5],
+        [0, 0, 2.5, 1.0],
+        [0, 0, -1.6, 0.8],
     ]
 )
-_FLAT_DISTANCES = np.array([5.0, 10.0, 13.0, 7.0, 2.0])
-# The same from the road up to the tree tops, in all brightnesses.
-_STREET = _FLAT + [
-    [0, 0, -1.7, 0.1],
-    [0, 0, 4.0, 0.9],
-    [0, 0, -0.4, 0.5],
-    [0, 0, 2.5, 1.0],
-    [0, 0, -1.6, 0.8],
-]
 
 # Good returns, some with a zero in them, and between them all kinds of bad ones.
 _NAN, _INF = np.nan, np.inf
-_GOOD = np.array(
-    [
-        [6.0, 0.5, -1.7, 0.2],
-        [0.0, 5.0, -0.5, 0.9],
-        [7.0, 0.0, 0.0, 0.0],
-        [2.0, -3.0, 1.0, 0.4],
-        [-9.0, 4.0, 0.0, 0.6],
-    ]
+_GOOD = frozen(
+    np.array(
+        [
+            [6.0, 0.5, -1.7, 0.2],
+            [0.0, 5.0, -0.5, 0.9],
+            [7.0, 0.0, 0.0, 0.0],
+            [2.0, -3.0, 1.0, 0.4],
+            [-9.0, 4.0, 0.0, 0.6],
+        ]
+    )
 )
-_ZERO = np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.3], [-0.0, 0.0, -0.0, 0.0]])
-_LOST = np.array(
-    [
-        [_NAN, _NAN, _NAN, 0.0],
-        [_NAN, 1.0, 2.0, 0.5],
-        [4.0, _NAN, 0.5, 0.5],
-        [4.0, 1.0, _NAN, 0.5],
-        [_INF, 1.0, 0.0, 0.1],
-        [3.0, -_INF, 0.0, 0.1],
-        [3.0, 2.0, _INF, 0.1],
-    ]
+_ZERO = frozen(np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.3], [-0.0, 0.0, -0.0, 0.0]]))
+_LOST = frozen(
+    np.array(
+        [
+            [_NAN, _NAN, _NAN, 0.0],
+            [_NAN, 1.0, 2.0, 0.5],
+            [4.0, _NAN, 0.5, 0.5],
+            [4.0, 1.0, _NAN, 0.5],
+            [_INF, 1.0, 0.0, 0.1],
+            [3.0, -_INF, 0.0, 0.1],
+            [3.0, 2.0, _INF, 0.1],
+        ]
+    )
 )
 
 
@@ -99,7 +109,7 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
 
 @visible(
     "horizontal_distance",
-    weight=3,
+    weight=2,
     title="The distance of points level with the sensor",
     why="Every later lesson asks which points are near.",
     hint="The root of x² + y², for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
@@ -110,7 +120,7 @@ def measures_distance(horizontal_distance: Callable) -> None:
 
 @visible(
     "horizontal_distance",
-    weight=4,
+    weight=5,
     title="Neither height nor intensity counts",
     why="The foot and the lamp of a lamp post are equally far to drive, and a bright number "
     "plate is no farther than a dark tyre.",
@@ -149,10 +159,8 @@ def takes_every_shape(horizontal_distance: Callable) -> None:
     hint="x**2 makes a new array; x **= 2 and x *= x write into the cloud.",
 )
 def leaves_its_input(horizontal_distance: Callable) -> None:
-    cloud = _STREET.copy()
-    distances = horizontal_distance(cloud)
-    assert_untouched(_STREET, cloud)
-    assert_distances(distances, _STREET, _FLAT_DISTANCES)
+    assert_untouched(horizontal_distance, _STREET)
+    assert_distances(horizontal_distance(_STREET.copy()), _STREET, _FLAT_DISTANCES)
 
 
 def _mixed(*parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -247,8 +255,6 @@ def takes_every_shape_of_scan(drop_invalid: Callable) -> None:
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
 def leaves_the_scan(drop_invalid: Callable) -> None:
-    before, good = _mixed(_ZERO, _LOST)
-    cloud = before.copy()
-    rows = drop_invalid(cloud)
-    assert_untouched(before, cloud)
-    assert_rows(rows, before, good, view="above")
+    cloud, good = _mixed(_ZERO, _LOST)
+    assert_untouched(drop_invalid, cloud)
+    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")

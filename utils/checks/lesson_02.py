@@ -14,6 +14,7 @@ from utils.checks.vocabulary import (
     assert_close,
     assert_untouched,
     brief,
+    frozen,
     point_text,
 )
 
@@ -166,17 +167,18 @@ def refuses_equal_points(line_through: Callable) -> None:
 )
 def leaves_the_points(line_through: Callable) -> None:
     p, q = np.array([1.0, 2.0]), np.array([4.0, 6.0])
-    answer = line_through(p, q)
-    assert_untouched(np.array([[1.0, 2.0], [4.0, 6.0]]), np.stack([p, q]))
-    assert_line_through(answer, p, q)
+    assert_untouched(line_through, p, q)
+    assert_line_through(line_through(p.copy(), q.copy()), p, q)
 
 
 # ---- distances ---------------------------------------------------------------------------------
 
 # Points around the line 3 x - 4 y + 5 = 0, and their signed distances from it.
-_SLANTED = np.array([0.6, -0.8, 1.0])
-_AROUND = np.array([[1.0, 2.0], [0.0, 0.0], [3.0, 1.0], [-2.0, 6.0], [5.0, 5.0], [0.0, 1.25]])
-_SIGNED = np.array([0.0, 1.0, 2.0, -5.0, 0.0, 0.0])
+_SLANTED = frozen(np.array([0.6, -0.8, 1.0]))
+_AROUND = frozen(
+    np.array([[1.0, 2.0], [0.0, 0.0], [3.0, 1.0], [-2.0, 6.0], [5.0, 5.0], [0.0, 1.25]])
+)
+_SIGNED = frozen(np.array([0.0, 1.0, 2.0, -5.0, 0.0, 0.0]))
 
 
 def assert_line_distances(
@@ -237,7 +239,7 @@ def assert_line_distances(
 def measures_square_to_the_line(point_line_distance: Callable) -> None:
     one_side = _SIGNED >= 0
     assert_line_distances(
-        point_line_distance(_AROUND[one_side], _SLANTED),
+        point_line_distance(_AROUND[one_side], _SLANTED.copy()),
         _AROUND[one_side],
         _SLANTED,
         _SIGNED[one_side],
@@ -276,7 +278,7 @@ def measures_from_upright_lines(point_line_distance: Callable) -> None:
     ):
         line = np.array(line)
         assert_line_distances(
-            point_line_distance(_AROUND.copy(), line),
+            point_line_distance(_AROUND.copy(), line.copy()),
             _AROUND,
             line,
             np.abs(_AROUND[:, column] - place),
@@ -293,7 +295,10 @@ def measures_from_upright_lines(point_line_distance: Callable) -> None:
 def takes_few_points(point_line_distance: Callable) -> None:
     for points, expected in ((_AROUND[3:4], [5.0]), (_AROUND[:0], [])):
         assert_line_distances(
-            point_line_distance(points.copy(), _SLANTED), points, _SLANTED, np.array(expected)
+            point_line_distance(points.copy(), _SLANTED.copy()),
+            points,
+            _SLANTED,
+            np.array(expected),
         )
 
 
@@ -305,10 +310,8 @@ def takes_few_points(point_line_distance: Callable) -> None:
     hint="points[:, 0] * a makes a new array; points[:, 0] *= a writes into the points.",
 )
 def leaves_points_and_line(point_line_distance: Callable) -> None:
-    points, line = _AROUND.copy(), _SLANTED.copy()
-    answer = point_line_distance(points, line)
-    assert_untouched(_AROUND, points)
-    assert_untouched(_SLANTED, line)
+    assert_untouched(point_line_distance, _AROUND, _SLANTED)
+    answer = point_line_distance(_AROUND.copy(), _SLANTED.copy())
     assert_line_distances(answer, _AROUND, _SLANTED, np.abs(_SIGNED))
 
 
@@ -349,7 +352,7 @@ def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
             expected=f"{n} times True or False",
         )
     mask = as_array(inliers, what="a mask of True and False")
-    if mask.shape == (3,) and np.shape(line) == (n,) and n != 3:
+    if mask.shape == (3,) and n != 3 and isinstance(line, np.ndarray) and line.shape == (n,):
         raise CheckFailed(
             "The two results are in the wrong order: first the line, then the mask.",
             yours="(mask, line)",
@@ -473,7 +476,9 @@ def assert_finds(
     missed = []
     for seed, (points, on_line) in enumerate(runs):
         line, mask = assert_own_inliers(
-            ransac_line(points.copy(), max_iterations, tolerance, seed), points, tolerance
+            ransac_line(points.copy(), max_iterations, tolerance, np.random.default_rng(seed)),
+            points,
+            tolerance,
         )
         if mask[on_line].sum() < 0.8 * on_line.sum():
             missed.append((points, line, mask))
@@ -512,11 +517,14 @@ def finds_the_line(ransac_line: Callable) -> None:
 )
 def marks_its_own_inliers(ransac_line: Callable) -> None:
     for seed, tolerance in enumerate((0.1, 0.4, 0.7, 2.5)):
+        rng = np.random.default_rng(seed)
         # So rough a wall that any change of the line moves points into the band or out of it.
         points, _ = wall_and_clutter(100 + seed, 30, 10, noise=0.8)
-        assert_own_inliers(ransac_line(points.copy(), 30, tolerance, seed), points, tolerance)
-    answer = ransac_line(points=points.copy(), max_iterations=30, distance_tolerance=0.7, rng=1)
+        assert_own_inliers(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
+    answer = ransac_line(points=points.copy(), max_iterations=30, distance_tolerance=0.7, rng=rng)
     assert_own_inliers(answer, points, 0.7)
+    # Any line has a mask of its own; it should be a line that was looked for.
+    assert_finds(ransac_line, [wall_and_clutter(200 + run, 24, 16) for run in range(6)], 4, 60, 0.4)
 
 
 @visible(
@@ -530,7 +538,8 @@ def draws_as_often_as_told(ransac_line: Callable) -> None:
     points, on_line = wall_and_clutter(7, 14, 46)  # a good sample: 1 in 25
     found = 0
     for seed in range(24):
-        _, mask = assert_own_inliers(ransac_line(points.copy(), 1, 0.3, seed), points, 0.3)
+        rng = np.random.default_rng(seed)
+        _, mask = assert_own_inliers(ransac_line(points.copy(), 1, 0.3, rng), points, 0.3)
         found += mask[on_line].mean() >= 0.8
     if found >= 20:
         raise CheckFailed(
@@ -556,8 +565,8 @@ def repeats_with_its_seed(ransac_line: Callable) -> None:
     masks = []
     for seed in range(20):
         once, again = (
-            assert_own_inliers(ransac_line(points.copy(), 1, 0.4, seed), points, 0.4)
-            for _ in range(2)
+            assert_own_inliers(ransac_line(points.copy(), 1, 0.4, rng), points, 0.4)
+            for rng in (np.random.default_rng(seed), np.random.default_rng(seed))
         )
         if not (np.allclose(once[0], again[0]) and np.array_equal(once[1], again[1])):
             raise CheckFailed(
@@ -586,9 +595,13 @@ def survives_equal_points(ransac_line: Callable) -> None:
     wall, _ = wall_and_clutter(11, 12, 0)
     points = np.vstack([np.tile([[2.0, 9.0]], (28, 1)), wall])
     for seed in range(4):
-        assert_own_inliers(ransac_line(points.copy(), 40, 0.3, seed), points, 0.3)
+        rng = np.random.default_rng(seed)
+        assert_own_inliers(ransac_line(points.copy(), 40, 0.3, rng), points, 0.3)
+    twice = [wall_and_clutter(300 + run, 14, 7) for run in range(6)]
+    twice = [(np.repeat(points, 2, axis=0), np.repeat(on_line, 2)) for points, on_line in twice]
+    assert_finds(ransac_line, twice, 4, 60, 0.3)
     alike = np.tile([[2.0, 9.0]], (6, 1))
-    line, mask = as_result(ransac_line(alike.copy(), 20, 0.3, 0), 6)
+    line, mask = as_result(ransac_line(alike.copy(), 20, 0.3, np.random.default_rng(0)), 6)
     if line is not None:
         assert_own_inliers((line, mask), alike, 0.3)
     elif mask.any():
@@ -610,7 +623,7 @@ def answers_for_too_few(ransac_line: Callable) -> None:
     points, on_line = wall_and_clutter(5, 30, 3)
     assert_finds(ransac_line, [(points, on_line)] * 6, 3, 40, 0.4)
     for few in (points[:0], points[:1]):
-        line, mask = as_result(ransac_line(few.copy(), 10, 0.3, 0), len(few))
+        line, mask = as_result(ransac_line(few.copy(), 10, 0.3, np.random.default_rng(0)), len(few))
         if line is not None or mask.any():
             raise CheckFailed(
                 f"{len(few)} points make no line.",
@@ -627,8 +640,40 @@ def answers_for_too_few(ransac_line: Callable) -> None:
     hint="Draw indices instead of shuffling the points.",
 )
 def leaves_its_input(ransac_line: Callable) -> None:
-    points, _ = wall_and_clutter(6, 20, 10)
-    work = points.copy()
-    answer = ransac_line(work, 30, 0.4, 2)
-    assert_untouched(points, work)
-    assert_own_inliers(answer, points, 0.4)
+    points, on_line = wall_and_clutter(6, 20, 10)
+    assert_untouched(ransac_line, points, 30, 0.4, np.random.default_rng(2))
+    assert_finds(ransac_line, [(points, on_line)] * 6, 3, 40, 0.4)
+
+
+@visible(
+    "ransac_line",
+    weight=1,
+    title="rng may be a whole number, too: a seed",
+    why="A seed fits into a log file; a generator does not.",
+    hint="Begin with rng = np.random.default_rng(rng): it makes a generator of a whole number, "
+    "and leaves a generator as it is.",
+)
+def takes_a_seed(ransac_line: Callable) -> None:
+    points, _ = wall_and_clutter(8, 20, 20)
+    for seed in range(4):
+        once, again = (
+            assert_own_inliers(ransac_line(points.copy(), 2, 0.4, seed), points, 0.4)
+            for _ in range(2)
+        )
+        if not np.array_equal(once[1], again[1]):
+            raise CheckFailed(
+                "The same seed gave two different answers.",
+                yours=f"{once[1].sum()} and {again[1].sum()} inliers",
+                expected="twice the same",
+            )
+    found = 0
+    for seed in range(4):
+        points, on_line = wall_and_clutter(400 + seed, 24, 12)
+        _, mask = assert_own_inliers(ransac_line(points.copy(), 80, 0.4, seed), points, 0.4)
+        found += mask[on_line].mean() >= 0.8
+    if found < 3:
+        raise CheckFailed(
+            "With a whole number for rng the line was hardly ever found.",
+            yours=f"found in {found} of 4 runs",
+            expected="as often as with a generator",
+        )

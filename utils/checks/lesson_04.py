@@ -7,27 +7,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
+from utils.checks.claims import MOST_OF_A_POINT
 from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
+from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief, frozen
 
 # The eleven points of the lesson.
-QUIZ = np.array(
-    [
-        [-6.2, 7.0],
-        [-6.3, 8.4],
-        [-5.2, 7.1],
-        [-5.7, 6.3],
-        [7.2, 6.1],
-        [8.0, 5.3],
-        [7.2, 7.1],
-        [0.2, -7.1],
-        [1.7, -6.9],
-        [-1.2, -7.2],
-        [2.2, -8.9],
-    ]
+QUIZ = frozen(
+    np.array(
+        [
+            [-6.2, 7.0],
+            [-6.3, 8.4],
+            [-5.2, 7.1],
+            [-5.7, 6.3],
+            [7.2, 6.1],
+            [8.0, 5.3],
+            [7.2, 7.1],
+            [0.2, -7.1],
+            [1.7, -6.9],
+            [-1.2, -7.2],
+            [2.2, -8.9],
+        ]
+    )
 )
 # Inserted in this order they make a balanced tree.
-_BALANCED = [7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6]
+_BALANCED = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
 
 
 class _Node:
@@ -81,9 +84,7 @@ def table_of(root: _Node | None) -> tuple[list, list, list, list]:
         Rows of the children; -1 where there is none.
     indices : list of int
     """
-    nodes = [] if root is None else [root]
-    for node in nodes:  # grows while it is walked
-        nodes += [child for child in (node.left, node.right) if child is not None]
+    nodes = _nodes_of(root)
     rows = {id(node): row for row, node in enumerate(nodes)}
     rows[id(None)] = -1
     return (
@@ -164,7 +165,7 @@ def assert_tree(tree: object, points: ArrayLike, indices: Sequence[int] | None =
         point, index, left, right = (
             _attribute(yours, attribute, place) for attribute in ("point", "index", "left", "right")
         )
-        point = as_array(point, what="a point").ravel()
+        point = as_array(point, what="a point", most=MOST_OF_A_POINT).ravel()
         if point.shape != np.shape(node.point) or not np.allclose(point, node.point, atol=1e-4):
             raise CheckFailed(
                 f"Another point than expected is at {place}.",
@@ -172,7 +173,7 @@ def assert_tree(tree: object, points: ArrayLike, indices: Sequence[int] | None =
                 expected=_name(node),
                 draw=_side_by_side(tree, expected),
             )
-        if index != node.index:
+        if not isinstance(index, (int, np.integer)) or index != node.index:
             raise CheckFailed(
                 f"The node at {place} has the right point and the wrong index.",
                 yours=_name(yours),
@@ -206,9 +207,7 @@ def as_indices(answer: object) -> list[int]:
     -------
     list of int
     """
-    array = as_array(
-        sorted(answer) if isinstance(answer, set) else answer, what="a list of indices"
-    )
+    array = as_array(list(answer) if isinstance(answer, set) else answer, what="a list of indices")
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise CheckFailed(
             "search returns the indices of the points it found, in one flat list.",
@@ -258,43 +257,54 @@ def assert_found(
 
 
 def assert_pruned(
-    KdTree: Callable, root: _Node, trap: int, target: Sequence[float], tolerance: float
+    KdTree: Callable,
+    root: _Node,
+    trap: int | None,
+    target: Sequence[float],
+    tolerance: float,
+    decoy: int | None = None,
 ) -> None:
-    """A search leaves a region alone that cannot hold a neighbour.
+    """A search leaves a region alone that cannot hold a neighbour, and looks into one that can.
 
     Parameters
     ----------
     KdTree : callable
     root : node
         A right tree.
-    trap : int
-        Index of a node in such a region. It is moved to the target, where no right tree has it:
-        only a search that looks into the region finds it.
+    trap : int or None
+        Index of a leaf in a region beyond the tolerance. It is moved to the target, where no
+        right tree has it: only a search that looks into the region finds it.
     target : sequence of float
     tolerance : float
+    decoy : int, optional
+        Index of a leaf in a region that the tolerance reaches; see `leaves_within_reach`. It is
+        moved to the target, too, and every search that follows the splits finds it. Whoever sorts
+        out nodes that stand in the wrong place, to compare with all others, does not.
     """
-    nodes = [root]
-    for node in nodes:
-        nodes += [child for child in (node.left, node.right) if child is not None]
     if not _method(KdTree(), "plant"):  # inserted, the node would stand where it may be found
         assert_found(planted(KdTree, root), root, target, tolerance)
         return
-    trapped = next(node for node in nodes if node.index == trap)
-    assert trapped.left is None and trapped.right is None
+    nodes = _nodes_of(root)
+    moved = [node for node in nodes if node.index in (trap, decoy)]
+    assert all(node.left is None and node.right is None for node in moved)
     expected = sorted(
         node.index
         for node in nodes
-        if node is not trapped and math.dist(node.point, target) <= tolerance
+        if node.index != trap
+        and (node.index == decoy or math.dist(node.point, target) <= tolerance)
     )
-    place, trapped.point = trapped.point, list(target)
+    places = [node.point for node in moved]
+    for node in moved:
+        node.point = list(target)
     try:
         tree = planted(KdTree, root)
     finally:
-        trapped.point = place
+        for node, place in zip(moved, places, strict=True):
+            node.point = place
     answer = as_indices(tree.search(target, tolerance))
     if answer == expected:
         return
-    if trap in answer:
+    if trap is not None and trap in answer:
         raise CheckFailed(
             "search looked into a region that lies entirely beyond the tolerance. "
             "It finds the right points, but it asks nodes that it could skip.",
@@ -302,10 +312,47 @@ def assert_pruned(
             expected="leaves the whole region out",
         )
     raise CheckFailed(
-        "Not all points within the tolerance were found.",
+        "Not all points within the tolerance were found, on the paths that the splits leave open.",
         yours=f"{len(answer)} indices",
         expected=f"{len(expected)} indices",
     )
+
+
+def leaves_within_reach(root: _Node, target: Sequence[float], tolerance: float) -> list[int]:
+    """Indices of leaves that a search must look at, though the target lies beyond a split.
+
+    Parameters
+    ----------
+    root : node
+        A right tree.
+    target : sequence of float
+    tolerance : float
+
+    Returns
+    -------
+    list of int
+        In ascending order. The tolerance reaches their regions by a clear margin.
+    """
+    leaves, waiting = [], [(root, 0, (0.0,) * len(target), False)]
+    while waiting:
+        node, depth, gaps, beyond = waiting.pop()
+        if node is None or math.hypot(*gaps) > 0.8 * tolerance:
+            continue
+        if beyond and node.left is None and node.right is None:
+            leaves.append(node.index)
+        axis = depth % len(target)
+        gap = target[axis] - node.point[axis]
+        for child, far in ((node.left, gap), (node.right, -gap)):
+            wider = [*gaps[:axis], max(gaps[axis], far), *gaps[axis + 1 :]]
+            waiting.append((child, depth + 1, tuple(wider), beyond or far > 0.05 * tolerance))
+    return sorted(leaves)
+
+
+def _nodes_of(root: _Node | None) -> list[_Node]:
+    nodes = [] if root is None else [root]
+    for node in nodes:  # grows while it is walked
+        nodes += [child for child in (node.left, node.right) if child is not None]
+    return nodes
 
 
 def as_order(answer: object, n: int) -> np.ndarray:
@@ -329,7 +376,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
             yours=brief(order),
             expected=f"the numbers 0 to {n - 1}",
         )
-    if sorted(order.tolist()) != list(range(n)):
+    if len(order) != n or not np.array_equal(np.sort(order), np.arange(n)):
         repeated = len(order) - len(np.unique(order))
         raise CheckFailed(
             "Each row number from 0 to n - 1 must occur exactly once.",
@@ -396,7 +443,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
 
 def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
     tree = KdTree()
-    for index, point in zip(indices or range(len(points)), np.asarray(points), strict=True):
+    for index, point in zip(indices or range(len(points)), np.array(points), strict=True):
         tree.insert(point, index)
     return tree
 
@@ -508,7 +555,7 @@ def copes_with_depth(KdTree: Callable) -> None:
 
 
 def _balanced() -> _Node:
-    return grown(QUIZ[_BALANCED], _BALANCED)
+    return grown(QUIZ[list(_BALANCED)], _BALANCED)
 
 
 @visible(
@@ -625,6 +672,11 @@ def searches_space(KdTree: Callable) -> None:
 def leaves_regions_out(KdTree: Callable) -> None:
     for trap, target in ((6, [-6.0, 7.0]), (10, [-6.0, 7.0]), (2, [7.0, 6.0]), (9, [7.0, 6.0])):
         assert_pruned(KdTree, _balanced(), trap, target, 2.0)
+    points = np.random.default_rng(43).permutation(np.arange(60)).reshape(30, 2) / 4
+    root, target = grown(points), points[3] + 0.1
+    decoys = leaves_within_reach(root, target, 4.0)
+    for decoy in decoys[:3]:
+        assert_pruned(KdTree, root, None, target, 4.0, decoy)
 
 
 @visible(
@@ -722,10 +774,8 @@ def takes_the_smallest(median_order: Callable) -> None:
     as_order(median_order(np.empty((0, 2))), 0)
     as_order(median_order(np.array([[1.0, 2.0, 3.0]])), 1)
     as_order(median_order(np.ones((5, 2))), 5)
-    points = QUIZ.copy()
-    order = median_order(points)
-    assert_untouched(QUIZ, points)
-    assert_lower_medians(order, QUIZ)
+    assert_untouched(median_order, QUIZ)
+    assert_lower_medians(median_order(QUIZ.copy()), QUIZ)
 
 
 def _depth(root: _Node | None) -> int:

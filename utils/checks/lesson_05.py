@@ -5,7 +5,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed, as_labels, assert_partition, assert_untouched
+from utils.checks.vocabulary import (
+    CheckFailed,
+    as_labels,
+    assert_partition,
+    assert_untouched,
+    frozen,
+)
 
 
 def _line(start: Sequence[float], step: float, n: int) -> np.ndarray:
@@ -13,23 +19,33 @@ def _line(start: Sequence[float], step: float, n: int) -> np.ndarray:
     return np.array(start) + np.outer(np.arange(n) * step, [1.0, 0.0, 0.0])
 
 
-_TWO_GROUPS = np.vstack([_line([2.0, 1.0, 0.0], 0.3, 4), _line([8.0, -2.0, 0.5], 0.3, 3)])
-_TWO_LABELS = np.array([1, 1, 1, 1, 2, 2, 2])
+def _mixed(step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Three groups far apart whose points come in any order, and their labels."""
+    groups = [
+        _line([2.0, 1.0, 0.0], step, 4),
+        _line([8.0, -2.0, 0.5], step, 3),
+        _line([3.0, -6.0, 0.2], step, 3),
+    ]
+    order = np.array([7, 0, 4, 1, 8, 5, 2, 9, 3, 6])
+    return np.vstack(groups)[order], np.repeat([1, 2, 3], [4, 3, 3])[order]
+
+
+_GROUPS, _LABELS = frozen(_mixed(0.3))
 # The same, so tight that even balls around a first point get them right: for checks of something
 # else, which should not fail, with a hint that misleads, because chains break.
-_TIGHT_GROUPS = np.vstack([_line([2.0, 1.0, 0.0], 0.1, 4), _line([8.0, -2.0, 0.5], 0.1, 3)])
+_TIGHT, _ = frozen(_mixed(0.1))
 
 
 @visible(
     "euclidean_clustering",
     weight=4,
-    title="Two groups far apart are two clusters",
+    title="Groups far apart are clusters of their own",
     why="A cluster is an obstacle: two cars must not become one, nor one car two.",
     hint="Take a point without a label, give it a new label, then give the same label to "
     "everything that can be reached from it.",
 )
 def separates_groups(euclidean_clustering: Callable) -> None:
-    assert_partition(euclidean_clustering(_TWO_GROUPS.copy(), 0.5), _TWO_LABELS, _TWO_GROUPS)
+    assert_partition(euclidean_clustering(_GROUPS.copy(), 0.5), _LABELS, _GROUPS)
 
 
 @visible(
@@ -42,9 +58,10 @@ def separates_groups(euclidean_clustering: Callable) -> None:
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
     wall = _line([0.0, 0.0, 0.0], 0.4, 30)
-    shuffled = wall[np.random.default_rng(5).permutation(30)]
-    cloud = np.vstack([shuffled, shuffled + [0.0, 3.0, 0.0]])
-    assert_partition(euclidean_clustering(cloud.copy(), 0.5), np.repeat([1, 2], 30), cloud)
+    order = np.random.default_rng(5).permutation(60)
+    cloud = np.vstack([wall, wall + [0.0, 3.0, 0.0]])[order]
+    labels = np.repeat([1, 2], 30)[order]
+    assert_partition(euclidean_clustering(cloud.copy(), 0.5), labels, cloud)
 
 
 @visible(
@@ -57,9 +74,9 @@ def follows_chains(euclidean_clustering: Callable) -> None:
     "each point.",
 )
 def counts_from_one(euclidean_clustering: Callable) -> None:
-    labels = as_labels(euclidean_clustering(_TWO_GROUPS.copy(), 0.5), len(_TWO_GROUPS))
+    labels = as_labels(euclidean_clustering(_GROUPS.copy(), 0.5), len(_GROUPS))
     found = np.unique(labels)
-    assert_partition(labels, _TWO_LABELS, _TWO_GROUPS)
+    assert_partition(labels, _LABELS, _GROUPS)
     if not np.array_equal(found, np.arange(1, len(found) + 1)):
         raise CheckFailed(
             "The labels in use are not 1 to N.",
@@ -103,10 +120,11 @@ def follows_the_threshold(euclidean_clustering: Callable) -> None:
     hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
 )
 def ignores_intensity(euclidean_clustering: Callable) -> None:
-    bright = np.column_stack([_TIGHT_GROUPS, [0.0, 0.9, 0.1, 0.8, 0.0, 0.9, 0.2]])
-    assert_partition(euclidean_clustering(bright.copy(), 0.5), _TWO_LABELS, bright)
+    bright = np.column_stack([_TIGHT, np.tile([0.0, 0.9], 5)])
+    assert_partition(euclidean_clustering(bright.copy(), 0.5), _LABELS, bright)
     above = np.vstack([_line([2.0, 1.0, 0.0], 0.1, 3), _line([2.0, 1.0, 2.0], 0.1, 3)])
-    assert_partition(euclidean_clustering(above.copy(), 0.5), np.repeat([1, 2], 3), above)
+    above, labels = above[[0, 3, 1, 4, 5, 2]], np.array([1, 2, 1, 2, 2, 1])
+    assert_partition(euclidean_clustering(above.copy(), 0.5), labels, above)
 
 
 @visible(
@@ -126,8 +144,8 @@ def takes_the_smallest(euclidean_clustering: Callable) -> None:
         )
     one = np.array([[1.0, 2.0, 3.0]])
     assert_partition(euclidean_clustering(one.copy(), 0.5), np.array([1]), one)
-    equal = np.array([[1.0, 2.0, 3.0], [5.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
-    assert_partition(euclidean_clustering(equal.copy(), 0.5), np.array([1, 2, 1]), equal)
+    equal = np.array([[1.0, 2.0, 3.0], [5.0, 0.0, 0.0], [1.0, 2.0, 3.0], [5.0, 9.0, 0.0]])
+    assert_partition(euclidean_clustering(equal.copy(), 0.5), np.array([1, 2, 1, 3]), equal)
 
 
 @visible(
@@ -138,7 +156,6 @@ def takes_the_smallest(euclidean_clustering: Callable) -> None:
     hint="Keep labels in an array of their own; do not write into cloud.",
 )
 def leaves_its_input(euclidean_clustering: Callable) -> None:
-    cloud = _TIGHT_GROUPS.copy()
-    labels = euclidean_clustering(cloud, 0.5)
-    assert_untouched(_TIGHT_GROUPS, cloud)
-    assert_partition(labels, _TWO_LABELS, _TIGHT_GROUPS)
+    assert_untouched(euclidean_clustering, _TIGHT, 0.5)
+    labels = euclidean_clustering(_TIGHT.copy(), 0.5)
+    assert_partition(labels, _LABELS, _TIGHT)

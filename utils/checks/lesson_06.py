@@ -11,28 +11,33 @@ from utils.checks.vocabulary import (
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
+    frozen,
 )
 
 # Road at -1.73 m, a kerb, a bumper, a car roof and a sign; then a column of intensity.
-_HEIGHTS = np.array(
-    [
-        [6.0, 0.5, -1.73, 0.20],
-        [6.2, 0.5, -0.90, 0.90],
-        [8.0, -2.0, -1.58, 0.30],
-        [8.1, -2.0, -1.15, 0.40],
-        [9.0, 3.0, 0.10, 0.60],
-        [9.5, 3.0, -1.70, 0.10],
-        [4.0, 1.0, 1.40, 0.80],
-    ]
+_HEIGHTS = frozen(
+    np.array(
+        [
+            [6.0, 0.5, -1.73, 0.20],
+            [6.2, 0.5, -0.90, 0.90],
+            [8.0, -2.0, -1.58, 0.30],
+            [8.1, -2.0, -1.15, 0.40],
+            [9.0, 3.0, 0.10, 0.60],
+            [9.5, 3.0, -1.70, 0.10],
+            [4.0, 1.0, 1.40, 0.80],
+        ]
+    )
 )
 # Two cells of 1 m: three points in one, one point in the other.
-_CELLS = np.array(
-    [
-        [0.1, 0.1, 0.1, 0.0],
-        [0.3, 0.5, 0.1, 0.3],
-        [0.8, 0.3, 0.7, 0.9],
-        [1.5, 0.5, 0.5, 0.4],
-    ]
+_CELLS = frozen(
+    np.array(
+        [
+            [0.1, 0.1, 0.1, 0.0],
+            [0.3, 0.5, 0.1, 0.3],
+            [0.8, 0.3, 0.7, 0.9],
+            [1.5, 0.5, 0.5, 0.4],
+        ]
+    )
 )
 
 
@@ -101,9 +106,8 @@ def takes_every_shape(filter_ground: Callable) -> None:
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
 def leaves_its_input(filter_ground: Callable) -> None:
-    cloud = _HEIGHTS.copy()
-    assert_rows(filter_ground(cloud, -1.2), _HEIGHTS, _HEIGHTS[:, 2] > -1.2)
-    assert_untouched(_HEIGHTS, cloud)
+    assert_rows(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _HEIGHTS[:, 2] > -1.2)
+    assert_untouched(filter_ground, _HEIGHTS, -1.2)
 
 
 @visible(
@@ -164,9 +168,7 @@ def follows_the_size(voxel_grid: Callable) -> None:
     hint="Return early when len(cloud) == 0, with the same number of columns.",
 )
 def takes_nothing(voxel_grid: Callable) -> None:
-    cloud = _CELLS.copy()
-    voxel_grid(cloud, 0.7)
-    assert_untouched(_CELLS, cloud)
+    assert_untouched(voxel_grid, _CELLS, 0.7)
     for columns in (3, 4):
         rows = as_array(voxel_grid(np.empty((0, columns)), 0.2), columns=columns)
         if len(rows):

@@ -18,79 +18,90 @@ from utils.checks.vocabulary import (
     as_array,
     assert_rows,
     assert_untouched,
+    frozen,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # Near: ahead, behind on the right, left and right. Far: each coordinate below 10 and yet far,
-# ahead, behind, and to the right.
-_PLACES = np.array(
-    [
-        [6.0, 0.5, -1.5, 0.20],
-        [8.0, 8.0, -1.0, 0.40],
-        [-7.0, -6.0, -0.9, 0.90],
-        [12.0, 0.3, -1.1, 0.30],
-        [3.0, -9.2, -0.4, 0.50],
-        [-10.6, 0.2, -0.7, 0.10],
-        [1.5, 8.0, 0.3, 0.60],
-        [1.0, -15.0, 0.2, 0.80],
-    ]
+# ahead, behind, and to the right. In no order that could be guessed.
+_PLACES = frozen(
+    np.array(
+        [
+            [6.0, 0.5, -1.5, 0.20],
+            [-7.0, -6.0, -0.9, 0.90],
+            [8.0, 8.0, -1.0, 0.40],
+            [12.0, 0.3, -1.1, 0.30],
+            [-10.6, 0.2, -0.7, 0.10],
+            [1.5, 8.0, 0.3, 0.60],
+            [3.0, -9.2, -0.4, 0.50],
+            [1.0, -15.0, 0.2, 0.80],
+        ]
+    )
 )
-_NEAR = np.array([True, False, True, False, True, False, True, False])
+_NEAR = frozen(np.array([True, True, False, False, False, True, True, False]))
 # A tree top and the road below a bridge are near; a low thing is far.
-_TALL = np.array(
-    [
-        [9.0, 2.0, 7.0, 0.1],
-        [11.0, 1.0, 0.0, 0.1],
-        [-6.0, 7.0, -8.0, 0.1],
-        [0.5, -10.8, -0.2, 0.1],
-    ]
+_TALL = frozen(
+    np.array(
+        [
+            [11.0, 1.0, 0.0, 0.1],
+            [9.0, 2.0, 7.0, 0.1],
+            [-6.0, 7.0, -8.0, 0.1],
+            [0.5, -10.8, -0.2, 0.1],
+        ]
+    )
 )
-_TALL_NEAR = np.array([True, False, True, False])
+_TALL_NEAR = frozen(np.array([False, True, True, False]))
 # As from a driver that reports intensities from 0 to 255.
-_BRIGHT = np.array(
-    [
-        [9.0, 0.5, 0.2, 255.0],
-        [10.5, 0.5, 0.2, 0.0],
-        [2.0, -7.0, 0.2, 40.0],
-        [-9.0, 6.0, 0.2, 3.0],
-    ]
+_BRIGHT = frozen(
+    np.array(
+        [
+            [9.0, 0.5, 0.2, 255.0],
+            [2.0, -7.0, 0.2, 40.0],
+            [10.5, 0.5, 0.2, 0.0],
+            [-9.0, 6.0, 0.2, 3.0],
+        ]
+    )
 )
-_BRIGHT_NEAR = np.array([True, False, True, False])
+_BRIGHT_NEAR = frozen(np.array([True, True, False, False]))
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 # Two rows inside, then one beyond each of the six faces, then two more inside.
-_ROOM = np.array(
-    [
-        [1.0, 2.0, -1.0, 0.5],
-        [28.0, -4.0, 0.5, 0.1],
-        [-10.5, 2.0, -1.0, 0.2],
-        [31.0, 2.0, -1.0, 0.3],
-        [1.0, -5.5, -1.0, 0.4],
-        [1.0, 6.5, -1.0, 0.6],
-        [1.0, 2.0, -2.5, 0.7],
-        [1.0, 2.0, 1.5, 0.8],
-        [-9.0, 5.5, 0.9, 0.9],
-        [12.0, 0.0, -1.9, 0.4],
-    ]
+_ROOM = frozen(
+    np.array(
+        [
+            [1.0, 2.0, -1.0, 0.5],
+            [28.0, -4.0, 0.5, 0.1],
+            [-10.5, 2.0, -1.0, 0.2],
+            [31.0, 2.0, -1.0, 0.3],
+            [1.0, -5.5, -1.0, 0.4],
+            [1.0, 6.5, -1.0, 0.6],
+            [1.0, 2.0, -2.5, 0.7],
+            [1.0, 2.0, 1.5, 0.8],
+            [-9.0, 5.5, 0.9, 0.9],
+            [12.0, 0.0, -1.9, 0.4],
+        ]
+    )
 )
-_INSIDE = np.array([True, True, False, False, False, False, False, False, True, True])
+_INSIDE = frozen(np.array([True, True, False, False, False, False, False, False, True, True]))
 _EGO = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 # Three returns of our own car; then others that share one or two coordinates with it.
-_AROUND = np.array(
-    [
-        [-1.3, 0.4, -0.6, 0.3],
-        [1.0, -1.0, -0.5, 0.5],
-        [5.0, 1.0, -0.6, 0.4],
-        [1.0, 2.4, -0.7, 0.2],
-        [0.9, 1.0, -0.6, 0.5],
-        [0.5, 0.5, 1.2, 0.1],
-        [-3.0, -8.0, -0.8, 0.9],
-        [12.0, 0.2, 2.0, 0.7],
-    ]
+_AROUND = frozen(
+    np.array(
+        [
+            [-1.3, 0.4, -0.6, 0.3],
+            [1.0, -1.0, -0.5, 0.5],
+            [5.0, 1.0, -0.6, 0.4],
+            [1.0, 2.4, -0.7, 0.2],
+            [0.9, 1.0, -0.6, 0.5],
+            [0.5, 0.5, 1.2, 0.1],
+            [-3.0, -8.0, -0.8, 0.9],
+            [12.0, 0.2, 2.0, 0.7],
+        ]
+    )
 )
-_OURS = np.array([True, True, False, False, True, False, False, False])
+_OURS = frozen(np.array([True, True, False, False, True, False, False, False]))
 
 
 def assert_near(answer: object, cloud: np.ndarray, distance: float, near: np.ndarray) -> None:
@@ -265,7 +276,7 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
     hint="Use the parameter distance in the comparison, and keep its default of 10.0.",
 )
 def follows_the_distance(filter_by_distance: Callable) -> None:
-    close = np.array([True, False, False, False, False, False, True, False])
+    close = np.array([True, False, False, False, False, True, False, False])
     assert_near(filter_by_distance(_PLACES.copy(), 8.5), _PLACES, 8.5, close)
     assert_near(filter_by_distance(cloud=_PLACES.copy(), distance=8.5), _PLACES, 8.5, close)
     assert_near(filter_by_distance(_PLACES.copy()), _PLACES, 10.0, _NEAR)
@@ -294,9 +305,8 @@ def takes_every_shape(filter_by_distance: Callable) -> None:
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
 def leaves_its_input(filter_by_distance: Callable) -> None:
-    cloud = _PLACES.copy()
-    assert_near(filter_by_distance(cloud, 10.0), _PLACES, 10.0, _NEAR)
-    assert_untouched(_PLACES, cloud)
+    assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
+    assert_untouched(filter_by_distance, _PLACES, 10.0)
 
 
 @visible(
@@ -351,7 +361,11 @@ def follows_the_corners(crop_region: Callable) -> None:
     small = np.array([True] + [False] * 8 + [True])
     low, high = [0.0, -1.0, -1.95], [13.0, 3.0, 0.0]
     assert_boxed(
-        crop_region(cloud=_ROOM.copy(), minimum=low, maximum=high), _ROOM, low, high, small
+        crop_region(cloud=_ROOM.copy(), minimum=list(low), maximum=list(high)),
+        _ROOM,
+        low,
+        high,
+        small,
     )
     assert_boxed(crop_region(_ROOM.copy(), np.array(low), np.array(high)), _ROOM, low, high, small)
 
@@ -364,9 +378,10 @@ def follows_the_corners(crop_region: Callable) -> None:
     hint="Compare cloud[:, :3], but index cloud itself.",
 )
 def crops_every_shape(crop_region: Callable) -> None:
-    cloud = _ROOM[:, :3].copy()
-    assert_boxed(crop_region(cloud, _MINIMUM, _MAXIMUM), _ROOM[:, :3], _MINIMUM, _MAXIMUM, _INSIDE)
-    assert_untouched(_ROOM[:, :3], cloud)
+    room = _ROOM[:, :3]
+    answer = crop_region(room.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, room, _MINIMUM, _MAXIMUM, _INSIDE)
+    assert_untouched(crop_region, room, _MINIMUM, _MAXIMUM)
     for columns in (3, 4):
         nothing = np.empty((0, columns))
         assert_boxed(
@@ -427,7 +442,7 @@ def follows_the_ego_box(remove_ego_returns: Callable) -> None:
     low, high = [0.8, 0.5, -1.0], [6.0, 3.0, -0.4]
     left = np.array([True, True, False, False, False, True, True, True])
     assert_boxed(
-        remove_ego_returns(cloud=_AROUND.copy(), minimum=low, maximum=high),
+        remove_ego_returns(cloud=_AROUND.copy(), minimum=list(low), maximum=list(high)),
         _AROUND,
         low,
         high,
@@ -446,9 +461,9 @@ def follows_the_ego_box(remove_ego_returns: Callable) -> None:
     hint="Compare cloud[:, :3], but index cloud itself.",
 )
 def removes_from_every_shape(remove_ego_returns: Callable) -> None:
-    cloud = _AROUND[:, :3].copy()
-    assert_boxed(remove_ego_returns(cloud, *_EGO), _AROUND[:, :3], *_EGO, ~_OURS)
-    assert_untouched(_AROUND[:, :3], cloud)
+    around = _AROUND[:, :3]
+    assert_boxed(remove_ego_returns(around.copy(), *_EGO), around, *_EGO, ~_OURS)
+    assert_untouched(remove_ego_returns, around, *_EGO)
     for columns in (3, 4):
         nothing = np.empty((0, columns))
         assert_boxed(remove_ego_returns(nothing.copy(), *_EGO), nothing, *_EGO, np.zeros(0, bool))

@@ -7,24 +7,26 @@ import numpy as np
 
 from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.core import visible
-from utils.checks.vocabulary import assert_untouched
+from utils.checks.vocabulary import assert_untouched, frozen
 
 # A car ahead on the left and a pedestrian behind on the right; the first row of each is its
 # largest corner, and stray points of label 0 lie around.
-_CLOUD = np.array(
-    [
-        [9.0, 3.5, 0.1, 0.3],
-        [-2.5, -4.0, 0.2, 0.5],
-        [20.0, 9.0, 1.0, 0.9],
-        [6.0, 2.0, -1.1, 0.2],
-        [5.0, 2.6, -0.5, 0.9],
-        [-3.0, -4.6, -1.0, 0.1],
-        [7.7, 1.6, -0.9, 0.4],
-        [-15.0, -9.0, -1.4, 0.0],
-        [-2.9, -4.2, -0.3, 0.6],
-    ]
+_CLOUD = frozen(
+    np.array(
+        [
+            [9.0, 3.5, 0.1, 0.3],
+            [-2.5, -4.0, 0.2, 0.5],
+            [20.0, 9.0, 1.0, 0.9],
+            [6.0, 2.0, -1.1, 0.2],
+            [5.0, 2.6, -0.5, 0.9],
+            [-3.0, -4.6, -1.0, 0.1],
+            [7.7, 1.6, -0.9, 0.4],
+            [-15.0, -9.0, -1.4, 0.0],
+            [-2.9, -4.2, -0.3, 0.6],
+        ]
+    )
 )
-_LABELS = np.array([1, 2, 0, 1, 1, 2, 1, 0, 2])
+_LABELS = frozen(np.array([1, 2, 0, 1, 1, 2, 1, 0, 2]))
 
 
 def _corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
@@ -32,8 +34,8 @@ def _corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
     return np.array(list(product(*zip(low[::-1], high[::-1], strict=True))))[:, ::-1]
 
 
-_CAR = _corners([5.0, 1.6, -1.1], [9.0, 3.5, 0.1])
-_PEDESTRIAN = _corners([-3.0, -4.6, -1.0], [-2.5, -4.0, 0.2])
+_CAR = frozen(_corners([5.0, 1.6, -1.1], [9.0, 3.5, 0.1]))
+_PEDESTRIAN = frozen(_corners([-3.0, -4.6, -1.0], [-2.5, -4.0, 0.2]))
 
 
 @visible(
@@ -46,7 +48,9 @@ _PEDESTRIAN = _corners([-3.0, -4.6, -1.0], [-2.5, -4.0, 0.2])
 )
 def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
     only_car = np.where(_LABELS == 1, 1, 0)
-    assert_box_corners(get_bounding_boxes(_CLOUD.copy(), only_car), _CAR[None], _CLOUD, only_car)
+    assert_box_corners(
+        get_bounding_boxes(_CLOUD.copy(), only_car.copy()), _CAR[None], _CLOUD, only_car
+    )
     assert_box_corners(
         get_bounding_boxes(_CLOUD.copy(), _LABELS.copy()),
         np.stack([_CAR, _PEDESTRIAN]),
@@ -67,10 +71,13 @@ def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
 def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
     swapped = np.array([0, 7, 3])[_LABELS]  # the car is 7, the pedestrian 3
     assert_box_corners(
-        get_bounding_boxes(_CLOUD.copy(), swapped), np.stack([_PEDESTRIAN, _CAR]), _CLOUD, swapped
+        get_bounding_boxes(_CLOUD.copy(), swapped.copy()),
+        np.stack([_PEDESTRIAN, _CAR]),
+        _CLOUD,
+        swapped,
     )
     assert_box_corners(
-        get_bounding_boxes(cloud=_CLOUD.copy(), cluster_labels=swapped),
+        get_bounding_boxes(cloud=_CLOUD.copy(), cluster_labels=swapped.copy()),
         np.stack([_PEDESTRIAN, _CAR]),
         _CLOUD,
         swapped,
@@ -127,10 +134,10 @@ def takes_every_shape(get_bounding_boxes: Callable) -> None:
 )
 def takes_nothing(get_bounding_boxes: Callable) -> None:
     noise = np.zeros(len(_CLOUD), dtype=int)
-    as_cluster_boxes(get_bounding_boxes(_CLOUD.copy(), noise), noise)
+    as_cluster_boxes(get_bounding_boxes(_CLOUD.copy(), noise.copy()), noise)
     for columns in (3, 4):
         none = np.zeros(0, dtype=int)
-        as_cluster_boxes(get_bounding_boxes(np.empty((0, columns)), none), none)
+        as_cluster_boxes(get_bounding_boxes(np.empty((0, columns)), none.copy()), none)
     # Something must still come where there is something.
     assert_box_corners(
         get_bounding_boxes(_CLOUD.copy(), _LABELS.copy()),
@@ -148,8 +155,6 @@ def takes_nothing(get_bounding_boxes: Callable) -> None:
     hint="Write the corners into an array of their own.",
 )
 def leaves_its_input(get_bounding_boxes: Callable) -> None:
-    cloud, labels = _CLOUD.copy(), _LABELS.copy()
-    boxes = get_bounding_boxes(cloud, labels)
-    assert_untouched(_CLOUD, cloud)
-    assert_untouched(_LABELS, labels)
+    assert_untouched(get_bounding_boxes, _CLOUD, _LABELS)
+    boxes = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
     assert_box_corners(boxes, np.stack([_CAR, _PEDESTRIAN]), _CLOUD, _LABELS)

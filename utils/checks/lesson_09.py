@@ -6,10 +6,16 @@ import numpy as np
 
 import utils
 from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed, as_labels, assert_untouched
+from utils.checks.vocabulary import (
+    CheckFailed,
+    as_labels,
+    assert_new_array,
+    assert_untouched,
+    frozen,
+)
 
 # Clusters of 5, 1, 2, 4, 3 and 2 points, neither sorted nor in one piece.
-_LABELS = np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6])
+_LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6]))
 
 
 def assert_filtered(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
@@ -183,9 +189,7 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def leaves_its_input(filter_clusters: Callable) -> None:
-    labels = _LABELS.copy()
-    answer = filter_clusters(labels, 3)
-    assert_untouched(_LABELS, labels)
-    if answer is labels:
-        raise CheckFailed("The function returned its input, not a new array.")
+    assert_untouched(filter_clusters, _LABELS, 3)
+    assert_new_array(filter_clusters, _LABELS, 1)
+    answer = filter_clusters(_LABELS.copy(), 3)
     assert_filtered(answer, _LABELS, np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0]))

@@ -6,7 +6,13 @@ from time import perf_counter
 import numpy as np
 
 from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed, as_labels, assert_partition, assert_untouched
+from utils.checks.vocabulary import (
+    CheckFailed,
+    as_labels,
+    assert_partition,
+    assert_untouched,
+    frozen,
+)
 
 # Comparing 20 000 points with each other takes longer than this; every short cut is far below.
 SECONDS = 4.0
@@ -19,10 +25,16 @@ def _row(
     return np.array(start) + np.outer(np.arange(n) * step, along)
 
 
-_THREE = np.vstack(
-    [_row([2.0, 1.0, 0.0], 0.3, 5), _row([8.0, -2.0, 0.5], 0.3, 3), _row([-6.0, 4.0, -1.0], 0.4, 2)]
+_THREE = frozen(
+    np.vstack(
+        [
+            _row([2.0, 1.0, 0.0], 0.3, 5),
+            _row([8.0, -2.0, 0.5], 0.3, 3),
+            _row([-6.0, 4.0, -1.0], 0.4, 2),
+        ]
+    )
 )
-_THREE_LABELS = np.repeat([1, 2, 3], [5, 3, 2])
+_THREE_LABELS = frozen(np.repeat([1, 2, 3], [5, 3, 2]))
 
 
 @visible(
@@ -181,9 +193,9 @@ def takes_the_smallest(euclidean_clustering_accelerated: Callable) -> None:
     one = np.array([[1.0, 2.0, 3.0]])
     assert_partition(euclidean_clustering_accelerated(one.copy(), 0.5), np.array([1]), one)
     equal = np.array([[1.0, 2.0, 3.0], [5.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
-    cloud = equal.copy()
-    assert_partition(euclidean_clustering_accelerated(cloud, 0.5), np.array([1, 2, 1]), equal)
-    assert_untouched(equal, cloud)
+    labels = euclidean_clustering_accelerated(equal.copy(), 0.5)
+    assert_partition(labels, np.array([1, 2, 1]), equal)
+    assert_untouched(euclidean_clustering_accelerated, equal, 0.5)
 
 
 @visible(

@@ -6,7 +6,7 @@ import numpy as np
 
 from utils.checks.boxes import as_cluster_boxes, assert_turned_boxes
 from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief
+from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief, frozen
 
 _NAMES = ("first", "second", "third")
 
@@ -27,13 +27,13 @@ def _grid(length: float, width: float, height: float, steps: int = 7) -> np.ndar
 # Left-handed answers slip through where a library happens to return a right-handed one, so
 # there are several.
 _TURNS = (20, 65, 110, 155, 200, 245, 290, 335)
-_CAR = _turn(_grid(4.2, 1.8, 1.4), 35) + [9.0, -4.0, -0.9]
-_VAN = _turn(_grid(5.0, 2.0, 2.2), 130) + [-7.0, 5.0, -0.6]
-_STREET = np.column_stack(
-    [np.vstack([_CAR, [[30.0, 20.0, 4.0]], _VAN]), np.tile([0.1, 0.9, 0.5], 229)]
+_CAR = frozen(_turn(_grid(4.2, 1.8, 1.4), 35) + [9.0, -4.0, -0.9])
+_VAN = frozen(_turn(_grid(5.0, 2.0, 2.2), 130) + [-7.0, 5.0, -0.6])
+_STREET = frozen(
+    np.column_stack([np.vstack([_CAR, [[30.0, 20.0, 4.0]], _VAN]), np.tile([0.1, 0.9, 0.5], 229)])
 )
-_LABELS = np.repeat([1, 0, 2], [343, 1, 343])
-_AREAS = [4.2 * 1.8, 5.0 * 2.0]
+_LABELS = frozen(np.repeat([1, 0, 2], [343, 1, 343]))
+_AREAS = (4.2 * 1.8, 5.0 * 2.0)
 
 
 def as_axes(answer: object) -> np.ndarray:
@@ -130,9 +130,9 @@ def _axes_of_turn(degrees: float, order: Sequence[int] = (0, 1, 2)) -> np.ndarra
 def orders_by_spread(principal_axes: Callable) -> None:
     for degrees in (0, 35, 80):
         block = _turn(_grid(4.2, 1.8, 1.0), degrees) + [9.0, -4.0, -0.9]
-        assert_axes(principal_axes(block), _axes_of_turn(degrees))
+        assert_axes(principal_axes(block.copy()), _axes_of_turn(degrees))
     tower = _turn(_grid(1.0, 2.0, 6.0), 25)
-    assert_axes(principal_axes(points=tower), _axes_of_turn(25, (2, 1, 0)))
+    assert_axes(principal_axes(points=tower.copy()), _axes_of_turn(25, (2, 1, 0)))
 
 
 @visible(
@@ -145,7 +145,7 @@ def orders_by_spread(principal_axes: Callable) -> None:
 def stays_right_handed(principal_axes: Callable) -> None:
     for degrees in _TURNS:
         block = _turn(_grid(4.2, 1.8, 1.0), degrees)
-        assert_axes(principal_axes(block), _axes_of_turn(degrees))
+        assert_axes(principal_axes(block.copy()), _axes_of_turn(degrees))
         assert_axes(principal_axes(block[:, [2, 0, 1]]), _axes_of_turn(degrees)[[2, 0, 1]])
 
 
@@ -172,9 +172,8 @@ def centres_the_points(principal_axes: Callable) -> None:
 )
 def ignores_intensity(principal_axes: Callable) -> None:
     bright = np.column_stack([_CAR, np.linspace(0, 90, len(_CAR))])
-    before = bright.copy()
-    assert_axes(principal_axes(bright), _axes_of_turn(35))
-    assert_untouched(before, bright)
+    assert_axes(principal_axes(bright.copy()), _axes_of_turn(35))
+    assert_untouched(principal_axes, bright)
 
 
 @visible(
@@ -191,7 +190,7 @@ def takes_few_points(principal_axes: Callable) -> None:
     for few in (_CAR[:0], _CAR[:1], np.repeat(_CAR[:1], 3, axis=0), np.zeros((0, 4))):
         as_axes(principal_axes(few.copy()))
     pair = np.array([[1.0, 2.0, 0.0], [4.0, 6.0, 0.0]])
-    along = np.abs(as_axes(principal_axes(pair))[:, 0] @ [0.6, 0.8, 0.0])
+    along = np.abs(as_axes(principal_axes(pair.copy()))[:, 0] @ [0.6, 0.8, 0.0])
     if along < 0.999:
         raise CheckFailed(
             "For two points the first axis is the direction from one to the other.",
@@ -292,8 +291,8 @@ def takes_small_clusters(get_oriented_boxes: Callable) -> None:
         get_oriented_boxes(_CAR.copy(), _LABELS[:343].copy()), _CAR, _LABELS[:343], _AREAS[:1]
     )
     noise = np.zeros(len(_STREET), dtype=int)
-    as_cluster_boxes(get_oriented_boxes(_STREET.copy(), noise), noise)
-    as_cluster_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0]), noise[:0])
+    as_cluster_boxes(get_oriented_boxes(_STREET.copy(), noise.copy()), noise)
+    as_cluster_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0].copy()), noise[:0])
 
 
 @visible(
@@ -304,8 +303,6 @@ def takes_small_clusters(get_oriented_boxes: Callable) -> None:
     hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 is not.",
 )
 def leaves_its_input(get_oriented_boxes: Callable) -> None:
-    cloud, labels = _STREET.copy(), _LABELS.copy()
-    boxes = get_oriented_boxes(cloud, labels)
-    assert_untouched(_STREET, cloud)
-    assert_untouched(_LABELS, labels)
+    assert_untouched(get_oriented_boxes, _STREET, _LABELS)
+    boxes = get_oriented_boxes(_STREET.copy(), _LABELS.copy())
     assert_turned_boxes(boxes, _STREET, _LABELS, _AREAS)

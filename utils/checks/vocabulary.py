@@ -8,12 +8,15 @@ Checks write `utils.plots` in full: it is loaded when the first picture is drawn
 is slow to import and the judge has no use for it.
 """
 
+import copy
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
+from utils.checks.claims import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
 TOLERANCE = 1e-3
@@ -48,6 +51,26 @@ class CheckFailed(AssertionError):
         self.draw, self.tip = draw, tip
 
 
+def frozen(value: object) -> object:
+    """A constant that nobody changes by accident: arrays become read-only copies.
+
+    Parameters
+    ----------
+    value : object
+        An array, or a tuple of them.
+
+    Returns
+    -------
+    object
+        Of the same kind.
+    """
+    if isinstance(value, tuple):
+        return tuple(frozen(item) for item in value)
+    array = np.array(value)
+    array.flags.writeable = False
+    return array
+
+
 def brief(value: object) -> str:
     """A value in at most 90 characters.
 
@@ -60,10 +83,12 @@ def brief(value: object) -> str:
     str
     """
     if isinstance(value, np.ndarray):
-        text = np.array2string(value, precision=3, threshold=12, edgeitems=3, separator=", ")
+        # Of many dimensions even the corners are many.
+        shown = value if value.ndim <= 3 else value.reshape(-1)
+        text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
     else:
-        text = repr(value)
+        text = in_few_words(value)  # a list may be long, and hold longer ones
     return text if len(text) <= 90 else text[:87] + "..."
 
 
@@ -82,7 +107,12 @@ def point_text(point: ArrayLike) -> str:
     return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
 
 
-def as_array(answer: object, columns: int | None = None, what: str = "an array") -> np.ndarray:
+def as_array(
+    answer: object,
+    columns: int | None = None,
+    what: str = "an array",
+    most: int = MOST_NUMBERS,
+) -> np.ndarray:
     """An answer as a numeric array.
 
     Parameters
@@ -92,6 +122,8 @@ def as_array(answer: object, columns: int | None = None, what: str = "an array")
         Demand shape (n, columns).
     what : str
         The kind of thing that was expected, for the message.
+    most : int
+        As for `utils.checks.claims.as_numbers`.
 
     Returns
     -------
@@ -106,15 +138,18 @@ def as_array(answer: object, columns: int | None = None, what: str = "an array")
             "The function returned None. Does it end with `return`?", yours="None", expected=what
         )
     try:
-        array = np.asarray(answer)
-    except ValueError:  # rows of different lengths
-        array = np.empty(1, dtype=object)
-    if array.dtype.kind not in "biuf":
-        # In the judge an object of another kind arrives as a stand-in that knows its name.
-        kind = getattr(answer, "type_name", type(answer).__name__)
+        array = as_numbers(answer, most)
+    except TooMuch as error:
+        raise CheckFailed(str(error), yours=brief(answer), expected=what) from None
+    except NotNumbers:
+        # In the judge an object of another kind arrives as a stand-in that knows its name. The
+        # student chose it, so it is no part of the message.
+        kind = getattr(answer, "type_name", "") or type(answer).__name__
         raise CheckFailed(
-            f"The function returned {kind}, expected {what}.", yours=brief(answer), expected=what
-        )
+            f"The function returned something else, expected {what}.",
+            yours=f"{kind}: {brief(answer)}",
+            expected=what,
+        ) from None
     if columns is not None:
         if array.size == 0 and array.ndim == 1:
             array = array.reshape(0, columns)
@@ -290,19 +325,84 @@ def assert_close(
         )
 
 
-def assert_untouched(before: np.ndarray, after: np.ndarray) -> None:
-    """The function left its input as it was.
+@dataclass(frozen=True)
+class Observed:
+    """A call that was looked at.
 
-    Parameters
+    Attributes
     ----------
-    before, after : numpy.ndarray of equal shape
+    result : object
+    arguments : tuple
+        What became of copies of the arguments.
+    shared : frozenset of int
+        Positions of the arguments that share their memory with the result.
     """
-    if not np.array_equal(before, after, equal_nan=True):
+
+    result: object
+    arguments: tuple
+    shared: frozenset[int]
+
+
+def observe(function: Callable, *arguments: object) -> Observed:
+    """Call a function on copies of its arguments, and look at what it did.
+
+    A function that lives elsewhere observes itself: in the judge it is in the sandbox.
+    """
+    if hasattr(function, "observe"):
+        return function.observe(*arguments)
+    copies = copy.deepcopy(arguments)
+    result = function(*copies)
+    shared = {
+        position
+        for position, value in enumerate(copies)
+        if isinstance(value, np.ndarray)
+        and isinstance(result, np.ndarray)
+        and np.shares_memory(value, result)
+    }
+    return Observed(result, copies, frozenset(shared))
+
+
+def assert_untouched(function: Callable, *arguments: object) -> None:
+    """The function leaves its arguments as they are; what it returns is another property."""
+    assert_left_alone(observe(function, *arguments), *arguments)
+
+
+def assert_left_alone(seen: Observed, *arguments: object) -> None:
+    """A call that was looked at left its arguments as they were."""
+    for before, after in zip(arguments, seen.arguments, strict=False):
+        if not _unchanged(before, after):
+            raise CheckFailed(
+                "The function changed its input. Work on a copy, or build a new array.",
+                yours=brief(after),
+                expected=brief(before),
+            )
+
+
+def assert_new_array(function: Callable, *arguments: object) -> None:
+    """The function returns an array of its own: whoever changes it changes no argument."""
+    if observe(function, *arguments).shared:
         raise CheckFailed(
-            "The function changed its input. Work on a copy, or build a new array.",
-            yours=brief(after),
-            expected=brief(before),
+            "The result is the input itself, or a part of it: whoever changes one changes both. "
+            "Return a new array."
         )
+
+
+def _unchanged(before: object, after: object) -> bool:
+    """True where two values are the same; the second is a claim and may be anything."""
+    if isinstance(before, np.random.Generator):
+        return True  # to draw from it is what it is for
+    if isinstance(before, (list, tuple)):
+        return (
+            type(before) is type(after)
+            and len(before) == len(after)
+            and all(map(_unchanged, before, after))
+        )
+    if not isinstance(before, np.ndarray):
+        return type(before) is type(after) and bool(before == after)
+    if not isinstance(after, np.ndarray) or after.shape != before.shape:
+        return False
+    numbers = before.dtype.kind == "f" and after.dtype.kind == "f"
+    return bool(np.array_equal(before, after, equal_nan=numbers))
 
 
 def _close(yours: np.ndarray, expected: np.ndarray) -> bool:

@@ -16,7 +16,7 @@ from utils.clouds.errors import excerpt, file_error
 EXPECTED = "three or four numbers: x y z in metres, then intensity if there is one"
 COMMENT = re.compile(r"#|//|%")
 SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
-EMPTY_FIELD = re.compile(r"(?:^|[,;])[ \t]*[,;]", re.MULTILINE)
+EMPTY_FIELD = re.compile(r"(?:^|[,;])[^\S\n]*[,;]", re.MULTILINE)
 COMMAS_TO_BLANKS = str.maketrans(",;", "  ")
 
 
@@ -103,7 +103,7 @@ def shortest_digits(cloud: np.ndarray) -> Iterator[Iterable[str]]:
 
 
 def _characters(data: bytes, name: str) -> str:
-    """Decode the file with newlines as ``\\n``; refuse what is no text at all."""
+    """Decode the file with plain newlines; refuse what is no text at all."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         text = data.decode("utf-16", errors="replace")
     else:

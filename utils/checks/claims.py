@@ -1,0 +1,128 @@
+"""What an answer may cost before it is looked at: caps far above any right answer.
+
+An answer is a claim. In the judge it comes from a stranger, who would be glad if comparing it took
+an hour.
+"""
+
+import reprlib
+from collections import deque
+
+import numpy as np
+
+MOST_NUMBERS = 1_000_000
+MOST_ROWS = 250_000  # as lists: a whole scan has 120 000
+MOST_OF_A_POINT = 100
+_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}  # digits are not shown
+MOST_DIMENSIONS = 3
+LARGEST_INTEGER = 2**64
+_NUMBERS = {bool, int, float}
+_ITEMS = (bool, int, float, np.generic, range, deque)
+
+
+class TooMuch(Exception):
+    """An answer is larger than any right one; `str()` is a sentence that names the cap."""
+
+
+class NotNumbers(Exception):
+    """An answer is no array of numbers, and no list of them."""
+
+
+def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
+    """An answer as an array of booleans, whole numbers or floats.
+
+    Parameters
+    ----------
+    answer : object
+    most : {1_000_000, 100}
+        The most numbers that a right answer can hold.
+
+    Returns
+    -------
+    numpy.ndarray
+        Of at most `MOST_DIMENSIONS` dimensions.
+
+    Raises
+    ------
+    TooMuch, NotNumbers
+    """
+    if not isinstance(answer, np.ndarray):
+        _look_through(answer, most)
+        try:
+            answer = np.asarray(answer)
+        except Exception:  # rows of different lengths, or an __array__ of the student's own
+            raise NotNumbers from None
+    _assert_flat(answer.ndim)
+    _assert_few(answer.size, most)
+    if answer.dtype.kind not in "biuf":
+        raise NotNumbers
+    return answer
+
+
+def in_few_words(value: object) -> str:
+    """What `repr` says, shortened before it is written."""
+    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+        return "a whole number of more than nineteen digits"
+    try:
+        return _SHORT.repr(value)
+    except Exception:  # a `__repr__` of the student's own
+        return f"an object of type {type(value).__name__}"
+
+
+class _Short(reprlib.Repr):
+    """Also where NumPy arrays, sets and huge numbers hide in a list."""
+
+    def repr_int(self, value: int, level: int) -> str:
+        return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."
+
+    def repr_ndarray(self, value: np.ndarray, level: int) -> str:
+        return f"array of shape {value.shape}"
+
+    def repr_set(self, value: set, level: int) -> str:
+        return f"set of {len(value)}" if len(value) > 100 else super().repr_set(value, level)
+
+    def repr_dict(self, value: dict, level: int) -> str:
+        return f"dict of {len(value)}" if len(value) > 100 else super().repr_dict(value, level)
+
+
+_SHORT = _Short()
+
+
+def _look_through(answer: object, most: int) -> None:
+    """Refuse lists that are too long or too deep, and texts and objects in them."""
+    count, waiting = 0, [(answer, 0)]
+    while waiting:
+        value, depth = waiting.pop()
+        if isinstance(value, (list, tuple)):
+            count += len(value)
+            _assert_few(count, most)
+            _assert_flat(depth)
+            kinds = set(map(type, value))
+            if int in kinds and kinds <= _NUMBERS:
+                _assert_short(max(value, key=abs))
+            elif not kinds <= _NUMBERS:
+                if len(waiting) + len(value) > MOST_ROWS:
+                    raise TooMuch("The answer is a list of far more rows than any cloud has.")
+                waiting += [(item, depth + 1) for item in value]
+        elif isinstance(value, np.ndarray):
+            count += value.size
+            _assert_few(count, most)
+            _assert_flat(value.ndim + depth)
+        elif isinstance(value, int):
+            _assert_short(value)
+        elif depth and not isinstance(value, _ITEMS) and not hasattr(value, "__array__"):
+            raise NotNumbers
+
+
+def _assert_few(count: int, most: int) -> None:
+    if count > most:
+        raise TooMuch(f"The answer holds more than {_WORDS[most]} values; no right one does.")
+
+
+def _assert_flat(dimensions: int) -> None:
+    if dimensions > MOST_DIMENSIONS:
+        raise TooMuch("The answer has more than three dimensions; no right one does.")
+
+
+def _assert_short(number: int) -> None:
+    if abs(number) > LARGEST_INTEGER:
+        raise TooMuch("The answer holds a number of more than nineteen digits; no right one does.")
