@@ -5,13 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.lessons import all_lessons
+from grader.course.lessons import Lesson, all_lessons, lesson_of
+from grader.course.variants import Variant
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
+from tests.demands import demand_walls
 
 
 @pytest.fixture(scope="session")
 def sandbox():
     """The sandbox to run code with: bubblewrap, or a plain process for the tests' own code."""
+    if os.environ.get("REQUIRE_SANDBOX") == "1":
+        return demand_walls()
     try:
         return choose_sandbox()
     except SandboxUnavailable:
@@ -25,6 +29,41 @@ def real_clouds():
     if not folder:
         pytest.skip("REAL_CLOUDS does not name a folder of real recordings")
     return Path(folder)
+
+
+# What takes longest comes first, so that no processor waits for another in the end.
+LONGEST = ("test_colab", "test_notebooks", "test_grade", "test_judge", "test_cheap")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Sort the tests by length, and keep those on one lesson's judge in one process.
+
+    Its scenes and right answers are made once in a process.
+    """
+    for item in items:
+        lesson = getattr(item, "callspec", None) and _lesson_in(item.callspec.params.values())
+        if item.path.stem == "test_judge" and lesson:
+            item.add_marker(pytest.mark.xdist_group(lesson))
+    names = [item.path.stem for item in items]
+    order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}
+    # Later lessons work on larger clouds.
+    items.sort(key=lambda item: (order[item.path.stem], -_number(item)))
+
+
+def _lesson_in(values):
+    """Name of the lesson that a test's parameters are about."""
+    for value in values:
+        if isinstance(value, Lesson):
+            return value.name
+        if isinstance(value, Variant):
+            return lesson_of(value.exercise).name
+    return None
+
+
+def _number(item):
+    group = item.get_closest_marker("xdist_group")
+    return int(group.args[0][:2]) if group else 0
 
 
 def pytest_generate_tests(metafunc):

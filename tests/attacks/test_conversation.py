@@ -1,0 +1,546 @@
+"""What a student's code may try to say: bytes that are no answer, values that lie, exceptions."""
+
+import os
+import re
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from grader.sandbox import Limits
+from grader.sandbox.inside.wire import Opaque
+from grader.sandbox.program import Program
+from grader.sandbox.student import RemoteObject, Student, StudentError, StudentStopped
+from tests.attacks.attacking import (
+    CLOUD,
+    SHORT,
+    WALLS,
+    attack,
+    function,
+    outcome_of,
+    stopped_by,
+    tried,
+)
+
+PIPES = """
+import fcntl, os, select, stat, struct, sys, threading, time
+def pipes():
+    reading, writing = [], []
+    for number in range(3, 64):
+        try:
+            if stat.S_ISFIFO(os.fstat(number).st_mode):
+                flags = fcntl.fcntl(number, fcntl.F_GETFL) & os.O_ACCMODE
+                (writing if flags == os.O_WRONLY else reading).append(number)
+        except OSError:
+            pass
+    return reading, writing
+def say(text, blob=b""):
+    os.write(pipes()[1][0], struct.pack(">II", len(text), len(blob)) + text + blob)
+ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
+"""
+
+
+@tried(
+    "body, sentence",
+    {
+        "writes a wish": ("os.write(pipes()[1][0], b'full marks, please' * 9)", "own channel"),
+        "writes the largest header": ("os.write(pipes()[1][0], b'\\xff' * 8)", "own channel"),
+        "sends a pickle": ('say(b\'{"pickle":"x"}\')', "own channel"),
+        "sends a hundred thousand brackets": ("say(b'[' * 100000)", "own channel"),
+        "sends a number of a hundred thousand digits": ("say(b'1' * 100000)", "own channel"),
+        "sends another kind of tree": ("say(b'[]')", "own channel"),
+        "sends a text": ("say(b'\"hello\"')", "did not answer the question"),
+        "answers a later question": ("say(ANSWER % (99, b'1'))", "did not answer the question"),
+        "answers with true for a number": (
+            'say(b\'{"dict":[["id",true]]}\')',
+            "did not answer the question",
+        ),
+        "answers with an array for a number": (
+            'say(b\'{"dict":[["id",{"array":["|u1",[2]]}]]}\', b\'ab\')',
+            "did not answer the question",
+        ),
+        "sends a generator of no state": (
+            'say(b\'{"generator":["0x0","0x0",0,[]]}\')',
+            "own channel",
+        ),
+        "sends a generator of a number without end": (
+            "say(b'{\"generator\":[\"0x' + b'f' * 10**6 + b'\",\"0x1\",0,0]}')",
+            "own channel",
+        ),
+        "sends half an answer": (
+            "os.write(pipes()[1][0], struct.pack('>II', 100, 0)); time.sleep(60)",
+            "did not answer",
+        ),
+        "closes the pipes and lives on": (
+            "for end in sum(pipes(), []): os.close(end)\ntime.sleep(60)",
+            "ended|did not answer",
+        ),
+        "stops itself": ("os.kill(os.getpid(), 19)", "did not answer"),
+        "never ends": ("while True: pass", "did not answer"),
+        "sleeps": ("time.sleep(600)", "did not answer"),
+        "ends in the middle of a call": ("os._exit(0)", "ended"),
+        "ends as if all had been well": (
+            "try: os.kill(os.getppid(), 15)\nfinally: os._exit(0)",
+            "ended",
+        ),
+        "kills itself": ("os.kill(os.getpid(), 9)", "memory, or killed itself"),
+        "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
+        "leaves a child in its place": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
+        "becomes another program": ("os.execv('/bin/sleep', ['sleep', '60'])", "did not answer"),
+        "drips an answer": (
+            """
+write = pipes()[1][0]
+fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 4096)
+os.write(write, struct.pack(">II", 100, 30 * 2**20) + b" " * 100)
+while True: os.write(write, b" ")
+""",
+            "did not answer",
+        ),
+        "answers an observed call with a text for its arguments": (
+            'say(b\'{"dict":[["id",2],["result",1],["arguments","none"]]}\'); time.sleep(9)',
+            "did not answer the question",
+        ),
+        "answers an observed call with too few arguments": (
+            'say(b\'{"dict":[["id",2],["result",1],["arguments",{"list":[]}]]}\'); time.sleep(9)',
+            "did not answer the question",
+        ),
+    },
+)
+def test_breaks_off_the_conversation(body, sentence):
+    source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
+    begin = time.monotonic()
+    with attack(source) as student, pytest.raises(StudentStopped) as stopped:
+        if '"arguments"' in body:
+            student._calls = 1
+            student.f.observe(1)
+        for number in range(3):
+            student.f(number)
+    assert re.search(sentence, str(stopped.value))
+    assert time.monotonic() - begin < 20
+
+
+def test_the_judge_never_waits_in_a_read_or_a_write():
+    """Data that `poll` has seen may be gone: whoever wrote them can read them first."""
+    worker = WALLS.start(Limits())
+    try:
+        assert not os.get_blocking(worker.read_end)
+        assert not os.get_blocking(worker.write_end)
+    finally:
+        worker.stop()
+
+
+def test_does_not_read_the_question():
+    source = """
+import os, threading
+def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
+"""
+    with attack(source) as student:
+        student.f(CLOUD)
+        time.sleep(0.3)
+        with pytest.raises(StudentStopped, match="did not answer"):
+            student.f(np.zeros((1_000_000, 4)))
+
+
+def test_reads_the_question_of_the_judge_before_it_is_asked():
+    """A thread that reads the pipe takes the question away from the worker; nobody answers."""
+    body = """
+def thief():
+    while True:
+        select.select([pipes()[0][0]], [], [])
+        os.read(pipes()[0][0], 10**6)
+threading.Thread(target=thief, daemon=True).start()
+time.sleep(0.2)
+"""
+    assert re.search("did not answer|own channel|ended", stopped_by(PIPES + function(body), 1))
+
+
+def test_a_forged_answer_counts_as_an_answer_and_no_more():
+    """Answering before the question: the judge looks at the answer, which has to be right."""
+    source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
+    with (
+        attack(source) as student,
+        pytest.raises(StudentStopped, match="did not answer the question"),
+    ):
+        student.f(1)
+    body = """
+if arguments[0] == 1:
+    threading.Timer(0.1, say, [ANSWER % (2, b'"forged"')]).start()
+else:
+    time.sleep(1)
+"""
+    with attack(PIPES + function(body)) as student:
+        student.f(1)
+        assert student.f(2) == "forged", "a claim like any other"
+
+
+def test_changes_an_answer_after_it_was_given():
+    source = """
+import threading, time
+KEPT = []
+def vandal():
+    while True:
+        for array in KEPT:
+            array[:] = 7
+def f(array):
+    if not KEPT:
+        threading.Thread(target=vandal, daemon=True).start()
+    result = array + 1
+    KEPT.append(result)
+    return array.copy()
+"""
+    with attack(source) as student:
+        answers = [student.f(CLOUD.copy()) for _ in range(3)]
+    assert all(np.array_equal(answer, CLOUD) for answer in answers)
+
+
+def test_hangs_until_the_rest_is_not_tried():
+    with attack("import os\ndef f(): os._exit(3)", restarts=1) as student:
+        for sentence in ("os._exit", "os._exit", "Not tried"):
+            with pytest.raises(StudentStopped, match=sentence):
+                student.f()
+
+
+def test_one_exercise_that_hangs_costs_the_others_nothing():
+    cells = ("import os\ndef f(): os._exit(3)\ndef g(): return 1",)
+    with Student(Program(cells, ("f", "g")), WALLS, Limits(**SHORT)) as student:
+        for _ in range(4):
+            student.exercise = "f"
+            with pytest.raises(StudentStopped):
+                student.f()
+        student.exercise = "g"
+        assert student.g() == 1
+
+
+def test_makes_an_object_whose_attributes_never_end():
+    source = "class N:\n    @property\n    def left(self): return N()\ndef f(): return N()"
+    with attack(source) as student:
+        node = student.f()
+        for _ in range(200):
+            node = node.left
+            assert isinstance(node, RemoteObject)
+        with pytest.raises(AttributeError):
+            _ = node._student._private
+
+
+def test_asks_for_objects_that_it_was_not_given():
+    """The number of an object is the judge's key to it; a forged one opens nothing here."""
+    source = PIPES + function(
+        'say(b\'{"dict":[["id",1],["object",{"list":[1]}],["type","x"]]}\'); time.sleep(2)'
+    )
+    with attack(source) as student:
+        held = student.f(1)
+        with pytest.raises((StudentError, StudentStopped)):
+            _ = held.root
+
+
+# ---- Values that lie ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "np.array([object()], dtype=object)",
+        "np.zeros(3, dtype='V8')",
+        "lambda: 0",
+        "object()",
+        "np.zeros(3, dtype=[('a', 'f8'), ('b', 'O')])",
+        "np.array(['2020-01-01'], dtype='M8[D]')",
+        "10**5000",
+        "-10**5000",
+        "np.zeros(2, complex)",
+        "range(3)",
+        "np",
+        "{(1, 2): 3}",
+        "{frozenset([1])}",
+        "np.zeros((1,) * 30)",
+        "np.ma.masked_array([1.0], [True])",
+        "np.matrix([[1, 2]])",
+        "float('nan')",
+        "'\\udcff'",
+        "'\\x1b[2J'",
+        "np.longdouble(3)",
+        "(i for i in range(3))",
+        "np.broadcast_to(1.0, (3, 1000))",
+        "np.zeros((0, 2**40))",
+        "np.zeros((0, 10**9))",
+        "type('X', (), {})()",
+        "np.random.default_rng(1)",
+        "memoryview(b'x')",
+        "__import__('utils').anything",
+        "__import__('utils').plots.draw(1)",
+    ],
+)
+def test_returns_a_strange_value(value):
+    answer = outcome_of(f"import numpy as np\ndef f(): return {value}")
+    kinds = ("Opaque", "RemoteObject", "list", "ndarray", "float", "str", "Generator")
+    assert type(answer).__name__ in kinds
+    if isinstance(answer, (Opaque, RemoteObject)):
+        assert re.fullmatch(r"[a-zA-Z0-9_ ]+", answer.type_name)
+    str(answer).encode()
+
+
+@tried(
+    "body",
+    {
+        "whose length has no end": """
+class A(list):
+    def __len__(self): return 10**12
+return A([1.0])
+""",
+        "that never stops to be gone through": """
+class A(list):
+    def __iter__(self):
+        while True: yield 1.0
+return A([1.0])
+""",
+        "that is another array each time it is read": """
+class A:
+    n = 0
+    def __array__(self, *a, **k):
+        A.n += 1
+        return np.full(A.n, 1.0)
+return A()
+""",
+        "that says it is a small array and is a large one": """
+class A(np.ndarray):
+    nbytes = size = 0
+    shape = (0,)
+return np.zeros(2**24).view(A)
+""",
+        "whose list is another one": """
+class A(np.ndarray):
+    def tolist(self): return ["forged"]
+return np.zeros(3).view(A)
+""",
+        "of a type that claims to be another": """
+class A:
+    __class__ = np.ndarray
+    dtype, shape, nbytes, size = np.dtype(float), (2,), 16, 2
+return A()
+""",
+        "of a dict without end": """
+class A(dict):
+    def items(self):
+        while True: yield 1, 1
+return A({1: 1})
+""",
+        "of a number that is another each time": """
+class A(int):
+    def __lt__(self, other): return True
+    def __ge__(self, other): return True
+    def __int__(self): return 2**70
+return A(5)
+""",
+        "that is nested in itself": "a = []\na.append(a)\nreturn a",
+        "that is nested ten thousand deep": """
+a = []
+for _ in range(10_000): a = [a]
+return a
+""",
+        "that claims a bit generator": """
+class Generator:
+    bit_generator = np.random.PCG64()
+class State(np.random.PCG64):
+    state = {"state": {"state": "x", "inc": []}, "has_uint32": {}, "uinteger": None}
+g = Generator()
+g.bit_generator = State()
+return g
+""",
+    },
+)
+def test_returns_a_value_that_lies(body):
+    """What arrives is plain data that no longer change, or the student is told or stopped."""
+    source = "import numpy as np\n" + function(body)
+    with attack(source, call_seconds=2.0, memory=2**30) as student:
+        try:
+            answer = student.f()
+        except (StudentError, StudentStopped):
+            return
+        plain = (np.ndarray, list, int, float, Opaque, RemoteObject)
+        assert type(answer) in plain
+        assert not isinstance(answer, np.ndarray) or answer.nbytes <= 2**25
+        assert repr(answer) == repr(answer) and len(repr(answer)) < 10_000
+
+
+@tried(
+    "body, sentence",
+    {
+        "a huge array": ("return np.zeros(2**26)", "more data than any answer needs"),
+        "a huge list": ("return ['x' * 1000] * 20000", "more data than any answer needs"),
+        "an array that cannot be read": (
+            "class A:\n    def __array__(self, *a, **k): raise RuntimeError('no')\nreturn A()",
+            "no",
+        ),
+        "a list that cannot be read": (
+            "class A(list):\n    def __iter__(self): raise ValueError('no')\nreturn A([1])",
+            "no",
+        ),
+        "a number that is a text": (
+            "class A(int):\n    def __int__(self): return 'x' * 9\nreturn A()",
+            "TypeError",
+        ),
+        "an exception without words": (
+            "class E(Exception):\n    def __str__(self): raise self\nraise E",
+            "E:",
+        ),
+        "an exception of a hundred megabytes": (
+            "class E(Exception):\n    def __str__(self): return 'x' * 10**8\nraise E",
+            "xxx",
+        ),
+        "an exception with a name of a megabyte": (
+            "raise type('E' * 10**6, (Exception,), {})",
+            "EEE",
+        ),
+        "an exception that speaks to the terminal": (
+            "raise Exception('\\x1b]0;owned\\x07\\x1b[2J\\u202e\\udcff one\\n\\ntwo')",
+            "one two",
+        ),
+        "an exception whose name speaks to the terminal": (
+            "raise type('E\\x1b[2J\\n\\u202eE', (Exception,), {})('said')",
+            "said",
+        ),
+        "the end of Python": ("raise SystemExit(0)", "SystemExit"),
+        "a keystroke": ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+        "a group of exceptions": (
+            "raise BaseExceptionGroup('x', [KeyboardInterrupt()])",
+            "BaseExceptionGroup",
+        ),
+        "a thousand groups in one another": (
+            "e = ValueError('deep')\nfor _ in range(500): e = ExceptionGroup('x', [e])\nraise e",
+            "ExceptionGroup",
+        ),
+        "an exception with notes": (
+            "e = ValueError('x')\ne.add_note('y' * 10**7)\nraise e",
+            "ValueError: x",
+        ),
+        "endless recursion": ("def g(): g()\ng()", "RecursionError"),
+    },
+)
+def test_fails_in_a_strange_way(body, sentence):
+    """One short printable line, and the same worker goes on."""
+    with attack("import numpy as np\n" + function(body), call_seconds=3.0) as student:
+        with pytest.raises(StudentError) as raised:
+            student.f()
+        assert sentence in str(raised.value)
+        assert str(raised.value).isprintable() and len(str(raised.value)) < 1500
+        with pytest.raises(StudentError):
+            student.f()
+
+
+def test_has_hundreds_of_problems_that_speak_to_the_terminal():
+    cells = [f"x{n} = f = 1 / 0 # \x1b[2J" for n in range(300)] + ["def f(): return 1"]
+    cells += [f"f.y = \x1b{n}" for n in range(50)]
+    with Student(Program(tuple(cells), ("f",)), WALLS, Limits(**SHORT)) as student:
+        student.f()
+    assert 20 <= len(student.problems) <= 40
+    assert all(sentence.isprintable() for sentence in student.problems)
+
+
+@tried(
+    "body",
+    {
+        "the wire": "sys.modules['wire'].encode = lambda value: b'never'",
+        "the slicer": "sys.modules['utils.notebooks.slicing'].slice_for = None\n"
+        "sys.modules['wire'].send = lambda *a: None",
+        "the builtins": "builtins.len = builtins.isinstance = lambda *a, **k: 0",
+        "json and struct": "json.dumps = struct.pack = lambda *a, **k: 0",
+        "numpy": "numpy.ndarray = numpy.asarray = None",
+        "all modules": "sys.modules.clear()\nsys.modules['wire'] = None\nbuiltins.type = None",
+        "what describes its exceptions": """
+class E(Exception):
+    __traceback__ = property(lambda self: [][0])
+raise E
+""",
+        "the frames below it": "frame = sys._getframe(1)\n"
+        "frame.f_globals['reply'] = frame.f_globals['answer'] = None",
+    },
+)
+def test_tampers_with_python(body):
+    """Whatever it changes is its own; the next student finds a Python as new."""
+    source = "import builtins, json, numpy, struct, sys\n" + function(
+        body + "\nreturn cloud", parameters="cloud"
+    )
+    with attack(source) as student:
+        for _ in range(2):
+            try:
+                answer = student.f(CLOUD)
+            except (StudentStopped, StudentError):
+                continue
+            assert np.array_equal(answer, CLOUD), "what is answered is what was said"
+    assert np.array_equal(outcome_of("def f(cloud): return cloud", CLOUD), CLOUD)
+
+
+# ---- What it does to its arguments ------------------------------------------------------------
+
+
+def test_overwrites_its_arguments():
+    """They are copies: the judge's own stay as they were, and `observe` shows the copies."""
+    body = "for a in arguments:\n    a[:] = [9] * len(a)\nreturn arguments[0]"
+    array, numbers = np.ones(2), [1, 2]
+    with attack(function(body)) as student:
+        seen = student.f.observe(array, numbers)
+    assert np.array_equal(array, [1, 1]) and numbers == [1, 2]
+    assert np.array_equal(seen.arguments[0], [9, 9]) and seen.arguments[1] == [9, 9]
+    assert seen.shared == {0}
+
+
+def test_claims_changes_of_arguments():
+    """A forged report of what it did reaches no object of the judge."""
+    forged = (
+        'say(b\'{"dict":[["id",1],["result",null],["shared",{"list":["x",-1,true,99]}],'
+        '["arguments",{"list":[{"array":["<f8",[2]]},{"list":[7]},null]}]]}\', b"\\0" * 16)\n'
+        "time.sleep(9)"
+    )
+    frozen, numbers, text = np.ones(2), [1, 2], "unchanged"
+    frozen.flags.writeable = False
+    with attack(PIPES + function(forged)) as student:
+        seen = student.f.observe(frozen, numbers, text)
+    assert np.array_equal(frozen, [1, 1]) and numbers == [1, 2] and text == "unchanged"
+    assert seen.arguments[1:] == ([7], None) and seen.shared == {-1, 99}
+
+
+# ---- Honest students are not taken for hostile ones -----------------------------------------
+
+
+@tried(
+    "body",
+    {
+        "a list of rows": "return [row for row in cloud]",
+        "a set on the way": "return {int(n) for n in range(9)} and cloud",
+        "threads": "from concurrent.futures import ThreadPoolExecutor as P\n"
+        "return np.array(list(P(8).map(lambda row: row, cloud)))",
+        "processes": "import multiprocessing as m\n"
+        "with m.Pool(4) as p: p.map(abs, range(9))\nreturn cloud",
+        "a tree of SciPy": "import scipy.spatial as s\n"
+        "s.cKDTree(cloud).query(cloud, workers=2)\nreturn cloud",
+        "a temporary file": "import tempfile\n"
+        "with tempfile.TemporaryFile() as t: np.save(t, cloud)\nreturn cloud",
+        "a shell": "import subprocess\nsubprocess.run('ls -la | head', shell=True)\nreturn cloud",
+        "coroutines": "import asyncio\nasync def a(): return cloud\nreturn asyncio.run(a())",
+        "a figure": "import matplotlib.pyplot as plt\n"
+        "plt.plot(cloud[:9])\nplt.show()\nreturn cloud",
+        "warnings": "import warnings, sys\nprint('x' * 10**6, file=sys.stderr)\n"
+        "warnings.warn('y')\nreturn cloud",
+        "a picture of the course": "from utils import plots, check\n"
+        "plots.side(cloud)\ncheck(len)\nreturn cloud",
+    },
+)
+def test_ordinary_code_works(body):
+    cloud = np.random.default_rng(1).normal(size=(20_000, 4))
+    source = "import numpy as np\n" + function(body, parameters="cloud")
+    answer = outcome_of(source, cloud, call_seconds=10.0, start_seconds=30.0, total_seconds=60.0)
+    assert np.array_equal(np.asarray(answer), cloud)
+
+
+def test_many_threads_of_the_judge_do_not_mix_their_answers():
+    def ask(number, answers):
+        answers[number] = outcome_of("def f(n): return n", number, start_seconds=30.0)
+
+    answers = {}
+    threads = [threading.Thread(target=ask, args=(number, answers)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert answers == {number: number for number in range(4)}

@@ -1,0 +1,380 @@
+"""What a student may hand in: files that break readers, links, modules, names of folders."""
+
+import json
+import os
+import time
+
+import pytest
+
+from grader.classroom.grade import judge_and_store, stored_verdict
+from grader.classroom.submissions import Submission, find_submissions
+from grader.course.paths import Course
+from grader.course.variants import fill_in, variants_of
+from grader.intake.handed_in import read_handed_in
+from grader.intake.notebook import read_notebook
+from grader.judging.judge import judge_handed_in
+from grader.sandbox import Limits
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student, StudentError
+from tests.attacks.attacking import SEED, SHORT, WALLS, attack, outcome_of, tried
+from utils.notebooks.reading import UnreadableNotebook
+
+
+def notebook_of(*sources, **metadata):
+    return {
+        "nbformat": 4,
+        "nbformat_minor": 5,
+        "metadata": metadata,
+        "cells": [
+            {
+                "cell_type": "code",
+                "metadata": {},
+                "source": source,
+                "outputs": [],
+                "execution_count": None,
+            }
+            for source in sources
+        ],
+    }
+
+
+@tried(
+    "content",
+    {
+        "a list": [],
+        "a number": 3,
+        "nothing": None,
+        "a text": "cells",
+        "a number of cells": {"cells": 3},
+        "a cell that is a number": {"cells": [3]},
+        "a cell that is a list": {"cells": [[]]},
+        "a cell without a type": {"cells": [{}]},
+        "a sheet without cells": {"worksheets": [{}]},
+        "a cell without source": {"cells": [{"cell_type": "code"}]},
+        "source in lists": {"cells": [{"cell_type": "code", "source": [[["deep"]]]}]},
+        "source that is a number": {"cells": [{"cell_type": "code", "source": 5}]},
+        "metadata in a list": {"cells": [], "metadata": []},
+        "a format in words": {"nbformat": "four", "cells": []},
+    },
+)
+def test_json_that_is_no_notebook(content, tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_text(json.dumps(content))
+    with pytest.raises(UnreadableNotebook):
+        read_notebook(path)
+
+
+@tried(
+    "text",
+    {
+        "half a million brackets": "[" * 500_000,
+        "half a million objects in one another": '{"a":' * 500_000,
+        "two million small lists": '{"cells":[],"metadata":{"a":[' + "[]," * 2_100_000 + "[]]}}",
+        "a number of a hundred thousand digits": "1" * 100_000,
+        "no number": '{"cells": [NaN',
+        "zeros": "\0" * 100,
+        "source nested nine hundred deep": '{"cells":[{"cell_type":"code","source":['
+        + "[" * 900
+        + "]" * 900
+        + "]}]}",
+    },
+)
+def test_a_file_made_to_break_the_reader(text, tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_text(text)
+    with pytest.raises(UnreadableNotebook):
+        read_notebook(path)
+
+
+@tried(
+    "make",
+    {
+        "a link to another student's work": lambda path, other: path.symlink_to(other),
+        "a link to an endless device": lambda path, other: path.symlink_to("/dev/zero"),
+        "a pipe": lambda path, other: os.mkfifo(path),
+        "a folder": lambda path, other: path.mkdir(),
+    },
+)
+def test_something_that_is_no_file_of_ones_own(make, tmp_path):
+    other = tmp_path / "other.ipynb"
+    other.write_text(json.dumps(notebook_of("x = 1")))
+    path = tmp_path / "06_filter_ground.ipynb"
+    make(path, other)
+    with pytest.raises(UnreadableNotebook, match="cannot be opened|not an ordinary file"):
+        read_notebook(path)
+
+
+def test_an_endless_file(tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    with path.open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(UnreadableNotebook, match="larger than"):
+        read_notebook(path)
+
+
+@tried(
+    "number, shown",
+    {
+        "the format is 3: sheets are shown": (3, "worksheets"),
+        "the format is 4: cells are shown": (4, "cells"),
+        "the format is 4 and a bit": (4.5, "cells"),
+    },
+)
+def test_shows_the_judge_one_code_and_the_instructor_another(number, shown, tmp_path):
+    """By both `cells` and `worksheets`, or both `source` and `input`."""
+    cell = {"cell_type": "code", "source": "cells source", "input": "cells input"}
+    old = {"cell_type": "code", "source": "worksheets source", "input": "worksheets input"}
+    content = {"nbformat": number, "metadata": {}, "cells": [cell]}
+    content["worksheets"] = [{"cells": [old]}]
+    path = tmp_path / "x.ipynb"
+    path.write_text(json.dumps(content))
+    (read,) = read_notebook(path).cells
+    assert read == f"{shown} {'input' if shown == 'worksheets' else 'source'}"
+
+
+@tried(
+    "cell",
+    {
+        "a hundred thousand parentheses": "(" * 100_000,
+        "a hundred thousand signs": "x = " + "-" * 100_000 + "1",
+        "ninety lists in one another": "x = " + "[" * 90 + "]" * 90,
+        "five thousand calls in one another": "f(" * 5000 + ")" * 5000,
+        "a text without end": "x = '" + "a" * 10**6,
+        "a zero": "\0",
+        "two thousand magics": "%%time\n" * 2000,
+        "ten thousand per cent signs": "%" * 10_000,
+        "ten thousand question marks": "?" * 10_000,
+        "ten thousand lines that go on": "\\\n" * 10_000,
+        "a hundred and fifty levels": "if x:\n" * 150,
+        "three thousand conditions": "1 if 1 else " * 3000 + "1",
+        "twenty thousand attributes": "x" + ".y" * 20_000,
+        "twenty thousand sums": "x = 1" + " + 1" * 20_000,
+        "half a character": "\udcff = 1",
+        "an f-string of five thousand parts": "x = f'" + "{x!r:>{y}}" * 5000 + "'",
+        "f-strings in one another": "x = " + "f'{" * 140 + "1" + "}'" * 140,
+        "a number of a million digits": "x = " + "9" * 10**6,
+        "a number of a million digits in hexadecimal": "x = 0x" + "f" * 10**6,
+        "a power that no machine can hold": "x = 9 ** 9 ** 9 if False else 1",
+        "a text that is repeated without end": "x = ('a' * 10**9) * 10**9 if False else 1",
+        "a million decorators": "@x\n" * 100_000 + "def g(): pass",
+        "a thousand unpackings": "*" * 1000 + "x = 1",
+        "patterns that tire a tokeniser": "!" + "'\\" * 50_000,
+        "a name of a million letters": "x" * 10**6 + " = 1",
+        "strange spaces": "x\u2028=\u00a01\u3000",
+        "text from right to left": "x = 1 # \u202e\u2066",
+        "a keyword out of place": "async with",
+        "a global that is none": "global f",
+        "a return from nowhere": "return 1",
+        "a future that is none": "from __future__ import braces",
+        "a future that is one": "from __future__ import annotations",
+        "another main": "__name__ = '__main__'; __builtins__ = {}",
+        "the end of Python": "raise SystemExit",
+        "an end of the pipe": "import os; os.close(1)",
+        "a class that is every exception": "Exception = BaseException = KeyError = None",
+        "an encoding": "# -*- coding: utf-7 -*-\n+AGY-",
+    },
+)
+def test_a_cell_made_to_break_parsers(cell):
+    """It costs only itself."""
+    program = Program((cell, "def f(): return 1"), ("f",))
+    with Student(program, WALLS, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
+        assert student.f() == 1
+
+
+@pytest.mark.slow
+def test_five_hundred_shell_commands():
+    program = Program(("x = !ls\n" * 501, "def f(): return 1"), ("f",))
+    with Student(program, WALLS, Limits(**SHORT)) as student:
+        assert student.f() == 1
+
+
+def test_a_million_cells(hand_in):
+    cells = ['{"cell_type":"code","source":"x=1"}'] * 700_000
+    verdict = hand_in(
+        text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
+        start_seconds=1.0,
+        total_seconds=2.0,
+    )
+    assert verdict.score == 0 and verdict.seconds < 20
+
+
+def test_metadata_nested_620_deep(hand_in, filtering):
+    """Whatever comes of it, it is a verdict."""
+    notebook = json.loads(fill_in(filtering, {}))
+    text = json.dumps({**notebook, "metadata": "HERE"})
+    verdict = hand_in(text=text.replace('"HERE"', '{"a":' * 620 + "1" + "}" * 620))
+    assert verdict.status == "judged" and verdict.score == 0
+
+
+# ---- Modules beside the notebook ------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("numpy", "utils", "slicing", "sitecustomize", "usercustomize", "wire", "worker"),
+        *("importing", "syscalls", "os", "json", "__main__", "encodings", "Numpy", "NUMPY"),
+    ],
+)
+def test_hands_in_a_module_of_a_name_that_is_taken(name):
+    """It hides nothing that the worker or a lesson uses."""
+    body = "import numpy, utils, os, json\ndef f():\n    return numpy.arange(3) + 1\n"
+    with attack(body, modules={name: "raise SystemExit('in the way')"}) as student:
+        assert student.f().tolist() == [1, 2, 3]
+        assert student.problems == []
+
+
+def test_a_module_beside_is_found_but_not_under_a_forbidden_name():
+    assert outcome_of("import help\ndef f(): return help.x", modules={"help": "x = 5"}) == 5
+    program = Program(
+        ("from scipy.cluster import x\ndef f(): return x",),
+        ("f",),
+        modules={"scipy.cluster": "x = 5"},
+        forbidden=("scipy.cluster",),
+    )
+    with Student(program, WALLS, Limits(**SHORT)) as student, pytest.raises(StudentError):
+        student.f()
+
+
+@tried(
+    "make",
+    {
+        "a link to the solutions": lambda path, other: path.symlink_to(other),
+        "a pipe": lambda path, other: os.mkfifo(path),
+        "a folder": lambda path, other: path.mkdir(),
+        "a file of a terabyte": lambda path, other: os.truncate(os.open(path, 0o102), 2**40),
+        "a file that is not text": lambda path, other: path.write_bytes(b"\xff\0" * 99),
+    },
+)
+def test_hands_in_something_strange_as_a_module(make, tmp_path):
+    other = tmp_path / "other.txt"
+    other.write_text("SECRET = 1")
+    (tmp_path / "x").mkdir()
+    notebook = tmp_path / "x" / "06_filter_ground.ipynb"
+    notebook.write_text(json.dumps(notebook_of("x = 1")))
+    make(tmp_path / "x" / "helper.py", other)
+    begin = time.monotonic()
+    handed_in = read_handed_in(notebook)
+    assert time.monotonic() - begin < 5
+    assert "SECRET" not in "".join(handed_in.modules.values())
+    assert handed_in.notebook().cells == ("x = 1",)
+
+
+def test_hands_in_ten_thousand_modules(tmp_path):
+    for number in range(10_000):
+        (tmp_path / f"m{number}.py").touch()
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_text(json.dumps(notebook_of("x = 1")))
+    assert len(read_handed_in(path).modules) <= 20
+
+
+# ---- Folders of a class ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def course(tmp_path, filtering):
+    """A class with one good student."""
+    course = Course(tmp_path)
+    stage = course.submitted / "good" / filtering.stage
+    stage.mkdir(parents=True)
+    right = {
+        exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+        for exercise in ("filter_ground", "voxel_grid")
+    }
+    (stage / f"{filtering.name}.ipynb").write_text(fill_in(filtering, right))
+    return course
+
+
+@tried(
+    "link",
+    {
+        "links its notebook": lambda mine, good, stage, name: (
+            (mine / stage).mkdir(parents=True),
+            (mine / stage / name).symlink_to(good / stage / name),
+        ),
+        "links its stage": lambda mine, good, stage, name: (
+            mine.mkdir(),
+            (mine / stage).symlink_to(good / stage),
+        ),
+        "links its own folder": lambda mine, good, stage, name: mine.symlink_to(good),
+    },
+)
+def test_earns_another_students_marks_by_a_link(link, course, filtering):
+    good, mine = course.submitted / "good", course.submitted / "mallory"
+    link(mine, good, filtering.stage, f"{filtering.name}.ipynb")
+    by_student = {one.student: one for one in find_submissions(course)}
+    assert "good" in by_student
+    if "mallory" in by_student:  # a folder that is a link may also be passed over
+        handed_in = by_student["mallory"].read(course)
+        assert handed_in.data == b"" and "link" in handed_in.complaint
+        verdict = judge_and_store(course, by_student["mallory"], SEED, WALLS)
+        assert verdict.score == 0 and "link" in verdict.problems[0]
+
+
+def test_swaps_the_file_while_it_is_judged(course, filtering):
+    """Bytes are read once: what was judged is what the verdict's key stands for."""
+    submission = find_submissions(course)[0]
+    handed_in = submission.read(course)
+    submission.path.write_text(json.dumps(notebook_of("x = 1")))
+    verdict = judge_handed_in(handed_in, SEED, WALLS, filtering, "good")
+    assert verdict.score == verdict.max_score
+    from grader.judging.verdict import write_verdict
+
+    write_verdict(verdict, submission.verdict_path(course))
+    assert stored_verdict(course, submission, SEED) is None, "it is not about what lies there now"
+
+
+NAMES = {
+    "not UTF-8, from an old archive": b"J\xfcrgen",
+    "markup of the console": b"[red]",
+    "a pattern": b"s*",
+    "a pattern of letters": b"[a-z]",
+    "a folder further up": b"..x",
+    "a command of the terminal": b"\x1b[2J\x07",
+    "two lines": b"a\nb",
+    "an option": b"--help",
+    "markup of the web": b"<script>",
+    "spaces": b"  ",
+    "text from right to left": "\u202egnp.exe".encode(),
+}
+
+
+@pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
+def test_calls_itself_something_strange(name, course, filtering, capsys):
+    from grader.classroom.report import write_report
+    from grader.console import print_class
+
+    student = os.fsdecode(name)
+    folder = course.submitted / student / filtering.stage
+    folder.mkdir(parents=True)
+    (folder / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
+    found = {one.student: one for one in find_submissions(course)}
+    assert set(found) == {"good", student}
+    judged = [
+        (one, judge_and_store(course, one, SEED, WALLS, alone=True)) for one in found.values()
+    ]
+    by_student = {one.student: verdict for one, verdict in judged}
+    assert by_student["good"].score == 30 and by_student[student].score == 0
+    assert by_student[student].status == "judged"
+    assert stored_verdict(course, found[student], SEED) == by_student[student]
+    print_class(judged)
+    page = write_report(course, judged).read_text("utf-8")
+    assert "\x1b[2J" not in capsys.readouterr().out and "<script>" + filtering.stage not in page
+
+
+def test_calls_itself_a_path(course, filtering):
+    """Only a folder of that name is found; no verdict is written outside."""
+    outside = course.root / "x" / filtering.stage
+    outside.mkdir(parents=True)
+    (outside / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
+    assert [one.student for one in find_submissions(course)] == ["good"]
+    handed_in = Submission("../x", filtering, outside / f"{filtering.name}.ipynb").read(course)
+    assert handed_in.data or "link" in handed_in.complaint
+
+
+def test_a_pipe_beside_the_notebook(course, filtering):
+    folder = course.submitted / "good" / filtering.stage
+    os.mkfifo(folder / "notes.txt")
+    os.mkfifo(folder / "helper.py")
+    verdict = judge_and_store(course, find_submissions(course)[0], SEED, WALLS, alone=True)
+    assert verdict.score == verdict.max_score

@@ -1,0 +1,525 @@
+"""What a student may try for marks: answers found inside, spoilt questions, forged grades."""
+
+import copy
+import importlib
+import inspect
+import itertools
+import json
+import types
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
+from grader.course.paths import PROJECT
+from grader.course.variants import fill_in, variants_of
+from grader.judging.asking import run_tests
+from grader.judging.judge import judge
+from grader.sandbox import Limits
+from grader.sandbox.boundary import SHOWN
+from tests.attacks.attacking import SEED, SHORT, WALLS, tried
+from utils.notebooks import slicing
+
+MOST = 0.1  # of the points that nothing earns which does not look at its task
+EXERCISES = ("filter_ground", "voxel_grid")
+
+
+def share(verdict, exercise):
+    """Part of an exercise's points."""
+    result = next(one for one in verdict.exercises if one.name == exercise)
+    return result.score / result.max_score
+
+
+# ---- Answers that lie around ----------------------------------------------------------------
+
+
+@tried(
+    "exercise, source",
+    {
+        "the right tree, from the checks of its lesson": (
+            "insert",
+            """
+def insert(self, point, index):
+    from utils.checks.lesson_04 import grown
+    self.points = getattr(self, "points", []) + [point]
+    self.root = grown(self.points)
+""",
+        ),
+        "the best plane, from the checks of its lesson": (
+            "fit_plane",
+            """
+def fit_plane(points):
+    from utils.checks.lesson_03 import best_plane
+    return best_plane(points)
+""",
+        ),
+        "the points in a box, from the readers of clouds": (
+            "crop_region",
+            """
+def crop_region(cloud, minimum, maximum):
+    from utils.clouds import inside
+    return cloud[inside(cloud, minimum, maximum)]
+""",
+        ),
+        "the points in a box, from the boxes": (
+            "crop_region",
+            """
+def crop_region(cloud, minimum, maximum):
+    from utils.boxes import inside
+    return cloud[inside(cloud, minimum, maximum)]
+""",
+        ),
+        "the judge's own voxels": (
+            "voxel_grid",
+            """
+def voxel_grid(cloud, voxel_size=0.2):
+    from grader.judging.samples import voxel_centroids
+    return voxel_centroids(cloud, voxel_size)
+""",
+        ),
+        "the reference of the lesson": (
+            "voxel_grid",
+            """
+def voxel_grid(cloud, *size):
+    from grader.course.lessons import load_reference
+    return load_reference("06_filter_ground").voxel_grid(cloud, *size)
+""",
+        ),
+        "the reference, out of the solved notebook": (
+            "voxel_grid",
+            """
+def voxel_grid(cloud, *size):
+    from utils import load_my_functions
+    there = load_my_functions("../../solutions/stage3_obstacles/06_filter_ground.ipynb")
+    return there.voxel_grid(cloud, *size)
+""",
+        ),
+        "VTK's clusters": (
+            "euclidean_clustering",
+            """
+def euclidean_clustering(cloud, *tolerance):
+    from vtkmodules.vtkFiltersPoints import vtkEuclideanClusterExtraction
+    return vtkEuclideanClusterExtraction and range(len(cloud))
+""",
+        ),
+        "scikit-learn's clusters": (
+            "euclidean_clustering",
+            """
+def euclidean_clustering(cloud, distance_tolerance=0.5):
+    import sys
+    sys.meta_path[:] = sys.meta_path[-3:]
+    from sklearn.cluster import DBSCAN
+    return DBSCAN(eps=distance_tolerance, min_samples=1).fit_predict(cloud[:, :3]) + 1
+""",
+        ),
+        "whatever agrees": (
+            "voxel_grid",
+            "def voxel_grid(*arguments):\n    from utils import answer\n    return answer\n",
+        ),
+        "the cloud, whatever is asked": ("voxel_grid", "def voxel_grid(cloud, *a): return cloud\n"),
+    },
+)
+def test_takes_the_answer_from_somewhere(exercise, source, hand_in):
+    verdict = hand_in({exercise: source}, lesson=lesson_of(exercise))
+    assert share(verdict, exercise) <= MOST
+
+
+def test_a_right_answer_handed_in_like_these_earns_everything(hand_in):
+    """So that nothing above fails for another reason."""
+    right = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
+    verdict = hand_in({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
+    assert share(verdict, "voxel_grid") == 1
+
+
+# These speak to a pipe or to the kernel: they answer nothing, and would harm the test.
+NOT_TRIED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
+
+
+def everything_shown():
+    """Every function and class of the project's modules that the sandbox shows, by name."""
+    files = [file for place in SHOWN for file in ([place] if place.is_file() else place.rglob("*"))]
+    found = {}
+    for file in sorted(files):
+        if file.suffix != ".py" or file.stem in NOT_TRIED:
+            continue
+        name = ".".join(file.relative_to(PROJECT).with_suffix("").parts)
+        if name == "grader.sandbox.inside.utils.__init__":
+            continue  # agreement, which the test above hands in, and the readers below
+        module = importlib.import_module(name.removesuffix(".__init__"))
+        for thing, value in vars(module).items():
+            # What a module imports from libraries is there for everybody.
+            home = getattr(value, "__module__", None) or ""
+            if callable(value) and home.startswith(("utils", "grader")) and thing not in NOT_TRIED:
+                found[f"{value.__module__}.{value.__qualname__}"] = value
+    return found
+
+
+def with_answers(lesson, answers):
+    """The lesson's own functions, some of them replaced."""
+    statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
+    namespace = {"__name__": lesson.name}
+    for statement in slicing.slice_for(lesson.names, statements):
+        exec(slicing.compile_statement(statement, str(lesson.source)), namespace)
+    namespace.update(answers)
+    return types.SimpleNamespace(**{name: namespace[name] for name in lesson.names})
+
+
+def calls_of(lesson):
+    """The first calls of each exercise in a run of the tests: (arguments, answer)."""
+    reference, calls = load_reference(lesson.name), {}
+
+    def recorder(name, function):
+        signature = inspect.signature(function)
+
+        def record(*arguments, **keywords):
+            bound = signature.bind(*arguments, **keywords)
+            bound.apply_defaults()
+            before = copy.deepcopy(list(bound.arguments.values()))
+            answer = function(*arguments, **keywords)
+            seen = calls.setdefault(name, [])
+            if len(seen) < 60:
+                seen.append((before, copy.deepcopy(answer)))
+            return answer
+
+        return record
+
+    names = [exercise.name for exercise in lesson.machine_graded]
+    recorders = {name: recorder(name, getattr(reference, name)) for name in names}
+    run_tests(lesson, with_answers(lesson, recorders), SEED)
+    assert set(calls) == set(names)
+    return calls
+
+
+def looks_like(answer, right):
+    """True where an answer has the form of the right one, whatever it says."""
+    try:
+        answer, right = np.asarray(answer), np.asarray(right)
+    except Exception:  # a sequence of files that are not there
+        return False
+    return answer.dtype.kind in "biuf" and (answer.ndim == right.ndim or answer.size == right.size)
+
+
+def orders_that_work(function, calls):
+    """Orders of the arguments in which a function gives answers of the right form."""
+    most = len(calls[0][0])
+    for length in range(1, min(most, 3) + 1):
+        for order in itertools.permutations(range(most), length):
+            for arguments, right in calls:
+                given = copy.deepcopy(arguments)
+                try:
+                    answer = function(*[given[place] for place in order])
+                except BaseException:
+                    break
+                if right is None and vars_of(given[0]) != vars_of(arguments[0]):
+                    yield order  # it is judged by what it does to its first argument
+                    break
+                if looks_like(answer, right):
+                    yield order
+                    break
+
+
+def vars_of(value):
+    """Which attributes of an object are there, and which are set."""
+    return {name: held is None for name, held in getattr(value, "__dict__", {}).items()}
+
+
+def points_of(lesson, exercise, answer):
+    """Part of an exercise's points that a function earns."""
+    outcomes = run_tests(lesson, with_answers(lesson, {exercise: answer}), SEED)
+    mine = [one for one in outcomes if one.mark["exercise"] == exercise]
+    earned = sum(one.mark["weight"] for one in mine if one.error is None)
+    return earned / sum(one.mark["weight"] for one in mine)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_hands_in_everything_that_is_shown_as_the_answer_to_everything(
+    lesson, tmp_path, monkeypatch
+):
+    """In every order of the arguments."""
+    monkeypatch.chdir(tmp_path)
+    shown = everything_shown()
+    assert len(shown) > 40
+    tried = 0
+    for exercise, calls in calls_of(lesson).items():
+        small = sorted(calls, key=lambda call: sum(np.size(value) for value in call[0]))[:6]
+        for name, function in shown.items():
+            for order in orders_that_work(function, small):
+
+                def answer(*arguments, function=function, order=order):
+                    return function(*[arguments[place] for place in order])
+
+                tried += 1
+                assert points_of(lesson, exercise, answer) <= MOST, (exercise, name, order)
+    reference = load_reference(lesson.name)
+    for exercise in calls_of(lesson):
+        assert points_of(lesson, exercise, getattr(reference, exercise)) == 1
+
+
+# ---- Questions that are spoilt ----------------------------------------------------------------
+
+
+VANDAL = """
+def {name}(*arguments, **keywords):
+    import numpy as np
+    for value in [*arguments, *keywords.values()]:
+        try:
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = True
+                value[...] = np.nan if value.dtype.kind == "f" else 7
+            elif isinstance(value, list):
+                value[:] = [float("nan")] * len(value)
+            elif isinstance(value, dict):
+                value.clear()
+        except Exception:
+            pass
+    return [np.nan]
+"""
+
+
+def faults(verdict):
+    """Which tests failed, and with what words."""
+    return [
+        (test.name, test.message)
+        for exercise in verdict.exercises
+        for test in exercise.tests
+        if not test.passed
+    ]
+
+
+@pytest.mark.slow
+def test_spoils_every_argument_of_every_call(lesson, hand_in):
+    """And spoils nothing for the next student, who is judged by the same process."""
+    names = [exercise.name for exercise in lesson.machine_graded]
+    verdict = hand_in(
+        {name: VANDAL.format(name=name) for name in names},
+        lesson=lesson,
+        start_seconds=30.0,
+        total_seconds=60.0,
+    )
+    assert verdict.status == "judged"
+    assert all(share(verdict, name) <= MOST for name in names)
+    after = judge(lesson.solved, SEED, WALLS, lesson)
+    assert faults(after) == []
+    assert after.score == after.max_score
+
+
+@tried(
+    "exercise, source, most",
+    {
+        "moves each point out of reach while it is inserted": (
+            "insert",
+            """
+def insert(self, point, index):
+    point[:] = [1e9] * len(point)
+    self.root = Node(point, index)
+""",
+            MOST,
+        ),
+        "finds nothing, and makes that right": (
+            "search",
+            """
+def search(self, target, tolerance):
+    target[:] = [1e9] * len(target)
+    return []
+""",
+            MOST,
+        ),
+        "makes the three points one": (
+            "plane_through",
+            """
+def plane_through(p, q, r):
+    q[:], r[:] = p, p
+    return None
+""",
+            0.35,  # three points on one line have no plane: None is right for those
+        ),
+        "puts all points on the plane": (
+            "point_plane_distance",
+            """
+def point_plane_distance(points, plane):
+    points[:] = 0
+    plane[:] = [0, 0, 1, 0]
+    return np.zeros(len(points))
+""",
+            MOST,
+        ),
+        "empties the cloud and finds no boxes": (
+            "get_oriented_boxes",
+            """
+def get_oriented_boxes(cloud, clusters):
+    cloud[:] = 0
+    clusters[:] = 0
+    return np.zeros((0, 8, 3))
+""",
+            MOST,
+        ),
+    },
+)
+def test_makes_the_question_fit_its_answer(exercise, source, most, hand_in):
+    verdict = hand_in({exercise: source}, lesson=lesson_of(exercise), start_seconds=30.0)
+    assert share(verdict, exercise) <= most
+
+
+@tried(
+    "cell",
+    {
+        "its own class of the given name": """
+class KdTree:
+    def __init__(self): self.root, self.all = None, []
+    def insert(self, point, index): self.all.append((point, index))
+    def search(self, target, tolerance):
+        return [i for p, i in self.all if sum((a - b) ** 2 for a, b in zip(p, target)) < tolerance]
+""",
+        "a given class that is changed afterwards": """
+KdTree.plant = lambda self, *table: None
+setattr(KdTree, "search", lambda self, target, tolerance: [])
+""",
+        "a given class that is changed by name": 'globals()["KdTree"] = dict\n',
+    },
+)
+def test_changes_what_the_lesson_gives(cell, hand_in):
+    """The judge takes it from the lesson: such a change neither helps nor harms."""
+    lesson = find_lesson("04_kd_tree")
+    notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
+    extra = {"cell_type": "code", "id": "x", "metadata": {}, "outputs": [], "execution_count": None}
+    notebook["cells"].append({**extra, "source": cell})
+    right = next(variant.source for variant in variants_of("insert") if variant.right)
+    notebook["cells"].insert(1, {**extra, "id": "y", "source": cell})
+    text = json.dumps(notebook)
+    verdict = hand_in(text=text, lesson=lesson)
+    assert share(verdict, "search") <= MOST
+    verdict = hand_in({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
+    assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1
+
+
+def test_patches_the_given_tree_while_it_is_asked(hand_in):
+    """`search` replaces the class of its own tree by one that searches everything."""
+    source = """
+def search(self, target, tolerance):
+    def everything(tree, target, tolerance):
+        waiting, found = [tree.root], []
+        while waiting:
+            node = waiting.pop()
+            if node is not None:
+                waiting += [node.left, node.right]
+                if sum((a - b) ** 2 for a, b in zip(node.point, target)) <= tolerance**2:
+                    found.append(node.index)
+        return found
+    type(self).search = everything
+    type(self).plant = None
+    return everything(self, target, tolerance)
+"""
+    verdict = hand_in({"search": source}, lesson=find_lesson("04_kd_tree"))
+    passed = [test.name for exercise in verdict.exercises for test in exercise.tests if test.passed]
+    assert "test_search_prunes" not in passed and "test_visible[leaves_regions_out]" not in passed
+
+
+# ---- Grades that are forged -------------------------------------------------------------------
+
+
+def test_forges_metadata_outputs_and_keys(hand_in, filtering):
+    honest = json.loads(fill_in(filtering, {}))
+    for cell in honest["cells"]:
+        grading = cell["metadata"].setdefault("nbgrader", {"grade_id": "test_filter_ground"})
+        grading.update(points=10**6, grade=True, solution=False, locked=False, max_score=1e9)
+        if cell["cell_type"] == "code":
+            cell["outputs"] = [
+                {
+                    "output_type": "execute_result",
+                    "execution_count": 1,
+                    "metadata": {},
+                    "data": {"text/plain": "1000000"},
+                }
+            ]
+            cell["source"] += "\ncheck = print = lambda *a: 10**6"
+    honest["metadata"]["verdict_key"] = "forged"
+    verdict = hand_in(text=json.dumps(honest))
+    assert verdict.score == 0 and verdict.max_score == 30
+
+
+@tried(
+    "source",
+    {
+        "looks for the tests": "import grader.tests",
+        "takes the failure of a check away": "import utils.checks as c; "
+        "c.core.CheckFailed = KeyError",
+        "ends pytest": "import pytest; pytest.exit('all passed', 0)",
+        "makes an assertion agree": "from utils.checks import vocabulary as v; "
+        "v.assert_rows = lambda *a, **k: None",
+        "ends whoever started it": "import os, signal; os.kill(os.getppid(), signal.SIGKILL)",
+        "equals everything": "return type('E', (list,), {'__eq__': lambda *a: True})(a[0])",
+        "is an array that equals everything": "import numpy as np; return a[0].view("
+        "type('E', (np.ndarray,), {'__eq__': lambda *a: np.bool_(True)}))",
+        "guesses by the length": "return a[0][: len(a[0]) // 2]",
+    },
+)
+def test_reaches_for_the_judge(source, hand_in):
+    cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
+    # Returning the cloud itself is right where nothing has to be removed, and nowhere else.
+    assert hand_in({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
+
+
+@pytest.mark.slow
+@tried(
+    "claim",
+    {
+        "eight million rows": "np.ones((2**23, cloud.shape[1]), bool)",
+        "a row a quarter of a million times": "np.tile(cloud[:1], (2**18, 1))",
+        "nothing that is a number": "np.full(cloud.shape, np.nan)",
+        "no rows of endless width": "np.empty((0, 2**24))",
+        "endless rows of no width": "np.empty((2**24, 0))",
+        "no rows of a billion columns": "np.empty((0, 10**9))",
+        "a cloud in three lists": "[[[cloud.tolist()]]]",
+        "a dict": "{1: cloud}",
+        "a million letters": "'x' * 10**6",
+        "a million of the largest numbers": "[2**62] * 10**6",
+        "a number of thirty digits": "10**30",
+        "a number of a million digits": "10**10**6",
+        "an array of eight dimensions in a list": "[None, np.zeros((6,) * 8, bool)]",
+        "an array of eight dimensions": "np.zeros((6,) * 8, bool)",
+        "fifty lists in one another": "eval('[' * 50 + '1' + ']' * 50)",
+        "infinities": "np.full(cloud.shape, np.inf)",
+        "the largest numbers": "np.full(cloud.shape, 1.7e308)",
+        "numbers that are nearly none": "np.full(cloud.shape, 5e-324)",
+    },
+)
+def test_claims_something_huge_or_strange(claim, hand_in):
+    """It costs the judge little."""
+    answers = {
+        name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
+        for name in EXERCISES
+    }
+    verdict = hand_in(answers, total_seconds=60.0, call_seconds=5.0)
+    assert verdict.status == "judged"
+    assert verdict.score < 10 and verdict.seconds < 60
+
+
+@pytest.mark.slow
+@tried(
+    "exercise, claim",
+    {
+        "three thousand boxes": (
+            "get_oriented_boxes",
+            "np.random.default_rng(1).normal(size=(3000, 8, 3))",
+        ),
+        "a hundred thousand boxes": ("get_bounding_boxes", "np.zeros((100_000, 8, 3))"),
+        "a hundred thousand boxes of nobody": ("detect_obstacles", "np.ones((100_000, 8, 3))"),
+        "a cluster for each of a million points": ("euclidean_clustering", "np.arange(10**6)"),
+        "a million clusters of nothing": ("filter_clusters", "[[] for _ in range(10**6)]"),
+        "an endless order": ("median_order", "list(range(10**6))"),
+        "every point a million times": ("search", "[0] * 10**6"),
+    },
+)
+def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
+    lesson = lesson_of(exercise)
+    source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
+    verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=60.0, call_seconds=5.0)
+    assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < 90
+
+
+def test_the_limits_of_these_tests_are_those_of_a_class():
+    assert Limits(**SHORT).memory == Limits().memory
+    assert [lesson.name for lesson in all_lessons()] == sorted(
+        lesson.name for lesson in all_lessons()
+    )

@@ -1,0 +1,210 @@
+"""What a student may try to have shown: the questions of hidden tests, markup, commands."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from grader.classroom.report import write_report
+from grader.classroom.submissions import Submission
+from grader.console import print_class, print_verdict
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.lms.nbgrader_plugin import score_output
+from grader.sandbox.student import KNOWN_EXCEPTIONS, StudentError
+from tests.attacks.attacking import attack, function, tried
+
+# A function that learns a question and wants to tell it: letters stand for its digits.
+TELLS = """
+def {name}(*arguments, **keywords):
+    import numpy as np, os, sys, warnings
+    numbers = np.asarray(arguments[0], dtype=float).ravel()
+    word = "leak" + "".join(chr(97 + int(digit)) for digit in f"{{abs(numbers[0] * 1e6):.0f}}")
+    {body}
+"""
+LEAK = re.compile("leak[a-j]{2,}|l.?e.?a.?k[a-j]{4}")
+
+
+def hidden_words(verdict):
+    """All that is said about hidden tests."""
+    return [
+        test.message
+        for exercise in verdict.exercises
+        for test in exercise.tests
+        if not test.visible
+    ]
+
+
+@pytest.fixture
+def shown(tmp_path, capsys):
+    """Everything that people see of a verdict, but for what is said about visible checks."""
+
+    def shown(verdict):
+        lesson = find_lesson(verdict.lesson)
+        submission = Submission("mallory", lesson, tmp_path / "x.ipynb")
+        print_verdict(verdict)
+        print_class([(submission, verdict)])
+        page = write_report(Course(tmp_path), [(submission, verdict)]).read_text("utf-8")
+        feedback = "".join(
+            score_output(exercise)["data"]["text/html"] for exercise in verdict.exercises
+        )
+        said = "\n".join(capsys.readouterr())
+        return [said, page, feedback, json.dumps(verdict.as_dict(), ensure_ascii=False)]
+
+    return shown
+
+
+@tried(
+    "body",
+    {
+        "in the words of an exception": "raise ValueError(word)",
+        "in the name of an exception": "raise type(word, (Exception,), {})()",
+        "in the name of an exception that is a ValueError": "raise type(word, (ValueError,), {})()",
+        "in the name of a StopIteration": "raise type(word, (StopIteration,), {})()",
+        "in a key that is missing": "return {}[word]",
+        "in an attribute that is missing": "return getattr(np, word)",
+        "in a module that is missing": "__import__(word)",
+        "in a name that is missing": "return eval(word)",
+        "in a file that is missing": "return open(word)",
+        "in an assertion": "assert False, word",
+        "in the argument of exit": "sys.exit(word)",
+        "in a warning that is an error": 'warnings.simplefilter("error"); warnings.warn(word)',
+        "in a warning": "warnings.warn(word); return None",
+        "in a note on an exception": ("error = ValueError(); error.add_note(word); raise error"),
+        "in the cause of an exception": "raise ValueError from KeyError(word)",
+        "in a group of exceptions": "raise ExceptionGroup(word, [ValueError(word)])",
+        "in the text of an exception that makes it up": (
+            "raise type('E', (Exception,), {'__str__': lambda self: word})"
+        ),
+        "in a repr": "return type('X', (), {'__repr__': lambda self: word})()",
+        "in the name of a class": "return type(word, (), {})()",
+        "in the name of a class in a list": "return [type(word, (), {})()]",
+        "in the name of a list": "return type(word, (list,), {})([1])",
+        "in the name of a field": "return np.zeros(2, [(word, object)])",
+        "in a text": "return word",
+        "in a list of texts": "return [word]",
+        "in a key": "return {word: 1}",
+        "in a set": "return {word}",
+        "in an array of texts": "return np.array([word] * 5)",
+        "with commands to the terminal": (
+            "raise type('\\x1b[31ml\\u202ee\\nak' + word[4:], (Exception,), {})('\\x1b]0;' + word)"
+        ),
+        "on standard output and error": (
+            "os.write(1, word.encode()); os.write(2, word.encode()); print(word); return None"
+        ),
+        "in the syntax error of a cell": "exec(word + ' ' + word)",
+        "in a file name of code": ("exec(compile('1/0', 'code cell 1, line 1, ' + word, 'exec'))"),
+        "in a place of the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
+    },
+)
+def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
+    """In words of its own, by one function of the lesson."""
+    source = TELLS.format(name="filter_ground", body=body)
+    verdict = hand_in({"filter_ground": source})
+    assert verdict.status == "judged" and len(hidden_words(verdict)) == 9
+    assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
+    assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
+    # About visible checks the student's words may be shown: their questions are in the notebook.
+    visible = [
+        test.message for exercise in verdict.exercises for test in exercise.tests if test.visible
+    ]
+    told = {word for words in visible for word in re.findall("leak[a-j]+", words)}
+    for text in shown(verdict):
+        assert {word for word in re.findall("leak[a-j]+", text)} <= told
+        assert not re.search("[\x1b\u202e\x07]", text)
+
+
+def test_tells_by_its_exit_code(hand_in):
+    """256 values for each test, if it were shown."""
+    body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
+    verdict = hand_in({"filter_ground": TELLS.format(name="filter_ground", body=body)})
+    said = {words for words in hidden_words(verdict) if "ended" in words}
+    assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
+
+
+@pytest.mark.parametrize(
+    "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
+)
+def test_tells_in_other_lessons(name, hand_in):
+    """By every function of a lesson: in the name of what it returns, then of what it raises."""
+    lesson = find_lesson(name)
+    for body in ("return type(word, (), {})()", "raise type(word, (Exception,), {})(word)"):
+        answers = {
+            exercise.name: TELLS.format(name=exercise.name, body=body).replace(
+                "arguments[0]", "arguments[-1]"
+            )
+            for exercise in lesson.machine_graded
+        }
+        verdict = hand_in(answers, lesson=lesson, start_seconds=30.0, total_seconds=60.0)
+        assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
+
+
+def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
+    """Answers that are nearly right make the judge talk about rows and values."""
+    answers = {
+        "filter_ground": "def filter_ground(cloud, level=-1.2): return cloud[cloud[:, 2] > 0.5]\n",
+        "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
+    }
+    verdict = hand_in(answers)
+    said = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_words(verdict))
+    assert said.strip() and not re.search(r"\d", said)
+
+
+@tried(
+    "kind, place",
+    {
+        "a built-in type": ("ValueError", "code cell 1, line 2"),
+        "a type of NumPy": ("LinAlgError", "code cell 1, line 2"),
+        "a type of its own": ("leakabcd", "code cell 1, line 2"),
+    },
+)
+def test_a_failure_is_told_by_type_and_place_alone(kind, place):
+    error = StudentError("f", kind, "leakabcd", place)
+    assert "leak" not in error.without_words and place in error.without_words
+    assert (kind in error.without_words) == (kind in KNOWN_EXCEPTIONS)
+
+
+@tried(
+    "name",
+    {
+        "a line beyond the end of its cell": "code cell 1",
+        "a cell that is not there": "code cell 77",
+        "a line in words": "code cell leak",
+        "a cell before the first": "code cell 0",
+    },
+)
+def test_claims_a_place_that_is_not_in_the_notebook(name):
+    """A line number is a number: one that does not exist would carry any question home."""
+    body = f"exec(compile('\\n' * 987654 + '1/0', {name!r}, 'exec'))"
+    with attack(function(body), call_seconds=8.0) as student, pytest.raises(StudentError) as error:
+        student.f(np.zeros(3))
+    assert "987" not in error.value.without_words and "77" not in error.value.without_words
+    assert "leak" not in error.value.without_words
+
+
+INJECTION = (
+    "</td><script>alert(1)</script>\\x1b]0;owned\\x07 ![x](http://evil/x.png) "
+    "[bold]{{ 7 * 7 }}\\u202e\\udcff"
+)
+
+
+def test_puts_markup_and_commands_into_what_people_read(hand_in, tmp_path, verdict_text):
+    verdict = hand_in(
+        {"filter_ground": f"def filter_ground(*a, **k):\n    raise Exception('{INJECTION}')\n"}
+    )
+    text = verdict_text(verdict)
+    assert "\\u001b" not in text and "\x1b" not in text and "\u202e" not in text
+    lesson = find_lesson(verdict.lesson)
+    submission = Submission("<script>alert(2)</script>", lesson, tmp_path / "x.ipynb")
+    page = write_report(Course(tmp_path), [(submission, verdict)]).read_text("utf-8")
+    assert "<script>" not in page and "&lt;script&gt;alert(1)" in page and "{{ 7" in page
+    for exercise in verdict.exercises:
+        assert "<script>" not in score_output(exercise)["data"]["text/html"]
+
+
+def test_puts_markup_and_commands_into_the_name_of_what_it_returns(hand_in, shown):
+    body = "return type('\\x1b]0;owned\\x07<script>[red]\\u202e\\n', (), {})()"
+    verdict = hand_in({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
+    for text in shown(verdict):
+        assert not re.search("[\x1b\u202e\x07]|<script>.red|owned", text)
