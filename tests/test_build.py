@@ -1,9 +1,11 @@
 """Notebooks are what their sources say, the same each time, and give nothing away."""
 
+import inspect
 import json
 
 import jupytext
 import nbformat
+import numpy as np
 import pytest
 from nbgrader.apps.api import NbGraderAPI
 from nbgrader.coursedir import CourseDirectory
@@ -43,6 +45,23 @@ def test_notebooks_are_valid_and_carry_no_output(built, lesson):
         nbformat.validate(notebook)
         assert all(not cell.get("outputs") for cell in notebook.cells)
         assert len({cell.id for cell in notebook.cells}) == len(notebook.cells)
+
+
+def test_student_notebook_is_the_solved_one_up_to_its_first_stub(built, lesson):
+    """So it runs as far as that, wherever the solved one runs; and there it says why it stops."""
+    solved, released = cells_of(built[lesson.solved]), cells_of(built[lesson.released])
+    first = next(
+        number
+        for number, cell in enumerate(released)
+        if cell["metadata"].get("nbgrader", {}).get("solution")
+    )
+    for mine, theirs in zip(solved[:first], released[:first], strict=True):
+        assert (mine["cell_type"], source_of(mine)) == (theirs["cell_type"], source_of(theirs))
+    namespace = {"np": np}
+    exec(source_of(released[first]), namespace)  # defining a stub is no error
+    stub = namespace[released[first]["metadata"]["nbgrader"]["grade_id"]]
+    with pytest.raises(NotImplementedError):
+        stub(*[None] * len(inspect.signature(stub).parameters))
 
 
 def test_every_stub_raises_and_every_solution_is_gone(built, lesson):

@@ -11,7 +11,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
@@ -144,6 +144,12 @@ def test_many_files_of_any_content(reader):
     property_holds()
 
 
+@pytest.mark.parametrize("data", [b"\x0b,", b"1 2 3\n\x0c;\n", "\u2003,".encode()])
+def test_an_empty_field_after_any_blank_is_named(data):
+    with pytest.raises(CloudFileError, match="found nothing in column 1, expected a number"):
+        decode_text(data)
+
+
 @pytest.mark.parametrize("reader", READERS)
 def test_files_cut_at_every_byte(reader):
     for data in READERS[reader][1]:
@@ -157,6 +163,7 @@ WORDS = [*"013\n ,;#", "-1", "nan", "inf", "1e9", "abc", "x y z", "DATA ascii\n"
 
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(WORDS), max_size=30))
+@example(["\x0b,"])  # numpy.loadtxt took it for an empty file and warned
 def test_texts_of_likely_words(words):
     data = " ".join(words).encode()
     check_bytes("text", data)

@@ -10,8 +10,11 @@ import pytest
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
+from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
-from grader.judging.judge import UnknownLesson, judge, run_tests, verdict_key
+from grader.judging.asking import run_tests
+from grader.judging.judge import UnknownLesson, judge, program_for
+from grader.judging.key import verdict_key
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
 from grader.sandbox.student import Student
@@ -89,15 +92,13 @@ def faults_on_other_seeds(path, lesson, sandbox):
 
     One process of the student answers them all: starting it would take longest.
     """
-    student = Student(
-        read_notebook(path).cells, lesson.names, sandbox, LIMITS, lesson.header.forbidden
-    )
-    with student:
+    program = program_for(lesson, read_notebook(path).cells, {})
+    with Student(program, sandbox, LIMITS) as student:
         return [
-            (seed, name, str(error))
+            (seed, one.name, str(one.error))
             for seed in (22, 333, 4444, 55555)
-            for name, mark, error in run_tests(lesson, student, seed)
-            if error and not mark["visible"]
+            for one in run_tests(lesson, student, seed, visible=False)
+            if one.error
         ]
 
 
@@ -304,11 +305,11 @@ def test_key_depends_on_seed_and_content(tmp_path):
     lesson = find_lesson("06_filter_ground")
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(lesson.released.read_bytes())
-    key = verdict_key(path, lesson, 1)
-    assert verdict_key(path, lesson, 1) == key
-    assert verdict_key(path, lesson, 2) != key
+    key = verdict_key(read_handed_in(path), lesson, 1)
+    assert verdict_key(read_handed_in(path), lesson, 1) == key
+    assert verdict_key(read_handed_in(path), lesson, 2) != key
     path.write_bytes(path.read_bytes() + b" ")
-    assert verdict_key(path, lesson, 1) != key
+    assert verdict_key(read_handed_in(path), lesson, 1) != key
 
 
 def command(*arguments):
@@ -329,6 +330,7 @@ def test_command_line_prints_one_json_object(sandbox):
     assert set(verdict) == {
         "lesson",
         "student",
+        "status",
         "score",
         "max_score",
         "exercises",

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.judging.judge import run_tests
+from grader.judging.asking import run_tests
 from utils.notebooks.my_functions import load_my_functions
 
 STORY = """\
@@ -310,5 +310,5 @@ def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
 
 @pytest.mark.slow
 def test_exercises_of_solved_lessons_work(lesson):
-    results = run_tests(lesson, load_my_functions(lesson.solved), 1)
-    assert [(name, str(error)) for name, _, error in results if error] == []
+    outcomes = run_tests(lesson, load_my_functions(lesson.solved), 1)
+    assert [(one.name, str(one.error)) for one in outcomes if one.error] == []

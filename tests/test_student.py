@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from grader.sandbox import Limits
+from grader.sandbox.program import Program
 from grader.sandbox.student import Student, StudentError, StudentStopped
 
 TREE = """
@@ -35,7 +36,7 @@ class KdTree:
 
 @pytest.fixture
 def student(sandbox):
-    with Student([TREE], ("KdTree",), sandbox, Limits(call_seconds=5)) as proxy:
+    with Student(Program((TREE,), ("KdTree",)), sandbox, Limits(call_seconds=5)) as proxy:
         yield proxy
 
 
@@ -88,6 +89,6 @@ def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
         "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
         " 'array': array.array('d', [0, 1, 2])}[kind]"
     )
-    with Student([source], ("f",), sandbox) as proxy:
+    with Student(Program((source,), ("f",)), sandbox) as proxy:
         for kind in ("range", "deque", "array"):
             assert list(proxy.f(kind)) == [0, 1, 2]

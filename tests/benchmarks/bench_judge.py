@@ -51,8 +51,8 @@ def time_ours(lessons, folder):
     course = make_course(folder / "ours", STUDENTS, lessons)
     sandbox = choose_sandbox()
     begin = time.perf_counter()
-    with EXECUTORS["processes"](os.cpu_count()) as executor:
-        judged = judge_class(course, (), SEED, sandbox, executor, lambda *news: None)
+    processes, count = EXECUTORS["processes"], os.cpu_count()
+    judged = judge_class(course, (), SEED, sandbox, processes, count, lambda *news: None)
     middle = time.perf_counter()
     enter(course, judged, SEED, sandbox, lambda *news: None)
     return middle - begin, time.perf_counter() - middle, len(judged)

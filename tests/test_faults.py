@@ -1,0 +1,264 @@
+"""Faults are told apart: what judge, machine or neighbour does costs no student a point."""
+
+import os
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+
+import pytest
+
+from grader import cli, commands
+from grader.classroom import doctor, grade
+from grader.classroom.executors import EXECUTORS, processors
+from grader.classroom.submissions import find_submissions, unaccounted_files
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.course.variants import fill_in, variants_of
+from grader.judging import judge as judging
+from grader.judging.asking import JudgeFault
+from grader.judging.verdict import FAILED, JUDGED, read_verdict
+from grader.sandbox.student import StudentStopped
+
+SEED = 20_170_405
+LESSON = find_lesson("06_filter_ground")
+RIGHT = {
+    exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+    for exercise in ("filter_ground", "voxel_grid")
+}
+
+
+class Inline(Executor):
+    """Does everything at once, here, where a test can change what the judge is made of."""
+
+    def __init__(self, workers):
+        pass
+
+    def submit(self, function, *arguments):
+        future = Future()
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class Deadly(ProcessPoolExecutor):
+    """Its processes die of one student, as often as it is asked, up to a number of times."""
+
+    left = 0
+
+    def submit(self, function, *arguments):
+        if function is grade.judge_and_store and arguments[1].student == "poison":
+            Deadly.left -= 1
+            if Deadly.left >= 0:
+                return super().submit(os._exit, 1)
+        return super().submit(function, *arguments)
+
+
+@pytest.fixture
+def course(tmp_path):
+    """A class of three, all of them right."""
+    made = Course(tmp_path / "course")
+    for student in ("ada", "poison", "zoe"):
+        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True)
+        path.write_text(fill_in(LESSON, RIGHT), "utf-8")
+    return made
+
+
+def graded(course, sandbox, open_executor=Inline, workers=1):
+    """Verdict of each student."""
+    judged = grade.judge_class(
+        course, (), SEED, sandbox, open_executor, workers, lambda *news: None
+    )
+    return {submission.student: verdict for submission, verdict in judged}
+
+
+@pytest.mark.parametrize(("deaths", "status", "score"), [(1, JUDGED, 30), (2, FAILED, 0)])
+def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, status, score):
+    Deadly.left = deaths
+    verdicts = graded(course, sandbox, Deadly, 2)
+    assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
+    assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
+
+
+def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox, monkeypatch):
+    def broken(lesson, student, seed):
+        raise JudgeFault("pytest ran 3 of 9 tests")
+
+    right = judging.run_tests
+    monkeypatch.setattr(judging, "run_tests", broken)
+    monkeypatch.setattr(grade, "rehearse", lambda *course: None)
+    verdicts = graded(course, sandbox)
+    assert {verdict.status for verdict in verdicts.values()} == {FAILED}
+    assert all("not the student's fault" in one.problems[0] for one in verdicts.values())
+    assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
+    assert "faults" not in verdicts["ada"].as_dict()  # for whoever grades, not for students
+    # The next run tries again.
+    monkeypatch.setattr(judging, "run_tests", right)
+    assert {one.score for one in graded(course, sandbox).values()} == {30}
+
+
+def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
+    """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
+    right = judging.run_tests
+
+    def spoiled(lesson, student, seed):
+        outcomes = right(lesson, student, seed)
+        return [type(one)(one.name, one.mark, ZeroDivisionError("oracle")) for one in outcomes]
+
+    monkeypatch.setattr(grade, "rehearse", lambda *course: None)
+    complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
+    monkeypatch.setattr(judging, "complaints_about_reference", complaints)
+    monkeypatch.setattr(judging, "run_tests", spoiled)
+    verdict = graded(course, sandbox)["ada"]
+    assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
+    monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
+    verdict = graded(course, sandbox)["ada"]
+    assert (verdict.status, verdict.score) == (JUDGED, 0)
+
+
+def test_nobody_is_graded_by_a_test_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
+    monkeypatch.setattr(grade, "complaints_about_reference", lambda *about: ("voxel_grid, x",))
+    with pytest.raises(grade.RehearsalFailed, match="06_filter_ground:\nvoxel_grid, x"):
+        graded(course, sandbox)
+    assert not list(course.verdicts.rglob("*.json"))
+    monkeypatch.setitem(EXECUTORS, "processes", Inline)
+    assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
+    assert "Nobody was graded" in capsys.readouterr().err
+
+
+def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
+    graded(course, sandbox)
+    monkeypatch.setattr(grade, "complaints_about_reference", lambda *about: ("never asked",))
+    (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
+    assert graded(course, sandbox)["ada"].score == 30
+
+
+def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
+    asked = []
+    right = grade.judge_handed_in
+
+    def starving(handed_in, seed, sandbox, lesson, student):
+        asked.append(student)
+        verdict = right(handed_in, seed, sandbox, lesson, student)
+        starved = student == "poison" and asked.count("poison") == 1
+        return type(verdict)(**{**verdict.__dict__, "starved": starved})
+
+    monkeypatch.setattr(grade, "judge_handed_in", starving)
+    verdicts = graded(course, sandbox)
+    assert asked == ["ada", "poison", "zoe", "poison"]
+    assert not verdicts["poison"].starved and verdicts["poison"].score == 30
+    assert graded(course, sandbox) == verdicts and len(asked) == 4
+
+
+def test_who_waits_instead_of_working_is_given_up_and_called_starved(sandbox):
+    from grader.sandbox import Limits
+    from grader.sandbox.program import Program
+    from grader.sandbox.student import Student
+
+    source = "import time\ndef wait(): time.sleep(60)\ndef work():\n    while True: pass"
+    limits = Limits(call_seconds=0.5, restarts=5)
+    for name, starved in (("wait", True), ("work", False)):
+        with Student(Program((source,), ("wait", "work")), sandbox, limits) as student:
+            with pytest.raises(StudentStopped, match="did not answer"):
+                getattr(student, name)()
+            assert student.starved is starved
+
+
+def test_a_folder_whose_name_is_no_text_stops_nobody(course, sandbox, capsys):
+    from grader.classroom.report import write_report
+    from grader.console import print_class
+
+    name = os.fsdecode(b"J\xfcrgen")  # as old zips have it
+    path = course.submitted / name / LESSON.stage / f"{LESSON.name}.ipynb"
+    path.parent.mkdir(parents=True)
+    path.write_text(fill_in(LESSON, RIGHT), "utf-8")
+    judged = grade.judge_class(
+        course, (), SEED, sandbox, EXECUTORS["processes"], 2, lambda *news: None
+    )
+    assert {verdict.score for _, verdict in judged} == {30}
+    print_class(judged)
+    write_report(course, judged)
+    assert "rgen" in capsys.readouterr().out
+
+
+def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
+    (course.submitted / "thief").mkdir()
+    (course.submitted / "thief" / LESSON.stage).symlink_to(
+        course.submitted / "ada" / LESSON.stage, target_is_directory=True
+    )
+    (course.submitted / "twin").symlink_to(course.submitted / "ada", target_is_directory=True)
+    verdicts = graded(course, sandbox)
+    assert verdicts["ada"].score == 30
+    for name in ("thief", "twin"):
+        assert verdicts[name].score == 0
+        assert "link to another folder" in verdicts[name].problems[0]
+
+
+def test_verdicts_can_be_read_by_fellow_graders(course, sandbox):
+    graded(course, sandbox)
+    umask = os.umask(0)
+    os.umask(umask)
+    for path in course.verdicts.rglob("*.json"):
+        assert path.stat().st_mode & 0o777 == 0o666 & ~umask
+        assert read_verdict(path) or path.parent.name == ".rehearsed"
+
+
+def test_at_least_one_worker(capsys):
+    assert processors() >= 1
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["grade", "--workers", "0"])
+    assert caught.value.code == 2
+    assert "at least one" in capsys.readouterr().err
+
+
+def test_every_file_is_accounted_for(course):
+    stage = course.submitted / "ada" / LESSON.stage
+    (stage / "helper.py").write_text("")
+    (stage / "timestamp.txt").write_text("")
+    assert unaccounted_files(course) == []
+    (stage / "06_filter_ground (1).ipynb").write_text("{}")
+    (stage / "08_bounding_boxes.md").write_text("")
+    (stage / "01_point_clouds.ipynb").write_text("{}")
+    (course.submitted / "ada" / "06_filter_ground.ipynb").write_text("{}")
+    reasons = {path.name: reason for path, reason in unaccounted_files(course)}
+    assert "copy by name" in reasons["06_filter_ground (1).ipynb"]
+    assert "no notebook" in reasons["08_bounding_boxes.md"]
+    assert "belongs to stage1_ransac" in reasons["01_point_clouds.ipynb"]
+    assert "<student>/<stage>" in reasons["06_filter_ground.ipynb"]
+    assert len(find_submissions(course)) == 3
+
+
+def test_the_doctor_names_what_is_wrong(course, sandbox, monkeypatch):
+    monkeypatch.setattr(doctor, "rehearse", lambda *course: None)
+    (course.submitted / "ada" / "lost.ipynb").write_text("{}")
+    course.seed_file.write_text("1")
+    course.seed_file.chmod(0o644)
+    findings = list(doctor.examine(course, 1, sandbox, Inline(1)))
+    wrong = {finding.subject: finding.text for finding in findings if not finding.good}
+    assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
+    subjects = [finding.subject for finding in findings]
+    for subject in ("Python", "packages", "boundary", "disk", "oracles", "sandbox bubblewrap"):
+        assert subject in subjects
+
+
+def test_the_doctor_sees_a_course_that_student_code_could_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(doctor, "is_shown", lambda path: path == tmp_path)
+    finding = doctor._boundary(Course(tmp_path))
+    assert not finding.good and str(tmp_path) in finding.text
+
+
+def test_a_comment_in_a_plotting_module_judges_nobody_again():
+    from grader.judging.key import _files, _files_of
+
+    files = {path.as_posix() for path in _files() | _files_of(LESSON)}
+    assert not [path for path in files if "/plots/" in path or "/scene3d/" in path]
+    assert not [path for path in files if "/classroom/" in path or "lesson_07" in path]
+    for part in (
+        "data/cloud.txt",
+        "tests/test_06_filter_ground.py",
+        "checks/lesson_06.py",
+        "sandbox/inside/worker.py",
+        "judging/samples.py",
+        "simulator/scanner.py",
+    ):
+        assert any(path.endswith(part) for path in files), part
