@@ -2,6 +2,7 @@
 
 import os
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,7 +14,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
-from grader.judging.asking import JudgeFault
+from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, read_verdict
 from grader.sandbox.student import StudentStopped
 
@@ -262,3 +263,14 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again():
         "simulator/scanner.py",
     ):
         assert any(path.endswith(part) for path in files), part
+
+
+def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
+    """Else a function could keep a hidden question, and tell it in a check that is shown."""
+
+    def stub(*arguments, **keywords):
+        raise NotImplementedError
+
+    student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
+    visible = [outcome.mark["visible"] for outcome in run_tests(lesson, student, SEED)]
+    assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

@@ -72,9 +72,13 @@ class _Collector:
         self.broken = None
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Leave out what was not asked for."""
+        """Leave out what was not asked for, and ask what students may see first.
+
+        Their words are shown there; by then they have met no hidden question.
+        """
         if not self.visible:
             items[:] = [item for item in items if not _mark(item)["visible"]]
+        items.sort(key=lambda item: not _mark(item)["visible"])
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
         """Note all there is to earn, whatever happens to the tests."""
