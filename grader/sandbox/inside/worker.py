@@ -7,8 +7,10 @@ is only an answer, and the judge decides whether the answer is right.
 Run by `grader.sandbox`, inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
 
+import ast
 import builtins
 import contextlib
+import dataclasses
 import os
 import resource
 import sys
@@ -43,7 +45,7 @@ def main(read_end: int, write_end: int) -> None:
     start = wire.receive(read_end)
     sys.meta_path.append(importing.Beside(start["modules"]))
     statements, problems = slicing.parse_notebook(start["cells"])
-    statements = with_given_code(statements, start["given"])
+    statements = with_given_code(statements, start["names"], start["given"])
     for cell, module in dict.fromkeys(slicing.imported_modules(statements)):
         if importing.is_forbidden(module, rules["forbidden"]):
             problems.append(
@@ -72,24 +74,40 @@ def main(read_end: int, write_end: int) -> None:
             reply(write_end, request["id"], answer(request, namespace, objects))
 
 
-def with_given_code(statements: list[slicing.Statement], given: dict) -> list[slicing.Statement]:
+def with_given_code(
+    statements: list[slicing.Statement], names: list[str], given: dict
+) -> list[slicing.Statement]:
     """Put the lesson's own code in the place of whatever the notebook makes of it.
+
+    Who wrote a class of one's own where the lesson gives one has answered in its methods: they
+    count as the functions that are nowhere else.
 
     Parameters
     ----------
     statements : list of slicing.Statement
         The notebook's.
+    names : list of str
+        What will be called.
     given : dict
         ``names`` that the lesson gives, and their ``source`` as it was released.
     """
-    names = frozenset(given["names"])
+    theirs = frozenset(given["names"])
     released, _ = slicing.parse_notebook([given["source"]])
-    kept = [
-        statement
-        for statement in statements
-        if not (statement.binds and statement.binds <= names) and not statement.changes & names
-    ]
-    return [*released, *kept]
+    kept, methods = [], []
+    for statement in statements:
+        if statement.binds and statement.binds <= theirs:
+            methods += [
+                slicing.describe(statement.cell, node, statement.future)
+                for node in getattr(statement.node, "body", ())
+                if isinstance(node, ast.FunctionDef)
+            ]
+        elif not statement.changes & theirs:
+            kept.append(statement)
+    bound = frozenset().union(*(statement.binds for statement in kept))
+    methods = [one for one in methods if one.binds <= set(names) - bound]
+    # No place in the notebook is the lesson's fault.
+    released = [dataclasses.replace(statement, cell=0) for statement in released]
+    return [*released, *kept, *methods]
 
 
 def volunteer_for_the_memory_killer() -> None:
