@@ -94,8 +94,8 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
 def load_my_functions(name: str | os.PathLike) -> NoReturn:
     """Say that there is one notebook only."""
     raise FileNotFoundError(
-        f"There is no notebook {str(name)!r} here: the judge sees one notebook only. Paste what "
-        "it needs into that notebook."
+        f"There is no notebook {str(name)!r} here. (The judge sees one notebook only: paste what "
+        "it needs into that notebook.)"
     )
 
 
