@@ -12,6 +12,9 @@ import ast
 # The bodies of these run in the notebook's own namespace; other cell magics hold another
 # language, or throw-away code.
 _PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
+# For each command IPython reads the cell anew. A person writes a few; what is left after so many
+# is a mistake in Python, which costs its cell.
+_MOST_COMMANDS = 100
 
 
 def parse_cell(source: str) -> ast.Module:
@@ -65,7 +68,14 @@ def _transform(source: str) -> str:
     from IPython.core.inputtransformer2 import TransformerManager
 
     class Manager(TransformerManager):
-        """Fills up with blank lines what it makes one line of."""
+        """Fills up with blank lines what it makes one line of, and comes to an end."""
+
+        def do_token_transforms(self, lines: list[str]) -> list[str]:
+            for _ in range(_MOST_COMMANDS):
+                changed, lines = self.do_one_token_transform(lines)
+                if not changed:
+                    break
+            return lines
 
         def do_one_token_transform(self, lines: list[str]) -> tuple[bool, list[str]]:
             changed, new = super().do_one_token_transform(lines)
