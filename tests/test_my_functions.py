@@ -144,7 +144,7 @@ def test_what_is_missing_or_damaged_is_named(here):
         load_my_functions("09_filter_cluster.ipynb")
     with pytest.raises(FileNotFoundError, match="give its path"):
         load_my_functions("zzz")
-    for text in ("", "{", "[]", '{"cells": 7}', '{"cells": [{"a": 1}]}'):
+    for text in ("", "{", "[]", '{"cells": 7}'):
         (here / "c.ipynb").write_text(text)
         with pytest.raises(ValueError, match="cannot be read as a notebook"):
             load_my_functions("c.ipynb")

@@ -116,7 +116,7 @@ def _find(wanted: Path) -> Path:
 def _statements(path: Path) -> list[Statement]:
     """What stands in a notebook; cells that are no Python are passed over."""
     try:
-        cells = decode_notebook(path.read_bytes(), path.name).cells
+        cells = decode_notebook(path.read_bytes(), path.name).code
     except UnreadableNotebook:
         raise ValueError(
             f"{path} cannot be read as a notebook. Open it in Jupyter, save it "

@@ -1,16 +1,25 @@
-"""What turns the bytes of a notebook file into its code.
+"""What turns the bytes of a notebook file into its cells.
 
-The file may be a stranger's, and this may run in the sandbox: standard library only.
+Editors, browsers and disks spoil notebooks in many ways. Each step below undoes one of them, and
+says in a sentence what it did wherever something may be missing.
+
+The file may be a stranger's, and this may run in the sandbox: standard library only, no pattern
+that looks twice at a letter.
 """
 
 from __future__ import annotations
 
+import codecs
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 # Each bracket becomes an object of a hundred bytes, so a small file could fill the memory.
 MOST_BRACKETS = 2_000_000
+_TEXT_IN_JSON = re.compile(r'"(?:[^"\\]|\\.)*+"', re.DOTALL)
+_BETWEEN = re.compile(r"[\s,]*")
+_LESSON_IN_JSON = re.compile(r'"lidar_obstacle_lab"\s*:\s*\{\s*"lesson"\s*:\s*"(\w{1,60})"')
 
 
 class UnreadableNotebook(Exception):
@@ -18,28 +27,69 @@ class UnreadableNotebook(Exception):
 
 
 @dataclass(frozen=True)
-class Notebook:
-    """The code of a notebook, and what it says about itself.
+class Cell:
+    """One cell.
 
     Attributes
     ----------
-    cells : tuple of str
-        Source of each code cell.
-    lesson_name : str
-        Name of the lesson that it was released as; empty where it does not say.
+    kind : {"code", "markdown", "raw"}
+    source : str
+    grade_id : str
+        What nbgrader calls it; empty where it does not say.
+    attachments : dict
+        Pictures in it, as the file has them: anything a stranger likes.
     """
 
-    cells: tuple[str, ...]
-    lesson_name: str
+    kind: str
+    source: str
+    grade_id: str = ""
+    attachments: dict = field(default_factory=dict, hash=False)
+
+
+@dataclass(frozen=True)
+class Notebook:
+    """The cells of a notebook, and what it says about itself.
+
+    Attributes
+    ----------
+    cells : tuple of Cell
+    lesson_name : str
+        Name of the lesson that it was released as; empty where it does not say.
+    mended : tuple of str
+        What was wrong with the file and what was done about it, one sentence each.
+    """
+
+    cells: tuple[Cell, ...]
+    lesson_name: str = ""
+    mended: tuple[str, ...] = ()
+
+    @property
+    def code(self) -> tuple[str, ...]:
+        """Source of each code cell."""
+        return tuple(cell.source for cell in self.cells if cell.kind == "code")
+
+
+@dataclass
+class _Draft:
+    """What the steps work on, from bytes to cells."""
+
+    name: str
+    data: bytes
+    text: str = ""
+    content: object = None
+    old: bool = False
+    found: list = field(default_factory=list)
+    cells: tuple[Cell, ...] = ()
+    lesson_name: str = ""
 
 
 def decode_notebook(data: bytes, name: str) -> Notebook:
-    """Find the code in the bytes of a notebook file.
+    """Find the cells in the bytes of a notebook file.
 
     Parameters
     ----------
     data : bytes
-        JSON in UTF-8, with or without byte order mark, of nbformat 3 or later.
+        JSON of nbformat 3 or later.
     name : str
         What sentences call the file.
 
@@ -51,45 +101,168 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
     ------
     UnreadableNotebook
     """
+    draft = _Draft(name, data)
+    sentences = [step(draft) for step in STEPS]
+    return Notebook(draft.cells, draft.lesson_name, tuple(filter(None, sentences)))
+
+
+def _decode(draft: _Draft) -> str:
+    """Turn bytes into text: UTF-8, or what Windows makes of it."""
+    data = draft.data
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding, sentence = "utf-16", ""
+    elif data.removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"{"):
+        encoding, sentence = "utf-8-sig", ""
+        try:
+            data.decode(encoding)
+        except UnicodeDecodeError:
+            encoding, sentence = (
+                "latin-1",
+                f"{draft.name} is not UTF-8, as notebooks are: letters with accents may be wrong. "
+                "Save it again in Jupyter.",
+            )
+    else:
+        encoding, sentence = "utf-8-sig", ""
     try:
-        text = data.decode("utf-8-sig")
+        draft.text = data.decode(encoding)
     except UnicodeDecodeError:
         raise UnreadableNotebook(
-            f"{name} is not a notebook: it is not text. Save it again "
+            f"{draft.name} is not a notebook: it is not text. Save it again "
             "in Jupyter and hand in the .ipynb file."
         ) from None
-    if not text.strip():
+    if not draft.text.strip(" \t\r\n\0"):
         raise UnreadableNotebook(
-            f"{name} is empty. Save the notebook again in Jupyter and hand it in."
+            f"{draft.name} is empty. Save the notebook again in Jupyter and hand it in."
         )
-    try:
+    return sentence
+
+
+def _count_brackets(draft: _Draft) -> str:
+    """Refuse what would fill the memory."""
+    text = draft.text
+    if text.count("[") + text.count("{") > MOST_BRACKETS:
+        text = _TEXT_IN_JSON.sub("", text)  # those in texts become no objects
         if text.count("[") + text.count("{") > MOST_BRACKETS:
-            raise ValueError
-        content = json.loads(text)
-    except (ValueError, RecursionError):
-        raise UnreadableNotebook(
-            f"{name} is not a notebook: it is not valid JSON. It may "
-            "have been cut off while it was uploaded; hand it in again."
-        ) from None
+            raise UnreadableNotebook(
+                f"{draft.name} holds more than {MOST_BRACKETS:,} lists and entries, most of them "
+                "in its outputs. Clear its outputs (in JupyterLab: Edit, Clear Outputs of All "
+                "Cells), save, and hand it in again."
+            )
+    return ""
+
+
+def _parse(draft: _Draft) -> str:
+    """Read JSON; what stands behind it is left out, and of a damaged file the whole cells kept."""
+    text = draft.text.lstrip(" \t\r\n\0")
     try:
-        return Notebook(tuple(_code_cells(content)), _lesson_name(content))
-    except (AttributeError, KeyError, RecursionError, TypeError):
+        draft.content, end = json.JSONDecoder().raw_decode(text)
+    except (ValueError, RecursionError):
+        draft.content = _whole_cells(text)
+        if not draft.content["cells"]:
+            raise UnreadableNotebook(
+                f"{draft.name} is not a notebook: it is not valid JSON. It may "
+                "have been cut off while it was uploaded; hand it in again."
+            ) from None
+        return (
+            f"{draft.name} is damaged or cut off after {len(draft.content['cells'])} of its "
+            "cells. Those were read, and nothing behind them. Save it again in Jupyter and hand "
+            "it in again."
+        )
+    if text[end:].strip(" \t\r\n\0"):
+        return (
+            f"Behind the end of the notebook {draft.name} stands something else, such as a second "
+            "copy. Only the notebook was read. Save it again in Jupyter and hand it in again."
+        )
+    return ""
+
+
+def _whole_cells(text: str) -> dict:
+    """The cells of a notebook up to the place where its file breaks off."""
+    begin = re.search(r'"cells"\s*:\s*\[', text)
+    cells, place = [], begin.end() if begin else len(text)
+    decoder = json.JSONDecoder()
+    while True:
+        try:
+            cell, place = decoder.raw_decode(text, _BETWEEN.match(text, place).end())
+        except (ValueError, RecursionError):
+            break
+        if not isinstance(cell, dict):
+            break
+        cells.append(cell)
+    lesson = _LESSON_IN_JSON.search(text)
+    metadata = {"lidar_obstacle_lab": {"lesson": lesson[1]}} if lesson else {}
+    return {"cells": cells, "metadata": metadata}
+
+
+def _find_cells(draft: _Draft) -> str:
+    """Look where the notebook's format keeps its cells.
+
+    A file may hold both kinds; a person with Jupyter sees those of its own format alone.
+    """
+    content = draft.content if isinstance(draft.content, dict) else {}
+    number = content.get("nbformat")
+    old = number < 4 if type(number) is int else "cells" not in content
+    sheets = _listed(content.get("worksheets")) if old else [content]
+    lists = [sheet.get("cells") for sheet in sheets if isinstance(sheet, dict)]
+    if not any(isinstance(cells, list) for cells in lists):
         raise UnreadableNotebook(
-            f"{name} is JSON but not a notebook: it has no cells. Hand "
+            f"{draft.name} is JSON but not a notebook: it has no cells. Hand "
             "in the .ipynb file that Jupyter saves."
-        ) from None
+        )
+    draft.old = old
+    draft.found = [cell for cells in lists for cell in _listed(cells)]
+    course = _entries(_entries(content.get("metadata")).get("lidar_obstacle_lab"))
+    name = course.get("lesson")
+    draft.lesson_name = name if isinstance(name, str) else ""
+    return ""
 
 
-def _code_cells(content: dict) -> Iterator[str]:
-    # A file may hold both; a person with Jupyter sees those of its own format alone.
-    old = content["nbformat"] < 4 if "nbformat" in content else "cells" not in content
-    sheets = content["worksheets"] if old else [content]
-    for cell in (cell for sheet in sheets for cell in sheet["cells"]):
-        if cell["cell_type"] == "code":
-            source = cell["input" if old else "source"]
-            yield source if isinstance(source, str) else "".join(source)
+def _read_cells(draft: _Draft) -> str:
+    """Read each cell, whatever it lacks."""
+    cells = [cell for cell in draft.found if isinstance(cell, dict)]
+    draft.cells = tuple(_cell(cell, draft.old) for cell in cells)
+    odd = len(draft.found) - len(cells)
+    if odd:
+        return f"{odd} of the cells of {draft.name} {'is' if odd == 1 else 'are'} none; left out."
+    return ""
 
 
-def _lesson_name(content: dict) -> str:
-    name = content.get("metadata", {}).get("lidar_obstacle_lab", {}).get("lesson", "")
-    return name if isinstance(name, str) else ""
+# From bytes to cells. Each takes the draft one step further and returns what it mended, if that
+# may cost somebody something.
+STEPS: tuple[Callable[[_Draft], str], ...] = (
+    _decode,
+    _count_brackets,
+    _parse,
+    _find_cells,
+    _read_cells,
+)
+
+
+def _cell(cell: dict, old: bool) -> Cell:
+    kind = cell.get("cell_type")
+    if kind not in ("code", "markdown", "raw"):
+        # "heading" and "html" are of nbformat 3. A cell without a type runs if it could.
+        runs = kind is None and ("outputs" in cell or "input" in cell)
+        kind = "code" if runs else "raw" if kind == "html" else "markdown"
+    places = ("input", "source") if old and kind == "code" else ("source", "input")
+    grading = _entries(_entries(cell.get("metadata")).get("nbgrader"))
+    grade_id = grading.get("grade_id")
+    return Cell(
+        kind,
+        next((_text(cell[place]) for place in places if place in cell), ""),
+        grade_id if isinstance(grade_id, str) else "",
+        _entries(cell.get("attachments")),
+    )
+
+
+def _text(source: object) -> str:
+    lines = [source] if isinstance(source, str) else _listed(source)
+    return "".join(line for line in lines if isinstance(line, str))
+
+
+def _listed(value: object) -> list:
+    return value if isinstance(value, list) else []
+
+
+def _entries(value: object) -> dict:
+    return value if isinstance(value, dict) else {}
