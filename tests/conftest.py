@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.lessons import Lesson, all_lessons, lesson_of
-from grader.course.variants import Variant
+from grader.course.lessons import Lesson, all_lessons
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 from tests.demands import demand_walls
 
@@ -56,8 +55,6 @@ def _lesson_in(values):
     for value in values:
         if isinstance(value, Lesson):
             return value.name
-        if isinstance(value, Variant):
-            return lesson_of(value.exercise).name
     return None
 
 

@@ -4,7 +4,6 @@ They are asked here and not in the sandbox, which takes too long for so many. As
 copies: what it does to its arguments reaches nobody.
 """
 
-import copy
 import math
 from itertools import zip_longest
 from types import SimpleNamespace
@@ -15,7 +14,7 @@ import pytest
 from grader.course.lessons import all_lessons, find_lesson, load_reference
 from grader.course.variants import ANOTHER_CELL, variants_of
 from grader.judging.asking import run_tests
-from grader.judging.judge import given_code
+from tests.students import student_with
 from utils.checks.lesson_12 import cubes
 
 SEED = 7
@@ -405,26 +404,6 @@ PARTLY = {
 }
 
 # ---- how they are asked ------------------------------------------------------------------------
-
-
-def walled(function):
-    """The function as the judge calls it: with copies, by position or by name."""
-
-    def ask(*arguments, **keywords):
-        return function(*copy.deepcopy([*arguments, *keywords.values()]))
-
-    return ask
-
-
-def student_with(lesson, answers):
-    """Stands for a `Student` whose notebook holds some answers."""
-    names = {name: walled(function) for name, function in answers.items()}
-    if "KdTree" in lesson.names:
-        space = dict(answers)
-        exec(given_code(lesson), space)
-        space["KdTree"].node = space["Node"]
-        names["KdTree"] = space["KdTree"]
-    return SimpleNamespace(**names, exercise="", close=lambda: None)
 
 
 def earned(lesson, answers, seed):

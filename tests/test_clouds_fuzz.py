@@ -136,7 +136,7 @@ def test_files_of_any_content(reader):
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
 def test_many_files_of_any_content(reader):
-    @settings(max_examples=3_000, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=1_500, deadline=None, suppress_health_check=list(HealthCheck))
     @given(damaged(READERS[reader][1]))
     def property_holds(data):
         check_bytes(reader, data)

@@ -228,7 +228,7 @@ def run_alone(text, folder):
 
 
 @only_like_colab
-@pytest.mark.slow
+@pytest.mark.colab
 def test_solved_notebook_runs_in_colab(lesson, course, colab_kernel, tmp_path):
     notebook = run_alone(course[lesson.solved], tmp_path)
     assert errors_of(notebook) == []
@@ -238,7 +238,7 @@ def test_solved_notebook_runs_in_colab(lesson, course, colab_kernel, tmp_path):
 
 
 @only_like_colab
-@pytest.mark.slow
+@pytest.mark.colab
 def test_pyvista_changes_nothing_that_colab_has(place, tmp_path):
     def in_colab(program):
         return subprocess.run(

@@ -133,7 +133,7 @@ def test_attacks_without_a_wall_fail_where_it_is_required(required, outcome, tmp
 
 def test_there_are_at_least_a_hundred_attacks_and_each_says_what_it_tries():
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-n0", "--collect-only", "-m", "slow or not slow"]
+        [sys.executable, "-m", "pytest", "-q", "-n0", "--collect-only", "-m", ""]
         + [str(Path(__file__).parent / "attacks")],
         cwd=PROJECT,
         capture_output=True,

@@ -1,7 +1,9 @@
 """The judge gives right answers everything, wrong ones what they earn, and always a verdict."""
 
 import ast
+import itertools
 import json
+import re
 import subprocess
 import sys
 
@@ -18,18 +20,11 @@ from grader.judging.key import verdict_key
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
 from grader.sandbox.student import Student
+from tests.students import answers_in, student_with
 from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
-VARIANTS = [
-    variant
-    for lesson in all_lessons()
-    for exercise in lesson.exercises
-    if not exercise.by_hand
-    for variant in variants_of(exercise.name)
-]
-
-
+SHORT = Limits(call_seconds=3)  # for wrong answers, some of which never end
 # What lesson 12 builds on, and the detector that its hints spell out.
 EARLIER = {
     "01_point_clouds": ("drop_invalid",),
@@ -52,30 +47,36 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 """
 
 
-def wrong_variants(everyday=2):
-    """Parameters for all wrong variants; all but the first few of an exercise are slow."""
-    seen = {}
-    for variant in VARIANTS:
-        if not variant.right:
-            seen[variant.exercise] = seen.get(variant.exercise, 0) + 1
+def notebooks(right, everyday=0):
+    """Parameters (lesson, variants): notebooks that hold each right, or wrong, variant.
+
+    One of each exercise in a notebook, until all have had their turn; all but the first few
+    notebooks of a lesson are slow. Where wrong ones have run out, their place stays as it was;
+    and a wrong one that brings along an exercise that is another's stays alone.
+    """
+    for lesson in all_lessons():
+        names = [exercise.name for exercise in lesson.machine_graded]
+        columns, alone = [], []
+        for name in names:
+            mine = [variant for variant in variants_of(name) if variant.right == right]
+            others = "|".join(other for other in names if other != name) or "no other"
+            brings = [
+                not right and bool(re.search(rf"^def ({others})\b", one.source, re.M))
+                for one in mine
+            ]
+            alone += [[one] for one, brought in zip(mine, brings, strict=True) if brought]
+            columns.append([one for one, brought in zip(mine, brings, strict=True) if not brought])
+        if right:
+            longest = max(map(len, columns))
+            columns = [(column * longest)[:longest] for column in columns]
+        rows = [[one for one in row if one] for row in itertools.zip_longest(*columns)]
+        for turn, chosen in enumerate([*rows, *alone]):
             yield pytest.param(
-                variant,
-                id=f"{variant.exercise}: {variant.name}",
-                marks=[pytest.mark.slow] * (seen[variant.exercise] > everyday),
+                lesson,
+                chosen,
+                id=f"{lesson.name}: " + "; ".join(variant.name for variant in chosen),
+                marks=[pytest.mark.slow] * (turn >= everyday),
             )
-
-
-def judge_variant(variant, seed, sandbox, folder):
-    """(result of the variant's exercise, verdict)."""
-    lesson = next(
-        lesson
-        for lesson in all_lessons()
-        if variant.exercise in [exercise.name for exercise in lesson.exercises]
-    )
-    path = folder / f"{lesson.name}.ipynb"
-    path.write_text(fill_in(lesson, {variant.exercise: variant.source}), "utf-8")
-    verdict = judge(path, seed, sandbox, limits=LIMITS)
-    return next(result for result in verdict.exercises if result.name == variant.exercise), verdict
 
 
 def test_solution_earns_everything(lesson, sandbox):
@@ -87,19 +88,31 @@ def test_solution_earns_everything(lesson, sandbox):
     assert verdict.problems == ()
 
 
+def is_hidden(mark):
+    """The visible checks are the same for every seed."""
+    return not mark["visible"]
+
+
 def faults_on_other_seeds(path, lesson, sandbox):
     """What the hidden tests find on four more seeds.
 
-    One process of the student answers them all: starting it would take longest.
+    That depends on the scenes and not on the walls, so trees excepted, which the lesson gives
+    behind them, the functions answer here.
     """
-    program = program_for(lesson, read_notebook(path).cells, {})
-    with Student(program, sandbox, LIMITS) as student:
-        return [
-            (seed, one.name, str(one.error))
-            for seed in (22, 333, 4444, 55555)
-            for one in run_tests(lesson, student, seed, visible=False)
-            if one.error
-        ]
+    cells = read_notebook(path).code
+    if lesson.header.given:
+        with Student(program_for(lesson, cells, {}), sandbox, LIMITS) as student:
+            return faults_of(lesson, student)
+    return faults_of(lesson, student_with(lesson, answers_in(lesson, cells)))
+
+
+def faults_of(lesson, student):
+    return [
+        (seed, one.name, str(one.error))
+        for seed in (22, 333, 4444, 55555)
+        for one in run_tests(lesson, student, seed, is_hidden)
+        if one.error
+    ]
 
 
 @pytest.mark.slow
@@ -151,27 +164,10 @@ def test_enough_variants(lesson):
             assert right.count(False) >= 8, exercise.name
 
 
-def right_notebooks():
-    """Parameters (lesson, answers): notebooks that hold each right variant at least once."""
-    for lesson in all_lessons():
-        right = {
-            exercise.name: [variant for variant in variants_of(exercise.name) if variant.right]
-            for exercise in lesson.exercises
-            if not exercise.by_hand
-        }
-        for turn in range(max(len(variants) for variants in right.values())):
-            chosen = [variants[turn % len(variants)] for variants in right.values()]
-            yield pytest.param(
-                lesson,
-                {variant.exercise: variant.source for variant in chosen},
-                id=f"{lesson.name}: " + "; ".join(variant.name for variant in chosen),
-            )
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("chosen, answers", list(right_notebooks()))
-def test_right_variants_earn_everything_on_five_seeds(chosen, answers, sandbox, tmp_path):
+@pytest.mark.parametrize("chosen, variants", list(notebooks(right=True)))
+def test_right_variants_earn_everything_on_five_seeds(chosen, variants, sandbox, tmp_path):
     path = tmp_path / f"{chosen.name}.ipynb"
+    answers = {variant.exercise: variant.source for variant in variants}
     path.write_text(fill_in(chosen, answers), "utf-8")
     verdict = judge(path, 1, sandbox, limits=LIMITS)
     for result in verdict.exercises:
@@ -181,21 +177,27 @@ def test_right_variants_earn_everything_on_five_seeds(chosen, answers, sandbox, 
     assert faults_on_other_seeds(path, chosen, sandbox) == []
 
 
-@pytest.mark.parametrize("variant", list(wrong_variants()))
-def test_wrong_variant_loses_the_right_points(variant, sandbox, tmp_path):
-    result, verdict = judge_variant(variant, 7, sandbox, tmp_path)
-    failed = {
-        test.name.removeprefix("test_visible[").rstrip("]"): test.message
-        for test in result.tests
-        if not test.passed
-    }
-    assert variant.loses, "the variant does not say what it shall lose"
-    for name in variant.loses:
-        assert any(key.startswith(name) for key in failed), (
-            f"{name} passed; only {sorted(failed)} failed"
-        )
-    assert variant.says in "\n".join([*failed.values(), *verdict.problems])
-    assert result.score < result.max_score
+@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, everyday=2)))
+def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path):
+    path = tmp_path / f"{chosen.name}.ipynb"
+    answers = {variant.exercise: variant.source for variant in variants}
+    path.write_text(fill_in(chosen, answers), "utf-8")
+    verdict = judge(path, 7, sandbox, limits=SHORT)
+    results = {result.name: result for result in verdict.exercises}
+    for variant in variants:
+        result = results[variant.exercise]
+        failed = {
+            test.name.removeprefix("test_visible[").rstrip("]"): test.message
+            for test in result.tests
+            if not test.passed
+        }
+        assert variant.loses, f"{variant.name} does not say what it shall lose"
+        for name in variant.loses:
+            assert any(key.startswith(name) for key in failed), (
+                f"{variant.name}: {name} passed; only {sorted(failed)} failed"
+            )
+        assert variant.says in "\n".join([*failed.values(), *verdict.problems]), variant.name
+        assert result.score < result.max_score, variant.name
 
 
 def test_hidden_tests_differ_from_seed_to_seed():

@@ -10,7 +10,7 @@ import hashlib
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import pytest
@@ -65,8 +65,8 @@ class Outcome:
 class _Collector:
     """A pytest plugin: hands the student to the tests and notes how each ended."""
 
-    def __init__(self, student: Student, seed: int, visible: bool) -> None:
-        self.proxy, self.course_seed, self.visible = student, seed, visible
+    def __init__(self, student: Student, seed: int, asked: Callable[[dict], bool]) -> None:
+        self.proxy, self.course_seed, self.asked = student, seed, asked
         self.collected: list[str] = []
         self.outcomes: dict[str, Outcome] = {}
         self.broken = None
@@ -76,8 +76,7 @@ class _Collector:
 
         Their words are shown there; by then they have met no hidden question.
         """
-        if not self.visible:
-            items[:] = [item for item in items if not _mark(item)["visible"]]
+        items[:] = [item for item in items if self.asked(_mark(item))]
         items.sort(key=lambda item: not _mark(item)["visible"])
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
@@ -118,7 +117,14 @@ class _Collector:
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)
 
 
-def run_tests(lesson: Lesson, student: Student, seed: int, visible: bool = True) -> list[Outcome]:
+def everything(mark: dict) -> bool:
+    """Ask all there is to ask."""
+    return True
+
+
+def run_tests(
+    lesson: Lesson, student: Student, seed: int, asked: Callable[[dict], bool] = everything
+) -> list[Outcome]:
     """Run the tests of a lesson.
 
     Parameters
@@ -127,13 +133,13 @@ def run_tests(lesson: Lesson, student: Student, seed: int, visible: bool = True)
     student : grader.sandbox.student.Student
     seed : int
         The course's secret.
-    visible : bool
-        Whether to run the notebook's own checks, too; they are the same for every seed.
+    asked : callable
+        Takes what `grader.judging.marks` says about a test: whether to run it.
 
     Returns
     -------
     list of Outcome
-        One for each test of the lesson.
+        One for each test that was asked for.
 
     Raises
     ------
@@ -143,7 +149,7 @@ def run_tests(lesson: Lesson, student: Student, seed: int, visible: bool = True)
     KeyboardInterrupt
         pytest would keep it to itself.
     """
-    collector = _Collector(student, seed, visible)
+    collector = _Collector(student, seed, asked)
     with _plain_environment():
         code = pytest.main([str(lesson.tests), *_OPTIONS], plugins=[collector])
     if collector.broken:

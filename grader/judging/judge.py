@@ -91,13 +91,13 @@ def judge_handed_in(
                 f"{handed_in.name}: cannot tell which lesson this is. Give the file the name it "
                 "was released under, such as 06_filter_ground.ipynb."
             )
-        program = program_for(lesson, notebook.cells, handed_in.modules)
+        program = program_for(lesson, notebook.code, handed_in.modules)
         with Student(program, sandbox, limits) as proxy:
             try:
                 outcomes = run_tests(lesson, proxy, seed)
             except JudgeFault as error:
                 faults = [str(error)]
-            problems, starved = proxy.problems, proxy.starved
+            problems, starved = [*notebook.mended, *proxy.problems], proxy.starved
     odd = [one for one in outcomes or () if not isinstance(one.error, _FINE)]
     if odd and complaints_about_reference(lesson, seed, sandbox):
         faults += ["".join(traceback.format_exception(one.error)) for one in odd]
@@ -144,7 +144,7 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
     Empty when the solution earns everything, as it must before anybody is judged.
     """
     handed_in = read_handed_in(lesson.solved)
-    program = program_for(lesson, handed_in.notebook().cells, {})
+    program = program_for(lesson, handed_in.notebook().code, {})
     with Student(program, sandbox) as proxy:
         try:
             outcomes = run_tests(lesson, proxy, seed)

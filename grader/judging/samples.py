@@ -6,12 +6,36 @@ kept, because a class meets the same ones two hundred times.
 """
 
 import functools
+import hashlib
+from collections.abc import Callable
 
 import numpy as np
 
 from grader.course.paths import PROJECT
 from utils.checks.vocabulary import frozen
 from utils.clouds import read_cloud
+
+MOST_REMEMBERED = 256
+
+
+def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """Decorate a slow oracle: for a cloud with the same content it answers from memory.
+
+    The answer is read-only. What follows the cloud must be hashable.
+    """
+    known = {}
+
+    @functools.wraps(oracle)
+    def remember(cloud: np.ndarray, *settings: object) -> np.ndarray:
+        cloud = np.ascontiguousarray(cloud)
+        key = hashlib.blake2b(cloud).digest(), cloud.dtype.str, cloud.shape, settings
+        if key not in known:
+            if len(known) >= MOST_REMEMBERED:
+                known.pop(next(iter(known)))
+            known[key] = frozen(oracle(cloud, *settings))
+        return known[key]
+
+    return remember
 
 
 @functools.cache
@@ -47,22 +71,17 @@ def obstacles_of_street(seed: int, n: int) -> np.ndarray:
     return frozen(cloud[rng.choice(rows, min(n, len(rows)), replace=False)])
 
 
-@functools.lru_cache(maxsize=1024)
-def _cluster_labels(data: bytes, shape: tuple[int, ...], threshold: float) -> np.ndarray:
-    from sklearn.cluster import DBSCAN
-
-    points = np.frombuffer(data).reshape(shape)
-    # With one sample per core every point is a core: DBSCAN is then single linkage. Its radius
-    # is closed and ours is open; `without_ties` keeps clouds free of distances in between.
-    return frozen(DBSCAN(eps=threshold, min_samples=1).fit_predict(points) + 1)
-
-
+@remembered
 def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
+    from sklearn.cluster import DBSCAN
+
     if not len(cloud):
         return np.empty(0, dtype=int)
-    points = np.ascontiguousarray(cloud[:, :3], dtype=float)
-    return _cluster_labels(points.tobytes(), points.shape, float(threshold))
+    # With one sample per core every point is a core: DBSCAN is then single linkage. Its radius
+    # is closed and ours is open; `without_ties` keeps clouds free of distances in between.
+    clusters = DBSCAN(eps=float(threshold), min_samples=1)
+    return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
 def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
@@ -80,6 +99,7 @@ def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> n
     return frozen(np.delete(cloud, np.unique(doubtful[:, 1]), axis=0))
 
 
+@remembered
 def voxel_centroids(cloud: np.ndarray, voxel_size: float) -> np.ndarray:
     """Right answer for `voxel_grid`, cell by cell in plain Python; shape (m, columns)."""
     cells = {}

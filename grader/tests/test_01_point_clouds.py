@@ -15,10 +15,15 @@ def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
 
+@samples.remembered
+def distances_by_hand(cloud):
+    return np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
+
+
 def assert_measured(student, cloud):
     """Compare with plain Python."""
-    expected = np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
-    assert_distances(student.horizontal_distance(cloud.copy()), cloud, expected)
+    answer = student.horizontal_distance(cloud.copy())
+    assert_distances(answer, cloud, distances_by_hand(cloud))
 
 
 def some_of(cloud, seed, n):
@@ -84,9 +89,14 @@ def is_good(row):
     return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
 
 
+@samples.remembered
+def kept_by_hand(cloud):
+    return np.array([is_good(row) for row in cloud.tolist()], dtype=bool)
+
+
 def assert_cleaned(student, cloud):
-    keep = np.array([is_good(row) for row in cloud.tolist()], dtype=bool)
-    assert_rows(student.drop_invalid(cloud.copy()), cloud, keep, view="above")
+    answer = student.drop_invalid(cloud.copy())
+    assert_rows(answer, cloud, kept_by_hand(cloud), view="above")
 
 
 def broken(cloud, seed, share=0.2):

@@ -13,6 +13,7 @@ def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
 
+@samples.remembered
 def kept_by_hand(cloud, level):
     """The right mask, in plain Python; clouds under test have no point at the level itself."""
     return np.array([z > level for z in cloud[:, 2].tolist()], dtype=bool)

@@ -18,10 +18,15 @@ def test_visible(student, check):
     check.run(getattr(student, check.exercise))
 
 
+@samples.remembered
+def distances_by_hand(cloud):
+    return np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
+
+
 def assert_distance_filtered(student, cloud, *distance):
     """Compare with plain Python; both answers, some rows and not all, must be asked for."""
     radius = (distance or (10.0,))[0]
-    true_distance = np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
+    true_distance = distances_by_hand(cloud)
     clear = np.abs(true_distance - radius) > MARGIN
     cloud, near = cloud[clear], true_distance[clear] < radius
     assert_near(student.filter_by_distance(cloud.copy(order="A"), *distance), cloud, radius, near)
@@ -120,19 +125,24 @@ def boxes_of(seed):
         yield (middle - half).tolist(), (middle + half).tolist()
 
 
-def clear_of(cloud, minimum, maximum):
-    """(rows that lie clear of the faces of a box, whether each is inside), in plain Python."""
-    rows, inside = [], []
-    for number, row in enumerate(cloud[:, :3].tolist()):
+@samples.remembered
+def gaps_by_hand(cloud, minimum, maximum):
+    """Smallest distance of each row from a face of a box, and smallest depth in it, (n, 2)."""
+    found = []
+    for row in cloud[:, :3].tolist():
         gaps = [
             side
             for value, low, high in zip(row, minimum, maximum, strict=True)
             for side in (value - low, high - value)
         ]
-        if all(abs(gap) > MARGIN for gap in gaps):
-            rows.append(number)
-            inside.append(all(gap > 0 for gap in gaps))
-    return cloud[rows], np.array(inside, dtype=bool)
+        found.append((min(map(abs, gaps)), min(gaps)))
+    return np.array(found).reshape(-1, 2)
+
+
+def clear_of(cloud, minimum, maximum):
+    """(rows that lie clear of the faces of a box, whether each is inside)."""
+    distance, depth = gaps_by_hand(cloud, tuple(minimum), tuple(maximum)).T
+    return cloud[distance > MARGIN], depth[distance > MARGIN] > 0
 
 
 def assert_box_filtered(student, exercise, cloud, minimum, maximum):

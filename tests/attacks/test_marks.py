@@ -225,10 +225,10 @@ def vars_of(value):
 
 def points_of(lesson, exercise, answer):
     """Part of an exercise's points that a function earns."""
-    outcomes = run_tests(lesson, with_answers(lesson, {exercise: answer}), SEED)
-    mine = [one for one in outcomes if one.mark["exercise"] == exercise]
-    earned = sum(one.mark["weight"] for one in mine if one.error is None)
-    return earned / sum(one.mark["weight"] for one in mine)
+    student = with_answers(lesson, {exercise: answer})
+    outcomes = run_tests(lesson, student, SEED, lambda mark: mark["exercise"] == exercise)
+    earned = sum(one.mark["weight"] for one in outcomes if one.error is None)
+    return earned / sum(one.mark["weight"] for one in outcomes)
 
 
 @pytest.mark.slow
@@ -514,7 +514,7 @@ def test_claims_something_huge_or_strange(claim, hand_in):
 def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
-    verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=60.0, call_seconds=5.0)
+    verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
     assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < 90
 
 
