@@ -7,7 +7,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from grader import console
 from grader.course.lessons import stages
@@ -151,7 +151,7 @@ def run_demo(options: argparse.Namespace) -> int:
 
 def grade_course(
     course: Course,
-    wanted: Iterable[str],
+    wanted: Sequence[str],
     seed: int,
     sandbox: Sandbox,
     workers: int,
@@ -183,7 +183,7 @@ def grade_course(
     status = GOOD
     with console.progress_bar("Entering into the gradebook") as advance:
         try:
-            enter(course, judged, seed, sandbox, advance)
+            enter(course, judged, wanted or stages(), advance)
         except GradebookTrouble as error:
             print(console.plain(error), file=sys.stderr)
             status = FAULT

@@ -123,7 +123,7 @@ def nbgrader(course, *words):
 
 def test_scores_reach_the_gradebook(course, sandbox):
     judged = judge_it(course, sandbox)
-    gradebook.enter(course, judged, SEED, sandbox, quiet)
+    gradebook.enter(course, judged, [LESSON.stage], quiet)
     expected = scores_by_verdict(judged)
     assert entered(course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
@@ -180,7 +180,8 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         },
         sandbox,
     )
-    gradebook.register(course, [lesson.stage])
+    with gradebook.open_gradebook(course) as book:
+        gradebook.register(course, book, [lesson.stage])
 
     def autograde():
         done = nbgrader(course, "autograde", lesson.stage, "--force")
@@ -234,11 +235,11 @@ def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
 
 
 def test_gradebook_follows_a_new_submission(course, sandbox):
-    gradebook.enter(course, judge_it(course, sandbox), SEED, sandbox, quiet)
+    gradebook.enter(course, judge_it(course, sandbox), [LESSON.stage], quiet)
     path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
     judged = judge_it(course, sandbox)
-    gradebook.enter(course, judged, SEED, sandbox, quiet)
+    gradebook.enter(course, judged, [LESSON.stage], quiet)
     assert entered(course) == scores_by_verdict(judged)
 
 
@@ -257,7 +258,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox
     ]
     path.write_text(json.dumps(notebook))
     judged = judge_it(course, sandbox)
-    gradebook.enter(course, judged, SEED, sandbox, quiet)
+    gradebook.enter(course, judged, [LESSON.stage], quiet)
     assert entered(course) == scores_by_verdict(judged)
 
 
@@ -353,7 +354,7 @@ def test_a_problem_is_text_and_not_markup(course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict
-    from grader.lms.nbgrader_plugin import write_into
+    from grader.lms.autograded import write_into
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
     whole = {submission.student: verdict for submission, verdict in judge_it(course, sandbox)}

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from traitlets.config import Config
+from traitlets.config.loader import PyFileConfigLoader
 
 if TYPE_CHECKING:
     from nbgrader.converters.base import BaseConverter
@@ -41,13 +42,12 @@ def configure(c: Config, root: Path) -> Config:
     c.CourseDirectory.ignore = IGNORED
     c.ClearSolutions.code_stub = {"python": STUB}
 
-    # A deleted test cell must not cost its points, nor a damaged file the whole submission.
-    c.OverwriteCells.add_missing_cells = True
-    c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.MendingExporter"
+    # A damaged file must not cost the whole submission.
+    c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     c.Autograde.autograde_preprocessors = [
         "grader.lms.nbgrader_plugin.Judge",  # where nbgrader would execute the notebook
         "nbgrader.preprocessors.LimitOutput",
-        "nbgrader.preprocessors.SaveAutoGrades",
+        "grader.lms.nbgrader_plugin.SaveGrades",
         "nbgrader.preprocessors.AssignLatePenalties",
         "nbgrader.preprocessors.CheckCellMetadata",
     ]
@@ -62,6 +62,25 @@ def make_alembic_reachable() -> None:
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
+
+
+def course_settings(root: Path) -> Config:
+    """The settings of a course: ours, and over them what its ``nbgrader_config.py`` says.
+
+    Parameters
+    ----------
+    root : pathlib.Path
+        The course.
+
+    Returns
+    -------
+    traitlets.config.Config
+    """
+    settings = configure(Config(), root)
+    path = root / "nbgrader_config.py"
+    if path.is_file():
+        settings.merge(PyFileConfigLoader(path.name, path=str(root)).load_config())
+    return settings
 
 
 def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dict) -> BaseConverter:

@@ -1,7 +1,10 @@
 """Where things lie: the project itself, and the course that is being graded."""
 
+import functools
 from dataclasses import dataclass
 from pathlib import Path
+
+from grader.course.nbgrader_settings import course_settings
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -15,7 +18,17 @@ class Course:
     @property
     def submitted(self) -> Path:
         """``submitted/<student>/<stage>/<NN_name>.ipynb``, as nbgrader collects them."""
-        return self.root / "submitted"
+        return self.root / _folder(self.root, "submitted")
+
+    @property
+    def autograded(self) -> Path:
+        """``autograded/<student>/<stage>/<NN_name>.ipynb``, as nbgrader keeps them."""
+        return self.root / _folder(self.root, "autograded")
+
+    @property
+    def released(self) -> Path:
+        """``notebooks/<stage>/<NN_name>.ipynb``: what students were given."""
+        return self.root / "notebooks"
 
     @property
     def verdicts(self) -> Path:
@@ -31,3 +44,10 @@ class Course:
     def seed_file(self) -> Path:
         """The secret that hidden tests draw their scenes from."""
         return self.root / ".course_seed"
+
+
+@functools.cache
+def _folder(root: Path, kind: str) -> str:
+    """What the course's ``nbgrader_config.py`` calls one of nbgrader's folders."""
+    settings = course_settings(root).CourseDirectory
+    return settings.get(f"{kind}_directory", kind)

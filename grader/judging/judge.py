@@ -9,6 +9,7 @@ from pathlib import Path
 
 from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.intake.handed_in import HandedIn, read_handed_in
+from grader.intake.preflight import prepare
 from grader.judging.asking import JudgeFault, JudgeTimeout, Outcome, run_tests
 from grader.judging.key import verdict_key
 from grader.judging.messages import message_of
@@ -91,13 +92,14 @@ def judge_handed_in(
                 f"{handed_in.name}: cannot tell which lesson this is. Give the file the name it "
                 "was released under, such as 06_filter_ground.ipynb."
             )
-        program = program_for(lesson, notebook.code, handed_in.modules)
+        prepared = prepare(handed_in, lesson)
+        program = program_for(lesson, prepared.code, handed_in.modules)
         with Student(program, sandbox, limits) as proxy:
             try:
                 outcomes = run_tests(lesson, proxy, seed)
             except JudgeFault as error:
                 faults = [str(error)]
-            problems, starved = [*notebook.mended, *proxy.problems], proxy.starved
+            problems, starved = [*prepared.notes, *proxy.problems], proxy.starved
     odd = [one for one in outcomes or () if not isinstance(one.error, _FINE)]
     if odd and complaints_about_reference(lesson, seed, sandbox):
         faults += ["".join(traceback.format_exception(one.error)) for one in odd]

@@ -1,120 +1,182 @@
-"""Enter verdicts into nbgrader's gradebook, by nbgrader's own converters.
+"""Enter verdicts into nbgrader's gradebook: all of a submission or nothing.
 
-One process writes: nbgrader's database is SQLite by default.
+What the gradebook should hold is compared with what it holds, before and after. Whatever differs
+is entered again, so a run that was broken off, a deleted gradebook, a new due date and changed
+points need no care of their own. One process writes.
 """
+
+from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Callable, Iterable, Sequence
+import os
+import shutil
+import stat
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
 
-from nbgrader.api import Gradebook, MissingEntry
-from nbgrader.converters import Autograde, GenerateAssignment
+import nbformat
+from nbgrader.api import Gradebook, MissingEntry, SubmittedAssignment, SubmittedNotebook
 from nbgrader.coursedir import CourseDirectory
-from traitlets.config import Config
+from nbgrader.preprocessors import AssignLatePenalties, SaveCells
+from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solution, parse_utc
+from sqlalchemy.orm import Session
 
 from grader.classroom.submissions import Submission
-from grader.course.nbgrader_settings import configure, converter
+from grader.course.lessons import Lesson, all_lessons
+from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
+from grader.intake.notebook import read_file
+from grader.intake.preflight import prepare, unreadable
 from grader.judging.verdict import JUDGED, Verdict
+from grader.lms.answers import fingerprints, read_known, regrade, write_known
+from grader.lms.autograded import build_copy, graded_cells, write_into
 from grader.lms.results import ClassResults, NotebookResult
-from grader.sandbox import Sandbox
+from utils.notebooks.reading import UnreadableNotebook
+
+CLOSE = 1e-6  # points are written with two digits
 
 
 class GradebookTrouble(Exception):
-    """nbgrader could not enter something; `str()` is the sentence to show."""
+    """The gradebook does not hold what it should; `str()` is the sentence to show."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What a student handed in for a stage, with its verdicts."""
+
+    student: str
+    stage: str
+    judged: tuple[tuple[Submission, Verdict], ...]
+
+    @property
+    def name(self) -> str:
+        """What sentences call it."""
+        return f"{self.student}, {self.stage}"
 
 
 def open_gradebook(course: Course) -> Gradebook:
     """Open nbgrader's gradebook of a course, made where there is none; a context manager."""
-    directory = CourseDirectory(config=configure(Config(), course.root))
+    directory = CourseDirectory(config=course_settings(course.root))
     return Gradebook(directory.db_url, directory.course_id)
-
-
-def register(course: Course, stages: Iterable[str]) -> None:
-    """Make sure that the gradebook knows the stages, with the points of their cells.
-
-    Parameters
-    ----------
-    course : grader.course.paths.Course
-    stages : iterable of str
-    """
-    for stage in stages:
-        with open_gradebook(course) as gradebook, contextlib.suppress(MissingEntry):
-            gradebook.find_assignment(stage)
-            continue
-        converter(GenerateAssignment, course.root, stage).start()
 
 
 def enter(
     course: Course,
     judged: Sequence[tuple[Submission, Verdict]],
-    seed: int,
-    sandbox: Sandbox,
+    stages: Iterable[str],
     progress: Callable[[int, int, object], None],
 ) -> None:
-    """Enter the scores of a class.
+    """Make the gradebook say what the verdicts say.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     judged : list of (Submission, Verdict)
-    seed : int
-    sandbox : grader.sandbox.Sandbox
+    stages : iterable of str
+        What was graded; there nobody else has a submission.
     progress : callable
-        Called with (done, total, submission) after each student's stage.
+        Called with (done, total, student) after each student's stage.
 
     Raises
     ------
     GradebookTrouble
         After everybody else has been entered.
     """
-    keys, failed = {}, []
-    for submission, verdict in judged:
-        group = keys.setdefault((submission.student, submission.lesson.stage), {})
-        group[submission.lesson.name] = verdict.key
-    for submission, verdict in judged:
-        if verdict.status != JUDGED:  # no mark is better than a wrong one
-            keys.pop((submission.student, submission.lesson.stage), None)
-            failed.append(
-                f"{submission.student}, {submission.lesson.stage}: not entered, because the judge "
-                f"failed on {submission.lesson.name}; see {submission.verdict_path(course)}"
-            )
-    register(course, dict.fromkeys(stage for _, stage in keys))
-    for done, ((student, stage), wanted) in enumerate(keys.items(), start=1):
-        if not is_entered(course, student, stage, wanted):
-            autograde = converter(
-                Autograde, course.root, stage, Judge={"seed": seed, "sandbox": sandbox.name}
-            )
-            autograde.coursedir.student_id = student
+    entries, trouble = _entries(course, judged)
+    with open_gradebook(course) as book:
+        late = _late_penalties(course)
+        trouble += register(course, book, dict.fromkeys(stages))
+        known = {(entry.student, entry.stage) for entry in entries}
+        known |= {(submission.student, submission.lesson.stage) for submission, _ in judged}
+        trouble += _withdraw(course, book, stages, known)
+        for done, entry in enumerate(entries, start=1):
             try:
-                autograde.start()
-            except Exception as error:  # nbgrader raises many things; one student must not
-                failed.append(f"{student}, {stage}: {error}")  # stop the others
-        progress(done, len(keys), student)
-    if failed:
+                _read_time(course, entry)
+            except _NoTime as error:
+                trouble.append(str(error))
+            if differences(course, book, entry, late):
+                try:
+                    _enter_one(course, book, entry, late)
+                except Exception as error:  # one student must not stop the others
+                    trouble.append(f"{entry.name}: {type(error).__name__}: {error}")
+                trouble += differences(course, book, entry, late)
+            progress(done, len(entries), entry.student)
+    if trouble:
         raise GradebookTrouble(
-            "Some submissions were not entered into the gradebook. Where nbgrader could not, "
-            "`nbgrader autograde` on them says why:\n" + "\n".join(failed)
+            "The gradebook does not hold everything:\n" + "\n".join(dict.fromkeys(trouble))
         )
 
 
-def is_entered(course: Course, student: str, stage: str, wanted: dict[str, str]) -> bool:
-    """True if the autograded notebooks carry exactly these verdicts.
+def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+    """Let the gradebook know the stages, with the cells and points of the release.
 
-    Parameters
-    ----------
-    wanted : dict of str to str
-        Key of the verdict by name of the lesson.
+    The release is only read. What the gradebook knows already is compared, so that changed points
+    arrive.
+
+    Returns
+    -------
+    list of str
+        What could not be changed, one sentence each.
     """
-    for lesson_name, key in wanted.items():
-        path = course.root / "autograded" / student / stage / f"{lesson_name}.ipynb"
-        try:
-            entered = json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]
-        except (OSError, ValueError, KeyError):
-            return False
-        if entered != key:
-            return False
-    return True
+    trouble = []
+    for stage in stages:
+        with contextlib.suppress(MissingEntry):
+            if all(_is_registered(book, lesson) for lesson in _lessons(course, stage)):
+                continue
+        book.update_or_create_assignment(stage)
+        book.db.commit()  # what follows writes through a connection of its own
+        for lesson in _lessons(course, stage):
+            about = {"notebook": lesson.name, "assignment": stage, "db_url": _url(course)}
+            try:
+                SaveCells().preprocess(_released(lesson), {"nbgrader": about})
+            except RuntimeError as error:
+                trouble.append(
+                    f"{lesson.name}: its graded cells are others than when submissions were "
+                    f"entered, and nbgrader refuses to change them: {error}"
+                )
+        book.db.expire_all()
+    return trouble
+
+
+def differences(
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties
+) -> list[str]:
+    """What the gradebook and the autograded copies say otherwise than the verdicts do.
+
+    Returns
+    -------
+    list of str
+        One sentence each; empty when all is as it should be.
+    """
+    try:
+        submission = book.find_submission(entry.stage, entry.student)
+    except MissingEntry:
+        return [f"{entry.name}: it is not in the gradebook"]
+    found = []
+    if submission.timestamp != _timestamp(course, entry):
+        found.append(f"{entry.name}: the gradebook has another time of submission")
+    verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
+    for notebook in submission.notebooks:
+        where = f"{entry.name}, {notebook.name}"
+        verdict = verdicts.get(notebook.name)
+        wanted = _scores(verdict)
+        for grade in notebook.grades:
+            score, most = wanted.get(grade.name, (None if verdict else 0.0, None))
+            if (verdict is None or grade.name in wanted) and not _same(grade.auto_score, score):
+                found.append(
+                    f"{where}: {grade.name} has {grade.auto_score} points, judged were {score}"
+                )
+            if most is not None and not _same(grade.max_score, most):
+                found.append(f"{where}: {grade.name} is worth {grade.max_score} points, not {most}")
+        if not _same(notebook.late_submission_penalty, _penalty(submission, notebook, late)):
+            found.append(f"{where}: the penalty for lateness is another")
+        if verdict and _key_of_copy(course, entry, notebook.name) != verdict.key:
+            found.append(f"{where}: the autograded copy is of another verdict")
+    missing = set(verdicts) - {notebook.name for notebook in submission.notebooks}
+    return found + [f"{entry.name}, {name}: it is not in the gradebook" for name in sorted(missing)]
 
 
 def class_results(course: Course) -> ClassResults:
@@ -144,3 +206,272 @@ def class_results(course: Course) -> ClassResults:
         }
     notebooks.sort(key=lambda result: (result.student, result.lesson))
     return ClassResults(tuple(notebooks), penalties)
+
+
+def _entries(
+    course: Course, judged: Sequence[tuple[Submission, Verdict]]
+) -> tuple[list[Entry], list[str]]:
+    """(what can be entered, a sentence on each that cannot)."""
+    groups: dict[tuple[str, str], list] = {}
+    for submission, verdict in judged:
+        groups.setdefault((submission.student, submission.lesson.stage), []).append(
+            (submission, verdict)
+        )
+    entries, trouble = [], []
+    for (student, stage), pairs in groups.items():
+        failed = [pair for pair in pairs if pair[1].status != JUDGED]
+        trouble += [
+            f"{student}, {stage}: not entered, because the judge failed on "
+            f"{submission.lesson.name}; see {submission.verdict_path(course)}"
+            for submission, _ in failed
+        ]
+        if not failed:  # no mark is better than a wrong one
+            entries.append(Entry(student, stage, tuple(pairs)))
+    return entries, trouble
+
+
+def _enter_one(course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties) -> None:
+    """Write one submission: files beside their place, the gradebook, then the files' place."""
+    copies = {
+        submission.lesson.name: _copy_of(course, submission, verdict)
+        for submission, verdict in entry.judged
+    }
+    folder = course.autograded / entry.student / entry.stage
+    draft = folder.with_name(f".{folder.name}.part")
+    _write_files(course, entry, copies, draft)
+    known = read_known(course, entry.student, entry.stage)
+    answers = {name: fingerprints(copy) for name, copy in copies.items()}
+    with _one_transaction(book):
+        book.update_or_create_student(entry.student)
+        submission = book.update_or_create_submission(
+            entry.stage, entry.student, timestamp=_timestamp(course, entry)
+        )
+        for notebook in submission.notebooks:
+            copy = copies.get(notebook.name)
+            if copy is None:
+                _nothing_handed_in(notebook)
+            else:
+                same = known.get(notebook.name, {})
+                _save(notebook, copy, same, answers[notebook.name])
+        book.db.flush()
+        book.db.expire_all()  # sums are made by the database
+        for notebook in submission.notebooks:
+            notebook.late_submission_penalty = _penalty(submission, notebook, late)
+    _replace(draft, folder)
+    write_known(course, entry.student, entry.stage, answers)
+
+
+def _copy_of(course: Course, submission: Submission, verdict: Verdict) -> nbformat.NotebookNode:
+    handed_in = submission.read(course)
+    try:
+        prepared = prepare(handed_in, submission.lesson)
+    except UnreadableNotebook as error:
+        prepared = unreadable(error, submission.lesson)
+    copy = build_copy(prepared)
+    write_into(copy, verdict)
+    return copy
+
+
+def _save(
+    notebook: SubmittedNotebook,
+    copy: nbformat.NotebookNode,
+    before: dict[str, str],
+    now: dict[str, str],
+) -> None:
+    """Take scores from the cells of a copy, as nbgrader's SaveAutoGrades does."""
+    cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
+    for grade in notebook.grades:
+        score, _ = determine_grade(cells[grade.name])
+        regrade(grade, score, before.get(grade.name) == now.get(grade.name))
+    for comment in notebook.comments:
+        cell = cells[comment.name]
+        untouched = cell.metadata.nbgrader.get("checksum") == compute_checksum(cell)
+        comment.auto_comment = "No response." if untouched else None
+
+
+def _nothing_handed_in(notebook: SubmittedNotebook) -> None:
+    for grade in notebook.grades:
+        grade.auto_score, grade.needs_manual_grade = 0.0, False
+
+
+def _scores(verdict: Verdict | None) -> dict[str, tuple[float, float]]:
+    """(score, most) by nbgrader's name of the cell with the points."""
+    return {
+        f"test_{exercise.name}": (exercise.score, exercise.max_score)
+        for exercise in (verdict.exercises if verdict else ())
+    }
+
+
+def _same(one: float | None, other: float | None) -> bool:
+    return abs((one or 0.0) - (other or 0.0)) < CLOSE
+
+
+def _withdraw(
+    course: Course, book: Gradebook, stages: Iterable[str], known: set[tuple[str, str]]
+) -> list[str]:
+    """Take out what is no longer handed in; what a person has graded is named and stays."""
+    trouble = []
+    for stage in stages:
+        with contextlib.suppress(MissingEntry):
+            for submission in list(book.find_assignment(stage).submissions):
+                student = submission.student.id
+                if (student, stage) in known:
+                    continue
+                if any(
+                    grade.manual_score is not None
+                    for notebook in submission.notebooks
+                    for grade in notebook.grades
+                ):
+                    trouble.append(
+                        f"{student}, {stage}: nothing is handed in any more, but the gradebook "
+                        "holds marks that a person gave. Put the submission back, or take it out "
+                        f"with: nbgrader db assignment list, and Gradebook.remove_submission"
+                        f"({stage!r}, {student!r})"
+                    )
+                    continue
+                book.remove_submission(stage, student)
+                shutil.rmtree(course.autograded / student / stage, ignore_errors=True)
+    return trouble
+
+
+def _lessons(course: Course, stage: str) -> list[Lesson]:
+    """The lessons of a stage that the course has released."""
+    lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
+    released = course.released / stage
+    return [
+        lesson
+        for lesson in lessons
+        if not released.is_dir() or (released / f"{lesson.name}.ipynb").is_file()
+    ]
+
+
+def _released(lesson: Lesson) -> nbformat.NotebookNode:
+    return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
+
+
+def _is_registered(book: Gradebook, lesson: Lesson) -> bool:
+    """Whether the gradebook knows a lesson's cells as they are released."""
+    notebook = book.find_notebook(lesson.name, lesson.stage)
+    cells = graded_cells(_released(lesson))
+    wanted = {
+        (cell.metadata.nbgrader.grade_id, cell.metadata.nbgrader.get("checksum")) for cell in cells
+    }
+    points = {
+        (cell.metadata.nbgrader.grade_id, float(cell.metadata.nbgrader.points))
+        for cell in cells
+        if is_grade(cell)
+    }
+    solutions = {cell.metadata.nbgrader.grade_id for cell in cells if is_solution(cell)}
+    return (
+        wanted == {(cell.name, cell.checksum) for cell in notebook.source_cells}
+        and points == {(cell.name, cell.max_score) for cell in notebook.grade_cells}
+        and solutions == {cell.name for cell in notebook.solution_cells}
+    )
+
+
+def _late_penalties(course: Course) -> AssignLatePenalties:
+    """Nbgrader's penalties for lateness, with the plugin that the course chose."""
+    penalties = AssignLatePenalties(config=course_settings(course.root))
+    penalties.init_plugin()
+    return penalties
+
+
+def _penalty(
+    submission: SubmittedAssignment, notebook: SubmittedNotebook, late: AssignLatePenalties
+) -> float | None:
+    if submission.total_seconds_late <= 0:
+        return None
+    penalty = late.plugin_inst.late_submission_penalty(
+        submission.student.id, notebook.score, submission.total_seconds_late
+    )
+    return None if penalty is None else late._check_late_penalty(notebook, penalty)
+
+
+def _timestamp(course: Course, entry: Entry) -> datetime | None:
+    """When it was handed in, as nbgrader's ``timestamp.txt`` says; None where it does not."""
+    with contextlib.suppress(_NoTime):
+        return _read_time(course, entry)
+    return None
+
+
+class _NoTime(Exception):
+    """A ``timestamp.txt`` does not say a time."""
+
+
+def _read_time(course: Course, entry: Entry) -> datetime | None:
+    path = course.submitted / entry.student / entry.stage / "timestamp.txt"
+    if not path.is_file():
+        return None
+    try:
+        text = read_file(path).decode().strip()
+        return parse_utc(text) if text else None
+    except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
+        raise _NoTime(
+            f"{entry.name}: timestamp.txt does not say a time that can be read, such as "
+            "2026-11-22 18:30:00 UTC; the work counts as handed in on time"
+        ) from error
+
+
+def _key_of_copy(course: Course, entry: Entry, lesson_name: str) -> str | None:
+    path = course.autograded / entry.student / entry.stage / f"{lesson_name}.ipynb"
+    try:
+        return json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _write_files(course: Course, entry: Entry, copies: dict, draft: Path) -> None:
+    """Write the copies, and whatever else was handed in, into a folder of their own."""
+    shutil.rmtree(draft, ignore_errors=True)
+    draft.mkdir(parents=True)
+    place = course.submitted / entry.student / entry.stage
+    for path in _other_files(place):
+        with contextlib.suppress(UnreadableNotebook):
+            content = read_file(path)
+            copy = draft / path.relative_to(place)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(content)
+    for name, notebook in copies.items():
+        (draft / f"{name}.ipynb").write_text(nbformat.writes(notebook) + "\n", "utf-8")
+    for path in draft.rglob("*"):
+        if path.is_file():
+            path.chmod(0o444)  # as nbgrader leaves them
+
+
+def _other_files(place: Path) -> Iterator[Path]:
+    for folder, folders, files in os.walk(place):
+        folders[:] = [name for name in folders if not name.startswith((".", "__"))]
+        for name in files:
+            path = Path(folder) / name
+            ordinary = stat.S_ISREG(path.lstat().st_mode)
+            if ordinary and path.suffix != ".ipynb" and not name.startswith("."):
+                yield path
+
+
+def _replace(draft: Path, folder: Path) -> None:
+    """Put a complete folder in the place of the one before."""
+    old = folder.with_name(f".{folder.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    with contextlib.suppress(FileNotFoundError):
+        folder.rename(old)
+    draft.rename(folder)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _one_transaction(book: Gradebook) -> Iterator[None]:
+    """Keep what nbgrader would commit step by step until all of it is there."""
+    session: Session = book.db()
+    commit, session.commit = session.commit, session.flush
+    try:
+        yield
+        commit()
+    except BaseException:
+        session.rollback()
+        raise
+    finally:
+        del session.commit
+
+
+def _url(course: Course) -> str:
+    return CourseDirectory(config=course_settings(course.root)).db_url

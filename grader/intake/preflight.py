@@ -1,0 +1,346 @@
+"""Make of what was handed in what is judged and shown, and say what was mended.
+
+Each step below looks for one way in which a notebook comes back other than it went out. It
+returns a sentence for each thing it changed or noticed: what happened, what was done, and what the
+student can do. Judge and gradebook use the same result, so nobody is shown other code than was
+judged.
+
+Nothing here parses code: that is a stranger's, and is parsed behind the wall.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+from grader.course.lessons import Lesson
+from grader.intake.handed_in import HandedIn
+from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a student wrote where a person grades.
+
+    Attributes
+    ----------
+    text : str
+        Empty where nothing was written.
+    certain : bool
+        False where text was found that may belong here: then a person has to look.
+    attachments : dict
+        Pictures in it, as the file has them.
+    """
+
+    text: str
+    certain: bool = True
+    attachments: dict = field(default_factory=dict, hash=False)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A notebook, ready to be judged and shown.
+
+    Attributes
+    ----------
+    lesson : grader.course.lessons.Lesson
+    cells : tuple of Cell
+        Without the cells that were moved into a written answer.
+    graded : dict of str to int
+        Place in `cells` of what stands for each graded cell that the student may write in, by
+        its ``grade_id``; what is missing was not found.
+    answers : dict of str to Answer
+        Written answers by ``grade_id``.
+    notes : tuple of str
+        What was mended or noticed, one sentence each.
+    """
+
+    lesson: Lesson
+    cells: tuple[Cell, ...]
+    graded: dict[str, int]
+    answers: dict[str, Answer]
+    notes: tuple[str, ...]
+
+    @property
+    def code(self) -> tuple[str, ...]:
+        """Source of each code cell."""
+        return tuple(cell.source for cell in self.cells if cell.kind == "code")
+
+
+@dataclass
+class _Draft:
+    """What the steps work on."""
+
+    lesson: Lesson
+    handed_in: HandedIn
+    notebook: Notebook
+    cells: list[Cell]
+    graded: dict[str, int] = field(default_factory=dict)
+    answers: dict[str, Answer] = field(default_factory=dict)
+
+
+def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
+    """Read a notebook of a lesson, whatever became of it.
+
+    Parameters
+    ----------
+    handed_in : grader.intake.handed_in.HandedIn
+    lesson : grader.course.lessons.Lesson
+
+    Returns
+    -------
+    Prepared
+
+    Raises
+    ------
+    utils.notebooks.reading.UnreadableNotebook
+    """
+    notebook = handed_in.notebook()
+    draft = _Draft(lesson, handed_in, notebook, list(notebook.cells))
+    notes = [sentence for step in STEPS for sentence in step(draft)]
+    return Prepared(lesson, tuple(draft.cells), draft.graded, draft.answers, tuple(notes))
+
+
+def unreadable(error: UnreadableNotebook, lesson: Lesson) -> Prepared:
+    """What is shown for a file in which nothing could be read."""
+    answers = {name: Answer("") for name in _by_hand(lesson)}
+    return Prepared(lesson, (), {}, answers, (str(error),))
+
+
+def _reading(draft: _Draft) -> Iterator[str]:
+    """The file: its encoding, what stands behind it, where it breaks off, what is no cell."""
+    yield from draft.notebook.mended
+
+
+def _retyped(draft: _Draft) -> Iterator[str]:
+    """Solutions in cells that became Markdown or raw by a slip of the keyboard."""
+    for place, cell in enumerate(draft.cells):
+        names = _functions(draft.lesson)
+        if cell.kind == "code" or "```" in cell.source:
+            continue
+        marked = cell.grade_id in names
+        holds = [name for name in names if _defines(cell, name)]
+        if holds and (marked or not _cells_that_define(draft, holds[0])):
+            draft.cells[place] = dataclasses.replace(cell, kind="code")
+            kind = {"markdown": "a text cell", "raw": "a raw cell"}[cell.kind]
+            yield (
+                f"{holds[0]} stood in {kind}, where Jupyter does not run it. It was judged as "
+                "code. In Jupyter, select the cell and press Y to make it code again."
+            )
+
+
+def _stubs_behind(draft: _Draft) -> Iterator[str]:
+    """The cell as it was given out, pasted again behind the answer: it would undo it."""
+    given = _given(draft.lesson)
+    for name in _functions(draft.lesson):
+        stub = given[name].source.split() if name in given else None
+        places = _cells_that_define(draft, name)
+        answers = [place for place in places if draft.cells[place].source.split() != stub]
+        if answers and places[-1] > answers[-1]:
+            for place in (place for place in places if place > answers[-1]):
+                draft.cells[place] = Cell("code", "# Left out: the cell as it was given out.")
+            yield (
+                f"Below your {name} stands the cell as it was given out, which puts nothing in "
+                f"its place. Your {name} was judged, and that cell left out. Delete it."
+            )
+
+
+def _several(draft: _Draft) -> Iterator[str]:
+    """More than one version of an exercise."""
+    for name in _functions(draft.lesson):
+        places = _cells_that_define(draft, name)
+        stub = _given(draft.lesson).get(name)
+        texts = {draft.cells[place].source for place in places}
+        if stub is not None:
+            texts.discard(stub.source)
+        if len(texts) > 1:
+            cells = [_number(draft, place) for place in places]
+            yield (
+                f"{name} is written {len(places)} times, in code cells "
+                f"{', '.join(map(str, cells[:-1]))} and {cells[-1]}. The last one counts, as it "
+                "does when the notebook runs from top to bottom. Keep one."
+            )
+
+
+def _graded_cells(draft: _Draft) -> Iterable[str]:
+    """Which cell stands for each graded one: copied, moved, split, or without its metadata."""
+    for name in _functions(draft.lesson):
+        marked = [
+            place
+            for place, cell in enumerate(draft.cells)
+            if cell.kind == "code" and cell.grade_id == name
+        ]
+        written = _cells_that_define(draft, name)
+        both = [place for place in written if place in marked]
+        found = both or written or marked
+        if found:
+            draft.graded[name] = found[-1]
+    return ()
+
+
+def _another_lesson(draft: _Draft) -> Iterator[str]:
+    """The notebook of another lesson under this one's name, or one without any code."""
+    lesson = draft.lesson
+    if any(_cells_that_define(draft, name) for name in _functions(lesson)):
+        return
+    claimed = draft.notebook.lesson_name
+    if claimed and claimed != lesson.name:
+        yield (
+            f"{draft.handed_in.name} holds the notebook of {claimed[:60]}, and nothing of "
+            f"{lesson.name}. Hand in {lesson.name}.ipynb."
+        )
+    elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
+        yield (
+            f"There is no code in {draft.handed_in.name}. Open the notebook you worked in, save "
+            "it, and hand that file in."
+        )
+
+
+def _modules(draft: _Draft) -> Iterator[str]:
+    """Modules handed in beside the notebook, of which it imports some."""
+    text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
+    used = [
+        name
+        for name in draft.handed_in.modules
+        if re.search(rf"^\s*(?:import|from)\s+{name}\b", text, re.MULTILINE)
+    ]
+    if used:
+        files = ", ".join(f"{name}.py" for name in used)
+        yield f"{files}, handed in beside the notebook, {'was' if len(used) == 1 else 'were'} used."
+
+
+def _written_answers(draft: _Draft) -> Iterator[str]:
+    """What was written for a person to read: in its cell, or in a new one below it."""
+    released = [cell.source.split() for cell in _given_cells(draft.lesson)]
+    moved = set()
+    for name in _by_hand(draft.lesson):
+        stub = _given(draft.lesson)[name]
+        own = [place for place, cell in enumerate(draft.cells) if cell.grade_id == name]
+        filled = [
+            place
+            for place in own
+            if draft.cells[place].source.split() not in ([], stub.source.split())
+        ]
+        if filled:
+            draft.graded[name] = filled[0]
+            texts = [draft.cells[place] for place in filled]
+            moved.update(filled[1:])
+        else:
+            begin = own[0] if own else _place_before(draft, name)
+            below = [] if begin is None else list(_new_text(draft, begin, released))
+            texts = [draft.cells[place] for place in below]
+            if own:
+                draft.graded[name] = own[0]
+                moved.update(below)
+            elif below:
+                draft.graded[name] = below[0]
+                moved.update(below[1:])
+            if texts:
+                yield (
+                    f"The answer for {name} was not in its own cell but in "
+                    f"{'one' if len(texts) == 1 else f'{len(texts)} cells'} of its own below. It "
+                    "was carried over."
+                )
+        text = "\n\n".join(cell.source for cell in texts)
+        pictures = {key: value for cell in texts for key, value in cell.attachments.items()}
+        certain = bool(text) or bool(own) or not _stray_text(draft, released)
+        if not certain:
+            yield (
+                f"The cell for {name} is missing, and there is text elsewhere that may be the "
+                "answer. Somebody will look for it."
+            )
+        draft.answers[name] = Answer(text, certain, pictures)
+    _drop(draft, moved)
+
+
+# What a notebook goes through. The order matters: what is code is known before answers are
+# looked for.
+STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
+    _reading,
+    _retyped,
+    _stubs_behind,
+    _several,
+    _another_lesson,
+    _modules,
+    _graded_cells,
+    _written_answers,
+)
+
+
+def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
+    """Places of the text cells of the student's own from a place to the next released cell."""
+    for place in range(begin + 1, len(draft.cells)):
+        cell = draft.cells[place]
+        if cell.grade_id or (cell.source.split() in released and cell.source.strip()):
+            return
+        if cell.kind != "code" and cell.source.strip():
+            yield place
+
+
+def _place_before(draft: _Draft, name: str) -> int | None:
+    """Where the released cell before a graded one stands in the student's notebook."""
+    given = _given_cells(draft.lesson)
+    at = next(place for place, cell in enumerate(given) if cell.grade_id == name)
+    prompt = given[at - 1].source.split() if at else None
+    places = [place for place, cell in enumerate(draft.cells) if cell.source.split() == prompt]
+    return places[-1] if places else None
+
+
+def _stray_text(draft: _Draft, released: list[list[str]]) -> bool:
+    return any(
+        cell.kind != "code" and cell.source.split() not in [[], *released] for cell in draft.cells
+    )
+
+
+def _drop(draft: _Draft, places: set[int]) -> None:
+    """Take cells out, and keep count of where the others stand."""
+    kept = [place for place in range(len(draft.cells)) if place not in places]
+    draft.cells = [draft.cells[place] for place in kept]
+    new = {old: place for place, old in enumerate(kept)}
+    draft.graded = {name: new[place] for name, place in draft.graded.items()}
+
+
+def _defines(cell: Cell, name: str) -> bool:
+    return bool(re.search(rf"^(?:def\s+{name}\s*\(|{name}\s*=)", cell.source, re.MULTILINE))
+
+
+def _cells_that_define(draft: _Draft, name: str) -> list[int]:
+    return [
+        place
+        for place, cell in enumerate(draft.cells)
+        if cell.kind == "code" and _defines(cell, name)
+    ]
+
+
+def _number(draft: _Draft, place: int) -> int:
+    """Number of a cell among the code cells, from 1."""
+    return sum(cell.kind == "code" for cell in draft.cells[: place + 1])
+
+
+def _functions(lesson: Lesson) -> list[str]:
+    return [exercise.name for exercise in lesson.machine_graded]
+
+
+def _by_hand(lesson: Lesson) -> list[str]:
+    return [exercise.cell for exercise in lesson.exercises if exercise.by_hand]
+
+
+@functools.cache
+def _given_cells(lesson: Lesson) -> tuple[Cell, ...]:
+    """The cells of a lesson as it was released."""
+    return tuple(
+        Cell(
+            cell["cell_type"],
+            "".join(cell["source"]),
+            cell["metadata"].get("nbgrader", {}).get("grade_id", ""),
+        )
+        for cell in json.loads(lesson.released.read_text("utf-8"))["cells"]
+    )
+
+
+def _given(lesson: Lesson) -> dict[str, Cell]:
+    return {cell.grade_id: cell for cell in _given_cells(lesson) if cell.grade_id}

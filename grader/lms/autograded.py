@@ -1,0 +1,165 @@
+"""The autograded copy of a submission: what nbgrader keeps, and people open in Formgrader.
+
+It is built, not mended: the graded cells as they were released, the student's work in them, and
+around them the student's own cells, of which only kind and text are taken.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+from html import escape
+
+import nbformat
+from nbformat import NotebookNode
+from nbgrader.utils import is_grade, is_solution
+
+from grader.course.lessons import Lesson
+from grader.intake.preflight import Answer, Prepared
+from grader.judging.verdict import ExerciseResult, Verdict
+from grader.lms.harmless import as_code, harmless, harmless_pictures
+from utils.notebooks.reading import Cell
+
+LOOK_FOR_IT = (
+    "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
+    "please look for it.*"
+)
+
+
+def build_copy(prepared: Prepared) -> NotebookNode:
+    """Build the autograded copy, without scores.
+
+    Parameters
+    ----------
+    prepared : grader.intake.preflight.Prepared
+
+    Returns
+    -------
+    nbformat.NotebookNode
+        Valid, whatever was handed in, and with each graded cell of the release once.
+    """
+    released = _released(prepared.lesson)
+    copy = nbformat.from_dict({**released, "cells": []})
+    given = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(released)}
+    names = {place: name for name, place in prepared.graded.items()}
+    ours = {cell.source for cell in released.cells}
+    where = {}
+    for place, cell in enumerate(prepared.cells):
+        name = names.get(place)
+        shown = name is None and cell.source.strip() != ""
+        if name is None and cell.grade_id in given and not is_solution(given[cell.grade_id]):
+            # Ours, and shown as released; what a student changed in it was judged, and stays.
+            shown = cell.source.split() != given[cell.grade_id].source.split()
+            name = cell.grade_id if cell.grade_id not in where else None
+        if name is not None:
+            where[name] = len(copy.cells)
+            copy.cells.append(_filled(given[name], cell, prepared.answers.get(name)))
+        if shown:
+            copy.cells.append(_shown(cell, trusted=cell.source in ours))
+    _add_missing(copy, given, where, prepared.answers)
+    for number, cell in enumerate(copy.cells):
+        cell.id = cell.id if "nbgrader" in cell.metadata else f"handed-in-{number}"
+    return copy
+
+
+def graded_cells(notebook: NotebookNode) -> list[NotebookNode]:
+    """The cells that nbgrader knows."""
+    return [cell for cell in notebook.cells if "nbgrader" in cell.metadata]
+
+
+def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
+    """Write a verdict under the graded cells of a copy, in place of all outputs."""
+    results = {exercise.name: exercise for exercise in verdict.exercises}
+    for cell in notebook.cells:
+        if cell.cell_type != "code":
+            continue
+        cell.outputs, cell.execution_count = [], None
+        if is_grade(cell) and not is_solution(cell):
+            cell.execution_count = 1
+            cell.outputs = [
+                score_output(results[cell.metadata.nbgrader["grade_id"].removeprefix("test_")])
+            ]
+    if verdict.problems:
+        # A block of HTML, in which nobody's Markdown is at work.
+        listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
+        about = nbformat.v4.new_markdown_cell(
+            f"<div><b>About this notebook</b><ul>{listed}</ul></div>", id="about"
+        )
+        notebook.cells.insert(0, about)
+    notebook.metadata["verdict_key"] = verdict.key
+
+
+def score_output(exercise: ExerciseResult) -> NotebookNode:
+    """An output from which nbgrader reads the score and people read the reasons.
+
+    Parameters
+    ----------
+    exercise : grader.judging.verdict.ExerciseResult
+
+    Returns
+    -------
+    nbformat.NotebookNode
+    """
+    rows = "".join(
+        f"<tr><td style='text-align:left;vertical-align:top;white-space:nowrap;"
+        f"padding-right:1em'>{'✓ passed' if test.passed else '✗ failed'} </td>"
+        f"<td style='text-align:left'><b>{escape(test.title)}</b>"
+        f"{''.join(f'<br>{escape(line)}' for line in test.message.splitlines())} </td>"
+        f"<td style='vertical-align:top;white-space:nowrap;padding-left:1em'>"
+        f"{test.score:g} / {test.max_score:g}</td></tr>"
+        for test in exercise.tests
+    )
+    return nbformat.v4.new_output(
+        "execute_result",
+        execution_count=1,
+        data={
+            "text/plain": json.dumps(exercise.score),
+            "text/html": f"<p><b>{escape(exercise.name)}: {exercise.score:g} of "
+            f"{exercise.max_score:g} points</b></p><table>{rows}</table>",
+        },
+    )
+
+
+@functools.cache
+def _released(lesson: Lesson) -> NotebookNode:
+    return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
+
+
+def _shown(cell: Cell, trusted: bool) -> NotebookNode:
+    """A cell around the graded ones."""
+    if cell.kind == "code":
+        return nbformat.v4.new_code_cell(cell.source)
+    if cell.kind == "raw":  # some programs take raw text for HTML
+        return nbformat.v4.new_markdown_cell(as_code(cell.source))
+    made = nbformat.v4.new_markdown_cell(cell.source if trusted else harmless(cell.source))
+    pictures = harmless_pictures(cell.attachments)
+    if pictures:
+        made.attachments = pictures
+    return made
+
+
+def _filled(given: NotebookNode, cell: Cell | None, answer: Answer | None) -> NotebookNode:
+    """A released cell with the student's work in it; as it was released where it is locked."""
+    made = nbformat.from_dict(given)
+    if answer is not None:
+        if answer.text:
+            made.source = harmless(answer.text)
+        elif not answer.certain:
+            made.source = f"{given.source}\n\n{LOOK_FOR_IT}"
+        pictures = harmless_pictures(answer.attachments)
+        if pictures:
+            made.attachments = pictures
+    elif is_solution(made) and cell is not None:
+        made.source = cell.source
+    return made
+
+
+def _add_missing(copy: NotebookNode, given: dict, where: dict, answers: dict) -> None:
+    """Put the graded cells that are not there behind the one that they were released behind."""
+    before = -1
+    for name, cell in given.items():
+        if name not in where:
+            copy.cells.insert(before + 1, _filled(cell, None, answers.get(name)))
+            where.update({other: at + 1 for other, at in where.items() if at > before})
+            where[name] = before + 1
+        before = where[name]
