@@ -78,7 +78,7 @@ def run_grade(options: argparse.Namespace) -> int:
 def run_report(options: argparse.Namespace) -> int:
     """Run ``report``."""
     from grader.classroom.report import write_report
-    from grader.classroom.submissions import find_submissions
+    from grader.classroom.submissions import find_submissions, unaccounted_files
     from grader.judging.verdict import read_verdict
 
     course = Course()
@@ -90,7 +90,8 @@ def run_report(options: argparse.Namespace) -> int:
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return WRONG_CALL
-    print(f"Report: {write_report(course, judged)}")
+    left = unaccounted_files(course)
+    print(f"Report: {write_report(course, judged, left=left)}")
     return GOOD
 
 
@@ -158,17 +159,42 @@ def grade_course(
     warning: str = "",
 ) -> int:
     """Judge, enter, report: what `grade` and `demo` do."""
+    from grader.classroom.lock import AlreadyRunning, only_one
+
+    try:
+        with only_one(course):
+            return _grade_alone(course, wanted, seed, sandbox, workers, warning)
+    except AlreadyRunning as error:
+        print(error, file=sys.stderr)
+        return FAULT
+
+
+def _grade_alone(
+    course: Course,
+    wanted: Sequence[str],
+    seed: int,
+    sandbox: Sandbox,
+    workers: int,
+    warning: str,
+) -> int:
     from grader.classroom.executors import EXECUTORS
     from grader.classroom.grade import RehearsalFailed, judge_class
     from grader.classroom.report import write_report
-    from grader.lms.gradebook import GradebookTrouble, enter
+    from grader.classroom.submissions import unaccounted_files
+    from grader.lms.gradebook import GradebookTrouble, address, enter
 
     warning = warning or sandbox.warning
     begin = time.perf_counter()
     open_executor = EXECUTORS["processes"]
+    counts = []
     try:
         with console.progress_bar("Judging") as advance:
-            judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, advance)
+
+            def count(done: int, total: int, what: object) -> None:
+                counts.append(done)
+                advance(done, total, what)
+
+            judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count)
     except RehearsalFailed as error:
         print(console.plain(error), file=sys.stderr)
         return FAULT
@@ -187,11 +213,14 @@ def grade_course(
         except GradebookTrouble as error:
             print(console.plain(error), file=sys.stderr)
             status = FAULT
-    path = write_report(course, judged, seconds, warning)
+    left = unaccounted_files(course)
+    path = write_report(course, judged, seconds, warning, left)
     console.print_class(judged)
+    console.print_unaccounted(left)
+    before = counts[0]
     print(
-        f"Judged {len(judged)} notebooks in {seconds:.1f} s. "
-        f"Gradebook: {course.root / 'gradebook.db'}"
+        f"{len(judged)} notebooks: {len(judged) - before} judged in {seconds:.1f} s"
+        f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
     )
     print(f"Report: {path}")
     return status

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
@@ -103,6 +104,17 @@ def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
             _first_fault(verdicts.values()),
         )
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
+
+
+def print_unaccounted(files: Sequence[tuple[Path, str]], most: int = 20) -> None:
+    """Print which files nobody judged, and why."""
+    if not files:
+        return
+    lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
+    lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:most]]
+    if len(files) > most:
+        lines.append(f"  and {len(files) - most} more; the report lists them all")
+    Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
 def _score(verdict: Verdict | None) -> str:

@@ -15,7 +15,7 @@ import jinja2
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.judging.messages import without_numbers
-from grader.judging.verdict import JUDGED, Verdict
+from grader.judging.verdict import JUDGED, Verdict, write_atomically
 
 if TYPE_CHECKING:
     from grader.classroom.submissions import Submission
@@ -54,6 +54,7 @@ def write_report(
     judged: Sequence[tuple[Submission, Verdict]],
     seconds: float | None = None,
     warning: str = "",
+    left: Sequence[tuple[Path, str]] = (),
 ) -> Path:
     """Write the report.
 
@@ -65,6 +66,8 @@ def write_report(
         Wall-clock time that grading took.
     warning : str, optional
         A sentence for the head of the page.
+    left : list of (Path, str), optional
+        Files that nobody judged, each with the reason.
 
     Returns
     -------
@@ -106,11 +109,11 @@ def write_report(
         ],
         hardest=hardest_checks(counted),
         mistakes=common_messages(counted),
+        left=left,
         slowest=sorted(judged, key=lambda pair: -pair[1].seconds)[:5],
     )
     path = course.report / "index.html"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, "utf-8", errors="replace")
+    write_atomically(page, path)
     return path
 
 

@@ -1,8 +1,11 @@
-"""What a class has handed in, and where its verdicts lie."""
+"""What a class has handed in, and where its verdicts lie. Every file is accounted for."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import dataclasses
+import os
+import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,11 +16,22 @@ from grader.intake.handed_in import HandedIn, read_handed_in
 
 @dataclass(frozen=True)
 class Submission:
-    """One notebook that a student handed in."""
+    """One notebook that a student handed in.
+
+    Attributes
+    ----------
+    student : str
+    lesson : grader.course.lessons.Lesson
+    path : pathlib.Path
+        The file that counts.
+    older : tuple of Path
+        Other files of the student's for the same lesson, which do not count.
+    """
 
     student: str
     lesson: Lesson
     path: Path
+    older: tuple[Path, ...] = ()
 
     def verdict_path(self, course: Course) -> Path:
         """Where its verdict is kept."""
@@ -26,17 +40,31 @@ class Submission:
     def read(self, course: Course) -> HandedIn:
         """What lies there; not what lies elsewhere, in another student's folder."""
         place = course.submitted.resolve() / self.student / self.lesson.stage
-        if self.path.parent.resolve() != place:
+        if not self.path.parent.resolve().is_relative_to(place):
             return HandedIn(
                 self.path.name,
                 b"",
                 f"{self.path.name} lies behind a link to another folder. Hand in the file itself.",
             )
-        return read_handed_in(self.path)
+        return dataclasses.replace(read_handed_in(self.path), notes=tuple(self._notes()))
+
+    def _notes(self) -> Iterator[str]:
+        name = f"{self.lesson.name}.ipynb"
+        if self.older:
+            left = ", ".join(path.name for path in self.older)
+            yield (
+                f"Several files are for this lesson. The newest, {self.path.name}, was judged, and "
+                f"not {left}. If that is the wrong one, hand in the right one alone."
+            )
+        elif self.path.name != name:
+            yield f"{self.path.name} was taken for {name}. Give it that name when you hand it in."
 
 
 def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:
     """Everything under ``submitted/<student>/<stage>/`` that is a lesson of the course.
+
+    Browsers and editors rename files, and put them into folders of their own: what a file is for
+    is read off its name. Of several for one lesson the newest counts.
 
     Parameters
     ----------
@@ -49,38 +77,67 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     list of Submission
         In order of student and lesson.
     """
-    found = [
-        Submission(path.parent.parent.name, lesson, path)
-        for lesson in all_lessons()
-        if not stages or lesson.stage in stages
-        for path in course.submitted.glob(f"*/{lesson.stage}/{lesson.name}.ipynb")
-    ]
-    return sorted(found, key=lambda submission: (submission.student, submission.lesson.name))
+    found: dict[tuple[str, Lesson], list[Path]] = {}
+    for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
+        if stages and stage not in stages:
+            continue
+        for place in course.submitted.glob(f"*/{stage}"):
+            for path in _files_below(place):
+                lesson = _lesson_of_file(path)
+                if lesson and lesson.stage == stage:
+                    found.setdefault((place.parent.name, lesson), []).append(path)
+    submissions = []
+    for (student, lesson), paths in found.items():
+        *older, newest = sorted(paths, key=_age)
+        submissions.append(Submission(student, lesson, newest, tuple(older)))
+    return sorted(submissions, key=lambda one: (one.student, one.lesson.name))
 
 
 def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
     """Files in ``submitted/`` that nobody judges, each with the reason."""
-    judged = {submission.path for submission in find_submissions(course)}
+    submissions = find_submissions(course)
+    judged = {path for submission in submissions for path in (submission.path, *submission.older)}
     found = []
-    for path in sorted(course.submitted.rglob("*")):
-        hidden = any(part.startswith(".") for part in path.relative_to(course.submitted).parts)
-        if path in judged or path.is_dir() or hidden or path.name == "timestamp.txt":
-            continue
-        reason = _reason(path.relative_to(course.submitted))
-        if reason:
-            found.append((path.relative_to(course.root), reason))
+    for path in _files_below(course.submitted):
+        if path not in judged and path.name != "timestamp.txt":
+            reason = _reason(path.relative_to(course.submitted))
+            if reason:
+                found.append((path.relative_to(course.root), reason))
     return found
+
+
+def _files_below(place: Path) -> Iterator[Path]:
+    """All files but hidden ones, in order; a link to a folder is no folder."""
+    for folder, folders, files in os.walk(place):
+        folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
+        links = [name for name in folders if (Path(folder) / name).is_symlink()]
+        # A folder that is called like a notebook is somebody's mistake, and is told.
+        odd = [name for name in folders if name.endswith(".ipynb")]
+        for name in sorted({*files, *links, *odd}):
+            if not name.startswith("."):
+                yield Path(folder) / name
+
+
+def _lesson_of_file(path: Path) -> Lesson | None:
+    is_notebook = path.suffix.lower() == ".ipynb"
+    return find_lesson(path.stem.lower()) if is_notebook else None
+
+
+def _age(path: Path) -> tuple[float, int, str]:
+    """By when it was saved; else by the number of the copy."""
+    copies = re.findall(r"(?:Copy|\(|[-_ ])\s*(\d{1,4})\)?$", path.stem)
+    return path.lstat().st_mtime, int(copies[-1]) if copies else 0, path.name
 
 
 def _reason(path: Path) -> str:
     """Why a file is no submission; empty where it belongs to one."""
-    if len(path.parts) != 3 or path.parts[1] not in stages():
+    if len(path.parts) < 3 or path.parts[1] not in stages():
         return "it does not lie in <student>/<stage>/"
-    if path.suffix == ".py":
+    lesson = find_lesson(path.stem.lower())
+    if path.suffix == ".py" and lesson is None:
         return ""  # a module that a notebook may import
-    lesson = find_lesson(path.stem)
-    if lesson is None or path.suffix != ".ipynb":
+    if path.suffix.lower() != ".ipynb" and lesson is not None:
+        return f"it is no notebook: {lesson.name}.ipynb, as Jupyter saves it, would be judged"
+    if lesson is None:
         return "it is no notebook of the course"
-    if lesson.stage != path.parts[1]:
-        return f"{lesson.name} belongs to {lesson.stage}"
-    return f"it is a copy by name: only {lesson.name}.ipynb is judged. Rename the one that counts"
+    return f"{lesson.name} belongs to {lesson.stage}"

@@ -27,12 +27,15 @@ class HandedIn:
         Why it could not be read.
     modules : dict of str to str
         Source of each ``.py`` file beside it, by the name it is imported under.
+    notes : tuple of str
+        What was noticed about the file itself, one sentence each.
     """
 
     name: str
     data: bytes
     complaint: str = ""
     modules: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def notebook(self) -> Notebook:
         """The code in it.
@@ -47,7 +50,8 @@ class HandedIn:
 
     def fingerprint(self) -> bytes:
         """A digest of all that was handed in."""
-        digest = hashlib.sha256(self.data + self.complaint.encode(errors="replace"))
+        said = "\0".join((self.complaint, *self.notes))
+        digest = hashlib.sha256(self.data + said.encode(errors="replace"))
         for name, source in sorted(self.modules.items()):
             digest.update(f"\0{name}\0{source}".encode(errors="replace"))
         return digest.digest()

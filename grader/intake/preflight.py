@@ -112,7 +112,8 @@ def unreadable(error: UnreadableNotebook, lesson: Lesson) -> Prepared:
 
 
 def _reading(draft: _Draft) -> Iterator[str]:
-    """The file: its encoding, what stands behind it, where it breaks off, what is no cell."""
+    """The file: its name, its encoding, what stands behind it, where it breaks off."""
+    yield from draft.handed_in.notes
     yield from draft.notebook.mended
 
 
@@ -220,6 +221,9 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
     for name in _by_hand(draft.lesson):
         stub = _given(draft.lesson)[name]
         own = [place for place, cell in enumerate(draft.cells) if cell.grade_id == name]
+        before = _place_before(draft, name)
+        if not own and before is not None and _is_like(draft, before + 1, stub):
+            own = [before + 1]  # as it was given out, but for its metadata
         filled = [
             place
             for place in own
@@ -230,7 +234,7 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
             texts = [draft.cells[place] for place in filled]
             moved.update(filled[1:])
         else:
-            begin = own[0] if own else _place_before(draft, name)
+            begin = own[0] if own else before
             below = [] if begin is None else list(_new_text(draft, begin, released))
             texts = [draft.cells[place] for place in below]
             if own:
@@ -288,6 +292,10 @@ def _place_before(draft: _Draft, name: str) -> int | None:
     prompt = given[at - 1].source.split() if at else None
     places = [place for place, cell in enumerate(draft.cells) if cell.source.split() == prompt]
     return places[-1] if places else None
+
+
+def _is_like(draft: _Draft, place: int, cell: Cell) -> bool:
+    return place < len(draft.cells) and draft.cells[place].source.split() == cell.source.split()
 
 
 def _stray_text(draft: _Draft, released: list[list[str]]) -> bool:

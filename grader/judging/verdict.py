@@ -96,10 +96,14 @@ def write_atomically(text: str, path: Path) -> None:
     """Write a file so that a reader finds all of it or none; fellow graders may read it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, draft = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    with open(descriptor, "w", encoding="utf-8") as file:
-        file.write(text)
-    os.chmod(draft, 0o666 & ~_UMASK)
-    os.replace(draft, path)
+    try:
+        with open(descriptor, "w", encoding="utf-8", errors="replace") as file:
+            file.write(text)
+        os.chmod(draft, 0o666 & ~_UMASK)
+        os.replace(draft, path)
+    except BaseException:  # a full disk, an impatient person
+        os.unlink(draft)
+        raise
 
 
 def read_verdict(path: str | os.PathLike) -> Verdict | None:

@@ -56,7 +56,7 @@ def build_copy(prepared: Prepared) -> NotebookNode:
             copy.cells.append(_filled(given[name], cell, prepared.answers.get(name)))
         if shown:
             copy.cells.append(_shown(cell, trusted=cell.source in ours))
-    _add_missing(copy, given, where, prepared.answers)
+    _add_missing(copy, given, where, prepared)
     for number, cell in enumerate(copy.cells):
         cell.id = cell.id if "nbgrader" in cell.metadata else f"handed-in-{number}"
     return copy
@@ -130,7 +130,7 @@ def _shown(cell: Cell, trusted: bool) -> NotebookNode:
     if cell.kind == "code":
         return nbformat.v4.new_code_cell(cell.source)
     if cell.kind == "raw":  # some programs take raw text for HTML
-        return nbformat.v4.new_markdown_cell(as_code(cell.source))
+        return nbformat.v4.new_markdown_cell(harmless(as_code(cell.source)))
     made = nbformat.v4.new_markdown_cell(cell.source if trusted else harmless(cell.source))
     pictures = harmless_pictures(cell.attachments)
     if pictures:
@@ -154,12 +154,15 @@ def _filled(given: NotebookNode, cell: Cell | None, answer: Answer | None) -> No
     return made
 
 
-def _add_missing(copy: NotebookNode, given: dict, where: dict, answers: dict) -> None:
+def _add_missing(copy: NotebookNode, given: dict, where: dict, prepared: Prepared) -> None:
     """Put the graded cells that are not there behind the one that they were released behind."""
     before = -1
     for name, cell in given.items():
         if name not in where:
-            copy.cells.insert(before + 1, _filled(cell, None, answers.get(name)))
+            made = _filled(cell, None, prepared.answers.get(name))
+            if name in prepared.graded:  # it shares a cell with another one
+                made.source = f"# {name} stands in the cell of another exercise."
+            copy.cells.insert(before + 1, made)
             where.update({other: at + 1 for other, at in where.items() if at > before})
             where[name] = before + 1
         before = where[name]

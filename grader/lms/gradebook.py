@@ -22,6 +22,7 @@ from nbgrader.api import Gradebook, MissingEntry, SubmittedAssignment, Submitted
 from nbgrader.coursedir import CourseDirectory
 from nbgrader.preprocessors import AssignLatePenalties, SaveCells
 from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solution, parse_utc
+from sqlalchemy import make_url
 from sqlalchemy.orm import Session
 
 from grader.classroom.submissions import Submission
@@ -61,6 +62,12 @@ def open_gradebook(course: Course) -> Gradebook:
     """Open nbgrader's gradebook of a course, made where there is none; a context manager."""
     directory = CourseDirectory(config=course_settings(course.root))
     return Gradebook(directory.db_url, directory.course_id)
+
+
+def address(course: Course) -> str:
+    """Where the gradebook is, without a password."""
+    url = make_url(_url(course))
+    return url.database if url.drivername == "sqlite" else url.render_as_string(True)
 
 
 def enter(

@@ -1,0 +1,184 @@
+"""Scripts in what a student writes for a person to read: in Formgrader, feedback and report."""
+
+import html.parser
+import json
+import re
+
+import nbformat
+import pytest
+from markdown_it import MarkdownIt
+from nbconvert.exporters import HTMLExporter
+from nbconvert.filters import markdown2html
+
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in
+from grader.intake.handed_in import HandedIn
+from grader.intake.preflight import prepare
+from grader.lms.autograded import build_copy
+from grader.lms.harmless import NO_WIDTH, harmless
+from tests.attacks.attacking import tried
+
+# What Markdown makes of plain text.
+FINE = {
+    *("p", "h1", "h2", "h3", "h4", "h5", "h6", "em", "strong", "code", "pre", "a", "img", "ul"),
+    *("ol", "li", "blockquote", "hr", "br", "del", "table", "thead", "tbody", "tr", "th", "td"),
+    *("span", "div"),
+}
+SCHEME = re.compile(r"([a-z][a-z0-9+.-]*):")
+
+
+class Reader(html.parser.HTMLParser):
+    """Collects what a browser would obey."""
+
+    def __init__(self):
+        super().__init__()
+        self.obeyed = []
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in FINE:
+            self.obeyed.append(tag)
+        for name, value in attributes:
+            address = "".join((value or "").split()).lower()
+            if name.startswith("on") or name == "style" and "url(" in address:
+                self.obeyed.append((tag, name))
+            if name in ("href", "src", "action", "formaction", "xlink:href"):
+                scheme = SCHEME.match(address)
+                if scheme and scheme[1] not in ("http", "https", "mailto", "attachment"):
+                    self.obeyed.append((tag, name, value))
+
+
+def obeyed(page):
+    reader = Reader()
+    reader.feed(page)
+    return reader.obeyed
+
+
+SCRIPTS = {
+    "a picture that fails": "<img src=x onerror=\"fetch('/api/contents/grader/tests')\">",
+    "a script": "<script>alert(1)</script>",
+    "a script in capitals": "<SCRIPT>alert(1)</SCRIPT>",
+    "a drawing": '<svg onload="alert(1)"><script>alert(1)</script></svg>',
+    "a frame": '<iframe srcdoc="<script>alert(1)</script>"></iframe>',
+    "an end of what is around it": '</div></body><script src="//evil"></script>',
+    "a comment that ends": "<!--><script>alert(1)</script>-->",
+    "a style": "<style>@import '//evil';</style>",
+    "a form": '<form action="javascript:alert(1)"><button>ok</button></form>',
+    "formulas of the web": '<math href="javascript:alert(1)">x</math>',
+    "a base": '<base href="//evil/">',
+    "a refresh": '<meta http-equiv="refresh" content="0;url=javascript:alert(1)">',
+    "a tag over lines": "<img\nsrc=x\nonerror=alert(1)\n>",
+    "a tag in a list": "- one\n  - <img src=x onerror=alert(1)>",
+    "a tag in a table": "|a|\n|-|\n|<img src=x onerror=alert(1)>|",
+    "a tag behind a backtick": "`` ` `` <img src=x onerror=alert(1)>",
+    "a tag behind a fence that is none": "```x`\n<img src=x onerror=alert(1)>",
+    "a tag in a formula": "$<img src=x onerror=alert(1)>$",
+    "a tag in a formula of its own": "$$\n<script>alert(1)</script>\n$$",
+    "a tag in a heading": "# <img src=x onerror=alert(1)>",
+    "an escaped tag": "\\\\<img src=x onerror=alert(1)>",
+    "a link": "[x](javascript:alert(1))",
+    "a link in capitals": "[x](JaVaScRiPt:alert(1))",
+    "a link in entities": "[x](&#106;avascript:alert(1))",
+    "a colon in entities": "[x](javascript&colon;alert(1))",
+    "a line end in entities": "[x](java&#10;script:alert(1))",
+    "a backslash in it": "[x](javascript\\:alert(1))",
+    "in angle brackets": "[x](<javascript:alert(1)>)",
+    "with a tab": "[x](<java\tscript:alert(1)>)",
+    "behind a space": "[x]( javascript:alert(1))",
+    "on the next line": "[x](\njavascript:alert(1))",
+    "by reference": "[x][y]\n\n[y]: javascript:alert(1)",
+    "by reference, in brackets": "[x][y]\n\n[y]: <javascript:alert(1)>",
+    "by reference, on the next line": "[x][y]\n\n[y]:\njavascript:alert(1)",
+    "by itself": "<javascript:alert(1)>",
+    "as a picture": "![x](javascript:alert(1))",
+    "as data": "[x](data:text/html;base64,PHNjcmlwdD4=)",
+    "as a file": "[x](file:///etc/passwd)",
+    "Visual Basic": "[x](vbscript:alert(1))",
+    "a link in a picture": "[![x](y)](javascript:alert(1))",
+    "a title": '[x](y "a\\" onmouseover=\\"alert(1)")',
+    "a name with quotes": '![" onerror="alert(1)](x)',
+}
+
+
+@tried("text", SCRIPTS)
+def test_writes_a_script_into_an_answer(text):
+    assert obeyed(markdown2html(harmless(text))) == []
+    assert obeyed(MarkdownIt("commonmark", {"html": True}).render(harmless(text))) == []
+
+
+def test_each_of_these_would_do_something_somewhere():
+    """Else the test above could not fail."""
+    idle = [
+        name
+        for name, text in SCRIPTS.items()
+        if not obeyed(markdown2html(text))
+        and not obeyed(MarkdownIt("commonmark", {"html": True}).render(text))
+    ]
+    assert len(idle) < len(SCRIPTS) / 2
+
+
+@tried(
+    "text",
+    {
+        "a link in a formula": r"$\href{javascript:alert(1)}{x}$",
+        "a style in a formula": r"$\style{position:fixed}{x}$",
+        "more commands": r"$\require{html}\class{x}{y}$",
+        "a new name for it": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
+    },
+)
+def test_gives_orders_to_mathjax(text):
+    assert not any(f"\\{name}" in harmless(text) for name in ("href", "style", "require", "class"))
+
+
+@tried(
+    "text",
+    {
+        "words": "I widened the *region* to **18.5 m**.",
+        "code": "`a < b`, and\n\n```python\nx[1]: int = a < b\n```",
+        "a comparison": "2 < 3 and a<3",
+        "a table": "| a | b |\n|---|---|\n| 1 | 2 |",
+        "a formula": r"$\frac{a}{b} < \sqrt{c}$ and $a \le b$",
+        "links": "[a](https://x.org/a:b) [b](notes.md#c) <3 [c]: mailto:x@y.org",
+        "a picture of one's own": "![plot](attachment:plot.png)",
+    },
+)
+def test_an_honest_answer_stays_as_it_is(text):
+    assert harmless(text) == text
+
+
+def test_what_looks_like_a_tag_looks_the_same():
+    assert harmless("`a<b` and <i>").replace(NO_WIDTH, "") == "`a<b` and <i>"
+
+
+def test_what_is_harmless_stays_as_it_is():
+    for text in SCRIPTS.values():
+        assert harmless(harmless(text)) == harmless(text)
+
+
+@pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
+@pytest.mark.slow
+def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind):
+    """As feedback and Formgrader make it, of everything above at once, in each kind of cell."""
+    lesson = find_lesson("12_streaming_obstacles")
+    notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
+    hostile = '"><script>alert("here I am")</script>'
+    for text in SCRIPTS.values():
+        cell = {"cell_type": kind, "metadata": {"tags": [hostile]}, "source": text}
+        cell["metadata"]["format"] = cell["metadata"]["raw_mimetype"] = "text/html"
+        cell["attachments"] = {hostile: {"image/png": hostile}}
+        output = {"output_type": "display_data", "metadata": {}, "data": {"text/html": hostile}}
+        notebook["cells"].append({**cell, "outputs": [output], "execution_count": None})
+    notebook["metadata"].update(title=hostile, language_info={"name": hostile, "version": hostile})
+    handed_in = HandedIn("12_streaming_obstacles.ipynb", json.dumps(notebook).encode())
+    made = build_copy(prepare(handed_in, lesson))
+    nbformat.validate(made)
+    exporter = HTMLExporter(template_name="classic")
+    page, _ = exporter.from_notebook_node(made)
+    blank, _ = exporter.from_notebook_node(
+        build_copy(
+            prepare(HandedIn("12_streaming_obstacles.ipynb", lesson.released.read_bytes()), lesson)
+        )
+    )
+    ours = [what for what in obeyed(blank)]
+    assert [what for what in obeyed(page) if what not in ours] == []
+    assert page.count("<script") == blank.count("<script")
+    assert NO_WIDTH in page or kind == "code"

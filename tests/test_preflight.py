@@ -1,0 +1,434 @@
+"""What editors, browsers and disks do to notebooks costs nobody a point, and never in silence."""
+
+import base64
+import copy
+import json
+
+import nbformat
+import numpy as np
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.intake.handed_in import HandedIn
+from grader.intake.preflight import prepare, unreadable
+from grader.judging.judge import judge_handed_in
+from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
+from tests.students import answers_in
+from utils.notebooks.reading import UnreadableNotebook
+
+LESSON = find_lesson("06_filter_ground")
+WRITTEN = find_lesson("12_streaming_obstacles")
+EXERCISES = ("filter_ground", "voxel_grid")
+REPORT = "I widened the region to 18.5 m, because the lorry *stands* at 17 m."
+
+
+def right(exercise):
+    return next(variant.source for variant in variants_of(exercise) if variant.right)
+
+
+def whole():
+    """A notebook of lesson 06 with right answers, as JSON."""
+    return json.loads(fill_in(LESSON, {name: right(name) for name in EXERCISES}))
+
+
+def with_report():
+    """A notebook of lesson 12 with a written answer, as JSON."""
+    return json.loads(fill_in(WRITTEN, {"write_up": REPORT}))
+
+
+def cell_of(notebook, grade_id):
+    return next(
+        cell
+        for cell in notebook["cells"]
+        if cell["metadata"].get("nbgrader", {}).get("grade_id") == grade_id
+    )
+
+
+def code(source, **metadata):
+    return {
+        "cell_type": "code",
+        "metadata": metadata,
+        "source": source,
+        "outputs": [],
+        "execution_count": None,
+    }
+
+
+def text(source, **metadata):
+    return {"cell_type": "markdown", "metadata": metadata, "source": source}
+
+
+def changed(change):
+    """Bytes of the whole notebook after `change`, which may return another one, text or bytes."""
+    notebook = whole()
+    made = change(notebook)
+    made = notebook if made is None else made
+    if isinstance(made, dict):
+        made = json.dumps(made)
+    return made if isinstance(made, bytes) else made.encode("utf-8", "surrogatepass")
+
+
+def each_cell(act):
+    def change(notebook):
+        for cell in notebook["cells"]:
+            act(cell)
+
+    return change
+
+
+def retype(kind):
+    def change(notebook):
+        for name in EXERCISES:
+            cell = cell_of(notebook, name)
+            cell["cell_type"] = kind
+            del cell["outputs"], cell["execution_count"]
+
+    return change
+
+
+def split(notebook):
+    cells = notebook["cells"]
+    place = cells.index(cell_of(notebook, "voxel_grid"))
+    cells.insert(place, code("import numpy as np"))
+    cells[place + 1]["metadata"] = {}
+
+
+def merged(notebook):
+    first, second = (cell_of(notebook, name) for name in EXERCISES)
+    first["source"] = "".join(first["source"]) + "\n\n" + "".join(second["source"])
+    notebook["cells"].remove(second)
+
+
+def old(notebook):
+    cells = []
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            cells.append(
+                {
+                    "cell_type": "code",
+                    "input": "".join(cell["source"]),
+                    "language": "python",
+                    "metadata": cell["metadata"],
+                    "outputs": [],
+                }
+            )
+        else:
+            cells.append({"cell_type": "markdown", "metadata": {}, "source": cell["source"]})
+    return {"nbformat": 3, "nbformat_minor": 0, "metadata": {}, "worksheets": [{"cells": cells}]}
+
+
+def set_all(**entries):
+    return lambda notebook: notebook.update(entries)
+
+
+def big_outputs(notebook):
+    junk = {"output_type": "stream", "name": "stdout", "text": "[{" * 2_000_000}
+    notebook["cells"][1]["outputs"] = [junk]
+
+
+# What may happen to a file on its way, and words that the student must then be told; empty
+# where nothing was lost and there is nothing to say.
+EARNS_EVERYTHING = {
+    "nothing at all": (lambda notebook: None, ""),
+    "a byte order mark": (lambda notebook: b"\xef\xbb\xbf" + json.dumps(notebook).encode(), ""),
+    "UTF-16": (lambda notebook: json.dumps(notebook).encode("utf-16"), ""),
+    "Windows' own letters": (
+        lambda notebook: json.dumps(
+            notebook | {"cells": [*notebook["cells"], text("Größe")]}, ensure_ascii=False
+        ).encode("cp1252", "replace"),
+        "not UTF-8",
+    ),
+    "line ends of Windows": (
+        lambda notebook: json.dumps(notebook, indent=1).replace("\n", "\r\n"),
+        "",
+    ),
+    "zeros behind it": (lambda notebook: json.dumps(notebook) + "\0" * 4096, ""),
+    "text behind it": (lambda notebook: json.dumps(notebook) + "<html>", "stands something else"),
+    "a second copy behind it": (lambda notebook: json.dumps(notebook) * 2, "second copy"),
+    "cut off after the answers": (
+        lambda notebook: json.dumps(notebook)[: int(len(json.dumps(notebook)) * 0.98)],
+        "cut off",
+    ),
+    "metadata missing": (lambda notebook: notebook.pop("metadata") and None, ""),
+    "metadata null": (set_all(metadata=None), ""),
+    "no cell has metadata": (each_cell(lambda cell: cell.pop("metadata")), ""),
+    "metadata of cells null": (each_cell(lambda cell: cell.update(metadata=None)), ""),
+    "metadata of cells a list": (each_cell(lambda cell: cell.update(metadata=[])), ""),
+    "no ids": (each_cell(lambda cell: cell.pop("id", None)), ""),
+    "all ids the same": (each_cell(lambda cell: cell.update(id="a")), ""),
+    "ids that are numbers": (each_cell(lambda cell: cell.update(id=7)), ""),
+    "ids in an older format": (set_all(nbformat_minor=4), ""),
+    "a format from the future": (set_all(nbformat=5), ""),
+    "a format of old": (old, ""),
+    "outputs in text cells": (each_cell(lambda cell: cell.update(outputs=[])), ""),
+    "no outputs at all": (each_cell(lambda cell: cell.pop("outputs", None)), ""),
+    "no execution counts": (each_cell(lambda cell: cell.pop("execution_count", None)), ""),
+    "tags twice": (each_cell(lambda cell: cell["metadata"].update(tags=["a", "a"])), ""),
+    "attachments that are null": (each_cell(lambda cell: cell.update(attachments=None)), ""),
+    "widgets without state": (
+        lambda notebook: notebook["metadata"].update(widgets={"application/x": {}}),
+        "",
+    ),
+    "Colab's own notes": (
+        lambda notebook: notebook["metadata"].update(colab={"provenance": []}, accelerator="GPU"),
+        "",
+    ),
+    "another kernel": (
+        lambda notebook: notebook["metadata"].update(kernelspec={"name": "ir"}),
+        "",
+    ),
+    "huge outputs": (big_outputs, ""),
+    "answers in text cells": (retype("markdown"), "a text cell"),
+    "answers in raw cells": (retype("raw"), "a raw cell"),
+    "answers in text cells without metadata": (
+        lambda notebook: (
+            retype("markdown")(notebook) or each_cell(lambda c: c.pop("metadata"))(notebook)
+        ),
+        "press Y",
+    ),
+    "cells in another order": (
+        lambda notebook: notebook["cells"].sort(key=lambda cell: cell["cell_type"] != "code"),
+        "",
+    ),
+    "a cell split": (split, ""),
+    "two cells merged": (merged, ""),
+    "an answer twice": (
+        lambda notebook: notebook["cells"].append(copy.deepcopy(cell_of(notebook, "voxel_grid"))),
+        "",
+    ),
+    "an answer twice, the first one wrong": (
+        lambda notebook: notebook["cells"].insert(1, code("def voxel_grid(cloud): return 3")),
+        "voxel_grid is written 2 times",
+    ),
+    "the cell as given out, pasted at the end": (
+        lambda notebook: notebook["cells"].append(
+            cell_of(json.loads(LESSON.released.read_text()), "voxel_grid")
+        ),
+        "the cell as it was given out",
+    ),
+    "every cell twice": (
+        lambda notebook: notebook["cells"].extend(copy.deepcopy(notebook["cells"])),
+        "",
+    ),
+    "no cells with tests": (
+        lambda notebook: notebook.update(
+            cells=[c for c in notebook["cells"] if "check(" not in "".join(c["source"])]
+        ),
+        "",
+    ),
+    "a cell without source": (lambda n: n["cells"].append({"cell_type": "code"}), ""),
+    "a cell whose source is null": (lambda n: n["cells"].append(code(None)), ""),
+    "a cell that is a number": (lambda n: n["cells"].append(7), "1 of the cells"),
+    "a cell that is null": (lambda n: n["cells"].append(None), "1 of the cells"),
+    "the key `cells` twice": (
+        lambda notebook: json.dumps({"cells": []})[:-1] + "," + json.dumps(notebook)[1:],
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("change, says", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
+def test_what_a_file_goes_through_costs_nothing(change, says):
+    """The code is all there, the copy is whole and valid, and what was mended is said."""
+    prepared = prepare(HandedIn("06_filter_ground.ipynb", changed(change)), LESSON)
+    answers = answers_in(LESSON, prepared.code)
+    cloud = np.array([[0.0, 0, -2, 1], [1, 1, 1, 1], [1.01, 1, 1, 0]])
+    assert len(answers["filter_ground"](cloud)) == 2
+    assert len(answers["voxel_grid"](cloud, 0.5)) == 2
+    notes = " ".join(prepared.notes)
+    assert (says in notes) if says else notes == ""
+    made = build_copy(prepared)
+    nbformat.validate(made)
+    names = [cell.metadata.nbgrader.grade_id for cell in graded_cells(made)]
+    assert sorted(names) == sorted([*EXERCISES, *(f"test_{name}" for name in EXERCISES)])
+    answers = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(made)}
+    for name in EXERCISES:
+        assert f"def {name}" in answers[name].source or "stands in the cell" in answers[name].source
+        assert "NotImplementedError" not in answers[name].source
+        assert (
+            answers[f"test_{name}"].source.startswith("check(")
+            or "check" in answers[f"test_{name}"].source
+        )
+
+
+SOME = ("cut off after the answers", "answers in text cells", "a format of old", "huge outputs")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOME)
+def test_and_the_judge_agrees(name, sandbox):
+    change, says = EARNS_EVERYTHING[name]
+    verdict = judge_handed_in(
+        HandedIn("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
+    )
+    assert verdict.score == 30
+    assert says in " ".join(verdict.problems)
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        (lambda notebook: b"\x89PNG\r\n\x1a\n\x00\xff\xfe", "it is not text"),
+        (lambda notebook: "", "is empty"),
+        (lambda notebook: "\0" * 100, "is empty"),
+        (lambda notebook: "[]", "no cells"),
+        (lambda notebook: '{"cells": 7}', "no cells"),
+        (lambda notebook: '{"cells": [{"a": {"b"', "not valid JSON"),
+        (lambda notebook: '{"cells": [' + "[]," * 2_100_000 + "[]]}", "Clear its outputs"),
+    ],
+)
+def test_what_cannot_be_read_is_shown_as_released(change, says):
+    handed_in = HandedIn("06_filter_ground.ipynb", changed(change))
+    with pytest.raises(UnreadableNotebook, match=says) as caught:
+        prepare(handed_in, LESSON)
+    made = build_copy(unreadable(caught.value, LESSON))
+    nbformat.validate(made)
+    assert len(graded_cells(made)) == 4
+
+
+@pytest.mark.parametrize(
+    "notebook, says",
+    [
+        (
+            lambda: json.loads(find_lesson("05_euclidean_clustering").released.read_text()),
+            "holds the notebook of 05_euclidean_clustering",
+        ),
+        (lambda: {"cells": [], "metadata": {}, "nbformat": 4}, "There is no code in"),
+        (lambda: {"cells": [text("# my essay")], "nbformat": 4}, "There is no code in"),
+    ],
+)
+def test_nothing_of_this_lesson_is_never_silently_nothing(notebook, says, sandbox):
+    data = json.dumps(notebook()).encode()
+    verdict = judge_handed_in(HandedIn("06_filter_ground.ipynb", data), 1, sandbox, LESSON)
+    assert verdict.score == 0
+    assert says in " ".join(verdict.problems)
+
+
+def test_a_module_beside_is_said_to_be_used():
+    notebook = whole()
+    notebook["cells"].insert(0, code("from helpers import mask"))
+    modules = {"helpers": "mask = 1", "other": ""}
+    handed_in = HandedIn("x.ipynb", json.dumps(notebook).encode(), modules=modules)
+    assert (
+        "helpers.py, handed in beside the notebook, was used." in prepare(handed_in, LESSON).notes
+    )
+
+
+def test_two_answers_one_of_them_cut_off():
+    data = json.dumps(whole())
+    begin = data.index("def voxel_grid") + 20
+    prepared = prepare(HandedIn("06_filter_ground.ipynb", data[:begin].encode()), LESSON)
+    assert "filter_ground" in prepared.graded and "voxel_grid" not in prepared.graded
+    assert "cut off" in prepared.notes[0]
+
+
+# ---- Written answers -----------------------------------------------------------------------
+
+
+def moved_below(notebook):
+    place = notebook["cells"].index(cell_of(notebook, "write_up"))
+    notebook["cells"][place]["source"] = "YOUR ANSWER HERE"
+    notebook["cells"].insert(place + 1, text(REPORT))
+
+
+def in_two_cells(notebook):
+    moved_below(notebook)
+    place = notebook["cells"].index(cell_of(notebook, "write_up"))
+    first, second = REPORT.split(", ")
+    notebook["cells"][place + 1 : place + 2] = [text(first + ","), text(second)]
+
+
+def without_metadata(notebook):
+    for cell in notebook["cells"]:
+        cell["metadata"] = {}
+
+
+def own_cell_deleted(notebook):
+    moved_below(notebook)
+    notebook["cells"].remove(cell_of(notebook, "write_up"))
+
+
+def as_code_cell(notebook):
+    cell = cell_of(notebook, "write_up")
+    cell.update(cell_type="code", outputs=[], execution_count=None)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda notebook: None,
+        moved_below,
+        in_two_cells,
+        without_metadata,
+        own_cell_deleted,
+        as_code_cell,
+        lambda notebook: cell_of(notebook, "write_up").update(cell_type="raw"),
+        lambda notebook: cell_of(notebook, "write_up").update(outputs=[]),
+        lambda notebook: notebook.update(nbformat_minor=4),
+        lambda notebook: notebook["cells"].append(copy.deepcopy(notebook["cells"][0])),
+    ],
+)
+def test_a_written_answer_is_carried_over(change):
+    notebook = with_report()
+    change(notebook)
+    data = json.dumps(notebook).encode()
+    made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    nbformat.validate(made)
+    (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
+    assert cell.cell_type == "markdown"
+    assert "".join(cell.source.split()) == "".join(REPORT.split())
+    (other,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "second_data_set"]
+    assert other.source == "YOUR ANSWER HERE"
+
+
+def test_text_that_may_be_the_answer_is_left_to_a_person():
+    notebook = with_report()
+    cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    notebook["cells"] = [*cells, text(REPORT)]
+    data = json.dumps(notebook).encode()
+    prepared = prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN)
+    assert "Somebody will look for it" in " ".join(prepared.notes)
+    made = build_copy(prepared)
+    (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
+    assert LOOK_FOR_IT in cell.source
+    assert REPORT in "\n".join(cell.source for cell in made.cells)
+
+
+def test_pictures_stay_and_nothing_else_does():
+    notebook = with_report()
+    picture = base64.b64encode(b"\x89PNG").decode()
+    cell_of(notebook, "write_up").update(
+        source="![](attachment:a.png)",
+        attachments={
+            "a.png": {"image/png": picture, "text/html": "<script>"},
+            'b" onerror="alert(1)': {"image/png": picture},
+            "c.png": {'image/png" onerror="alert(1)': picture},
+            "d.png": {"image/png": '" onerror="alert(1)'},
+            "e.svg": {"image/svg+xml": picture},
+        },
+    )
+    data = json.dumps(notebook).encode()
+    made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
+    assert cell.attachments == {"a.png": {"image/png": picture}}
+
+
+def test_what_a_student_changed_in_our_cells_is_shown_beside_them():
+    notebook = whole()
+    cell_of(notebook, "test_voxel_grid")["source"] = "voxel_grid = print"
+    data = json.dumps(notebook).encode()
+    made = build_copy(prepare(HandedIn("06_filter_ground.ipynb", data), LESSON))
+    sources = [cell.source for cell in made.cells if "nbgrader" not in cell.metadata]
+    assert "voxel_grid = print" in sources
+
+
+def test_a_copy_of_a_copy_is_the_same():
+    notebook = with_report()
+    notebook["cells"].append(text("<b>x</b> [a](javascript:b) $\\href{x}{y}$"))
+    notebook["cells"].append({"cell_type": "raw", "metadata": {}, "source": "```\n<script>"})
+    data = json.dumps(notebook).encode()
+    once = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    again = HandedIn("12_streaming_obstacles.ipynb", nbformat.writes(once).encode())
+    for one, other in zip(build_copy(prepare(again, WRITTEN)).cells, once.cells, strict=True):
+        assert one == other
