@@ -8,6 +8,7 @@ points need no care of their own. One process writes.
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import os
 import shutil
@@ -18,6 +19,9 @@ from datetime import datetime
 from pathlib import Path
 
 import nbformat
+import nbgrader.api
+from alembic.config import Config as AlembicConfig
+from alembic.script import ScriptDirectory
 from nbgrader.api import Gradebook, MissingEntry, SubmittedAssignment, SubmittedNotebook
 from nbgrader.coursedir import CourseDirectory
 from nbgrader.preprocessors import AssignLatePenalties, SaveCells
@@ -60,6 +64,8 @@ class Entry:
 
 def open_gradebook(course: Course) -> Gradebook:
     """Open nbgrader's gradebook of a course, made where there is none; a context manager."""
+    # nbgrader starts a program for this, which takes seconds for each new gradebook.
+    nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
     return Gradebook(directory.db_url, directory.course_id)
 
@@ -68,6 +74,15 @@ def address(course: Course) -> str:
     """Where the gradebook is, without a password."""
     url = make_url(_url(course))
     return url.database if url.drivername == "sqlite" else url.render_as_string(True)
+
+
+@functools.cache
+def _alembic_version() -> str:
+    """The version of nbgrader's tables."""
+    settings = AlembicConfig()
+    folder = Path(nbgrader.api.__file__).parent / "alembic"
+    settings.set_main_option("script_location", str(folder))
+    return ScriptDirectory.from_config(settings).get_current_head()
 
 
 def enter(

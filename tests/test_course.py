@@ -1,0 +1,454 @@
+"""A course played through by its commands, and everything that may go wrong on the way."""
+
+import hashlib
+import json
+import os
+import random
+import shutil
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+
+from grader import commands
+from grader.classroom.executors import EXECUTORS
+from grader.classroom.lock import AlreadyRunning, only_one
+from grader.course import paths
+from grader.course.lessons import find_lesson
+from grader.course.paths import PROJECT, Course
+from grader.course.variants import fill_in, variants_of
+from grader.lms import gradebook
+from grader.lms.late import PercentPerDay
+from tests.test_faults import Inline
+from tests.test_grade import CONFIGURATION, SEED, answer, entered, make_course, nbgrader
+from tests.test_preflight import EARNS_EVERYTHING, changed
+
+LESSON = find_lesson("06_filter_ground")
+WRITTEN = find_lesson("12_streaming_obstacles")
+STAGES = (LESSON.stage, WRITTEN.stage)
+REPORT = "I widened the region to 18.5 m, because of the lorry."
+
+
+def matching():
+    return next(variant.source for variant in variants_of("match_boxes") if variant.right)
+
+
+def with_report(text):
+    return fill_in(WRITTEN, {"match_boxes": matching(), "write_up": text})
+
+
+def hand_in(course, student, lesson, text, when=None, name=None):
+    path = course.submitted / student / lesson.stage / (name or f"{lesson.name}.ipynb")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if isinstance(text, str):
+        text = text.encode()
+    path.write_bytes(text)
+    if when:
+        (path.parent / "timestamp.txt").write_text(when)
+
+
+@pytest.fixture
+def course(tmp_path, sandbox, monkeypatch):
+    """A course of two lessons; two students handed in."""
+    made = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
+    for folder in ("solutions", "notebooks"):
+        (made.root / folder / WRITTEN.stage).mkdir()
+    shutil.copy(WRITTEN.solved, made.root / "solutions" / WRITTEN.stage)
+    shutil.copy(WRITTEN.released, made.root / "notebooks" / WRITTEN.stage)
+    hand_in(made, "bob", LESSON, answer("voxel_grid"))
+    monkeypatch.setitem(EXECUTORS, "processes", Inline)
+    paths._folder.cache_clear()
+    return made
+
+
+def grade(course, sandbox, stages=()):
+    return commands.grade_course(course, stages, SEED, sandbox, 1)
+
+
+def configure(course, *lines):
+    path = course.root / "nbgrader_config.py"
+    path.write_text(path.read_text() + "\n" + "\n".join(lines) + "\n")
+    paths._folder.cache_clear()
+
+
+def rows(course):
+    """Everything that the gradebook holds, but for its own numbers."""
+    base = sqlite3.connect(course.root / "gradebook.db")
+    query = """
+        select student.id, assignment.name, notebook.name, base_cell.name, grade.auto_score,
+            grade.manual_score, grade.needs_manual_grade, grade_cells.max_score,
+            submitted_assignment.timestamp, submitted_notebook.late_submission_penalty
+        from grade join base_cell on grade.cell_id = base_cell.id
+        join grade_cells on grade_cells.id = base_cell.id
+        join submitted_notebook on grade.notebook_id = submitted_notebook.id
+        join notebook on submitted_notebook.notebook_id = notebook.id
+        join submitted_assignment on submitted_notebook.assignment_id = submitted_assignment.id
+        join assignment on submitted_assignment.assignment_id = assignment.id
+        join student on submitted_assignment.student_id = student.id order by 1, 2, 3, 4"""
+    found = base.execute(query).fetchall()
+    comments = base.execute(
+        """select student_id, base_cell.name, auto_comment from comment
+        join base_cell on comment.cell_id = base_cell.id
+        join submitted_notebook on comment.notebook_id = submitted_notebook.id
+        join submitted_assignment on submitted_notebook.assignment_id = submitted_assignment.id
+        order by 1, 2"""
+    ).fetchall()
+    cells = base.execute(
+        "select name, cell_type, locked, source, checksum from source_cell order by name"
+    ).fetchall()
+    base.close()
+    return found, comments, cells
+
+
+def files(folder):
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def book_of(course):
+    return gradebook.open_gradebook(course)
+
+
+def set_due(course, stage, when):
+    with book_of(course) as book:
+        book.update_or_create_assignment(stage, duedate=when)
+
+
+def by_hand(course, student, score):
+    """Give a mark as Formgrader does."""
+    with book_of(course) as book:
+        grade = book.find_grade("write_up", WRITTEN.name, WRITTEN.stage, student)
+        grade.manual_score, grade.needs_manual_grade = score, False
+        book.db.commit()
+
+
+def mark_of(course, student):
+    with book_of(course) as book:
+        grade = book.find_grade("write_up", WRITTEN.name, WRITTEN.stage, student)
+        return grade.manual_score, grade.needs_manual_grade
+
+
+@pytest.mark.slow
+def test_a_course_from_release_to_export(course, sandbox, capsys):
+    released = files(course.root / "notebooks")
+    configure(
+        course,
+        "c.AssignLatePenalties.plugin_class = 'grader.lms.late.PercentPerDay'",
+        "c.PercentPerDay.percent = 10",
+        "c.PercentPerDay.grace_minutes = 30",
+    )
+    for number, (name, (change, _)) in enumerate(EARNS_EVERYTHING.items()):
+        hand_in(course, f"spoilt{number:02} {name[:30].replace('/', ' ')}", LESSON, changed(change))
+    hand_in(course, "carol", LESSON, answer(), "2026-11-03 12:00:00 UTC")
+    hand_in(course, "dave", LESSON, answer(), "2026-11-01 12:20:00 UTC")
+    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+    hand_in(course, "frank", LESSON, answer(), name="Copy of 06_filter_ground (1).ipynb")
+    hand_in(course, "gina", LESSON, "not a notebook", name="06_filter_ground.py")
+    set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
+
+    assert grade(course, sandbox) == commands.GOOD
+    shown = capsys.readouterr().out
+    assert "1 file was not judged:" in shown and "06_filter_ground.py: it is no notebook" in shown
+    assert files(course.root / "notebooks") == released
+    scores = entered(course)
+    for student in {student for student, _, _ in scores} - {"bob", "erin", "carol"}:
+        assert scores[student, LESSON.stage, LESSON.name] == 30, student
+    # Three days have begun, less half an hour: 30 % of 30 points.
+    penalties = gradebook.class_results(course).penalties
+    assert penalties == {("carol", LESSON.stage): pytest.approx(2 * 3.0)}
+    before = rows(course)
+
+    assert grade(course, sandbox) == commands.GOOD
+    assert "49 as before" in capsys.readouterr().out or rows(course) == before
+    assert rows(course) == before
+
+    # One more chance for Carol, one regrade of Bob's, a mark for Erin.
+    set_due(course, LESSON.stage, "2026-11-09 12:00:00 UTC")
+    hand_in(course, "bob", LESSON, answer())
+    by_hand(course, "erin", 8)
+    assert grade(course, sandbox) == commands.GOOD
+    assert gradebook.class_results(course).penalties == {}
+    assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
+    assert mark_of(course, "erin") == (8, False)
+
+    # Code around it changes: the mark stays. The answer changes: somebody has to look.
+    hand_in(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
+    assert grade(course, sandbox, [WRITTEN.stage]) == commands.GOOD
+    assert mark_of(course, "erin") == (8, False)
+    hand_in(course, "erin", WRITTEN, with_report(REPORT + " And the tram."))
+    assert grade(course, sandbox, [WRITTEN.stage]) == commands.GOOD
+    assert mark_of(course, "erin") == (8, True)
+
+    # The points of a cell have been changed since: those of the release arrive.
+    base = sqlite3.connect(course.root / "gradebook.db")
+    base.execute("update grade_cells set max_score = 7")
+    base.commit()
+    base.close()
+    assert grade(course, sandbox) == commands.GOOD
+    assert {row[7] for row in rows(course)[0]} == {5, 10, 20}
+
+    feedback = nbgrader(course, "generate_feedback", WRITTEN.stage)
+    assert feedback.returncode == 0, feedback.stderr
+    page = (course.root / "feedback" / "erin" / WRITTEN.stage / f"{WRITTEN.name}.html").read_text()
+    assert "And the tram" in page
+    feedback = nbgrader(course, "generate_feedback", LESSON.stage)
+    assert feedback.returncode == 0, feedback.stderr
+    assert files(course.root / "notebooks") == released
+
+
+def test_a_deleted_gradebook_is_written_again(course, sandbox):
+    assert grade(course, sandbox) == commands.GOOD
+    before = rows(course)
+    (course.root / "gradebook.db").unlink()
+    assert grade(course, sandbox) == commands.GOOD
+    assert rows(course) == before
+
+
+def test_what_is_withdrawn_goes_but_no_mark_of_a_person(course, sandbox, capsys):
+    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+    assert grade(course, sandbox) == commands.GOOD
+    by_hand(course, "erin", 8)
+    shutil.rmtree(course.submitted / "bob")
+    shutil.rmtree(course.submitted / "erin")
+    assert grade(course, sandbox, [LESSON.stage]) == commands.GOOD
+    assert {student for student, _, _ in entered(course)} == {"ada", "erin"}
+    assert not (course.autograded / "bob" / LESSON.stage).exists()
+    assert grade(course, sandbox) == commands.FAULT
+    assert "marks that a person gave" in capsys.readouterr().err
+    assert mark_of(course, "erin") == (8, False)
+
+
+def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monkeypatch, capsys):
+    assert grade(course, sandbox) == commands.GOOD
+    before = rows(course)
+    base = sqlite3.connect(course.root / "gradebook.db")
+    base.execute("update grade set auto_score = 1")
+    base.commit()
+    base.close()
+    assert grade(course, sandbox) == commands.GOOD
+    assert rows(course) == before
+    monkeypatch.setattr(gradebook, "_save", lambda *anything: None)
+    (course.root / "gradebook.db").unlink()
+    assert grade(course, sandbox) == commands.FAULT
+    said = capsys.readouterr().err
+    assert "ada, stage3_obstacles, 06_filter_ground: test_filter_ground has None points" in said
+    assert "judged were 20" in said
+
+
+def test_a_time_that_cannot_be_read_is_named(course, sandbox, capsys):
+    hand_in(course, "ada", LESSON, answer(), when="yesterday, I think")
+    assert grade(course, sandbox) == commands.FAULT
+    assert "ada, stage3_obstacles: timestamp.txt does not say a time" in capsys.readouterr().err
+    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+
+
+def test_settings_of_the_course_count(course, sandbox):
+    configure(
+        course,
+        "c.CourseDirectory.db_url = 'sqlite:///" + str(course.root / "elsewhere.db") + "'",
+        "c.CourseDirectory.submitted_directory = 'inbox'",
+        "c.CourseDirectory.autograded_directory = 'outbox'",
+    )
+    (course.root / "submitted").rename(course.root / "inbox")
+    assert grade(course, sandbox) == commands.GOOD
+    assert (course.root / "elsewhere.db").exists()
+    assert not (course.root / "gradebook.db").exists()
+    assert (course.root / "outbox" / "ada" / LESSON.stage / f"{LESSON.name}.ipynb").exists()
+    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+
+
+@pytest.fixture
+def postgresql():
+    """Address of an empty database on a server of its own; skips where there is none."""
+    programs = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
+    if not programs:
+        pytest.skip("PostgreSQL is not installed: sudo apt-get install postgresql")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    folder = Path(tempfile.mkdtemp())
+    # The server refuses to be root.
+    as_user = ["runuser", "-u", "postgres", "--"] if os.geteuid() == 0 else []
+    if as_user:
+        shutil.chown(folder, "postgres")
+
+    def run(program, *words):
+        command = [*as_user, str(programs[-1] / program), *words]
+        subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL)
+
+    data = str(folder / "data")
+    run("initdb", "-D", data, "-A", "trust", "-U", "teacher")
+    options = f"-p {port} -k {folder} -c listen_addresses=127.0.0.1"
+    run("pg_ctl", "-D", data, "-o", options, "-l", f"{folder}/log", "-w", "start")
+    try:
+        yield f"postgresql+pg8000://teacher:secret@127.0.0.1:{port}/postgres"
+    finally:
+        run("pg_ctl", "-D", data, "-m", "immediate", "stop")
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.mark.slow
+def test_a_gradebook_on_a_server(course, sandbox, postgresql, capsys):
+    configure(course, f"c.CourseDirectory.db_url = {postgresql!r}")
+    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+    assert grade(course, sandbox) == commands.GOOD
+    shown = capsys.readouterr().out
+    assert "postgresql+pg8000://teacher:***@" in shown and "secret" not in shown
+    by_hand(course, "erin", 8)
+    hand_in(course, "bob", LESSON, answer())
+    assert grade(course, sandbox) == commands.GOOD
+    assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
+    assert mark_of(course, "erin") == (8, False)
+    assert not (course.root / "gradebook.db").exists()
+
+
+@pytest.mark.parametrize(
+    "late, points", [(0, 0), (60, 0), (601, 3), (86_400, 3), (86_401, 6), (10**8, 15)]
+)
+def test_penalty_by_the_day(late, points):
+    plugin = PercentPerDay(percent=10, grace_minutes=10, most_percent=50)
+    assert (plugin.late_submission_penalty("ada", 30.0, late) or 0) == pytest.approx(points)
+
+
+def test_a_second_run_waits_for_its_turn(course, sandbox, capsys):
+    with only_one(course):
+        assert grade(course, sandbox) == commands.FAULT
+    said = capsys.readouterr().err
+    assert f"process {os.getpid()}" in said and "start this one again" in said
+    assert grade(course, sandbox) == commands.GOOD
+    with only_one(course), pytest.raises(AlreadyRunning), only_one(course):
+        pass
+
+
+def test_nothing_half_done_stays(course, sandbox):
+    for folder in (course.verdicts / "ada", course.report):
+        folder.mkdir(parents=True)
+        (folder / "x.part").write_text("half")
+    assert grade(course, sandbox) == commands.GOOD
+    assert not list(course.root.rglob("*.part"))
+
+
+# ---- Killed at any moment -----------------------------------------------------------------
+
+
+def run_in_a_child(course, sandbox, after, number):
+    """Grade in a process of its own, which gets a signal after so many seconds; how it ended."""
+    child = os.fork()
+    if not child:
+        code = 99
+        try:
+            os.setpgid(0, 0)
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+            code = grade(course, sandbox)
+        finally:
+            os._exit(code)
+    deadline = time.monotonic() + after
+    while time.monotonic() < deadline:
+        if os.waitpid(child, os.WNOHANG)[0]:
+            return "ended"
+        time.sleep(0.001)
+    os.kill(child, number)
+    os.waitpid(child, 0)
+    return "killed"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_killed_at_fifty_moments_the_same_command_ends_the_same(course, sandbox, number):
+    """While it judges, while it enters, while it reports."""
+    for student in ("carol", "dave"):
+        hand_in(course, student, LESSON, answer("voxel_grid"))
+    hand_in(course, "erin", WRITTEN, with_report(REPORT))
+    begin = time.monotonic()
+    assert grade(course, sandbox) == commands.GOOD
+    cold = time.monotonic() - begin
+    expected, released = rows(course), files(course.root / "notebooks")
+    copies = files(course.autograded)
+    begin = time.monotonic()
+    (course.root / "gradebook.db").unlink()
+    shutil.rmtree(course.autograded)
+    assert grade(course, sandbox) == commands.GOOD
+    warm = time.monotonic() - begin
+
+    dice = random.Random(int(number))
+    killed = 0
+    for turn in range(50):
+        judge = turn % 10 == 0
+        if judge:  # from the very beginning, judging included
+            shutil.rmtree(course.verdicts)
+        if turn % 2:
+            (course.root / "gradebook.db").unlink(missing_ok=True)
+        shutil.rmtree(course.autograded / "ada", ignore_errors=True)
+        after = dice.uniform(0, cold if judge else warm)
+        killed += run_in_a_child(course, sandbox, after, number) == "killed"
+        assert files(course.root / "notebooks") == released
+        if turn % 5 == 4:
+            assert grade(course, sandbox) == commands.GOOD
+            assert rows(course) == expected
+            assert files(course.autograded) == copies
+            assert not list(course.root.rglob("*.part"))
+    assert killed > 15
+
+
+@pytest.mark.slow
+def test_workers_end_with_whoever_started_them(tmp_path):
+    code = (
+        "import os, signal\n"
+        "from grader.classroom.executors import processes\n"
+        "if __name__ == '__main__':\n"
+        "    with processes(2) as pool:\n"
+        "        print(*{pool.submit(os.getpid).result() for _ in range(20)}, flush=True)\n"
+        "        os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    (tmp_path / "main.py").write_text(code)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "main.py"],
+        env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        capture_output=True,
+        text=True,
+    )
+    workers = [int(word) for word in done.stdout.split()]
+    assert workers
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline and any(os.path.exists(f"/proc/{one}") for one in workers):
+        time.sleep(0.05)
+    assert not any(os.path.exists(f"/proc/{one}") for one in workers)
+
+
+@pytest.mark.slow
+def test_two_runs_at_once_end_clean(course, sandbox):
+    assert CONFIGURATION
+    code = (
+        "import sys; from pathlib import Path; from grader import commands;"
+        "from grader.course.paths import Course; from grader.sandbox import SANDBOXES;"
+        f"sys.exit(commands.grade_course(Course(Path({str(course.root)!r})), (), {SEED}, "
+        f"SANDBOXES[{sandbox.name!r}], 1))"
+    )
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", code],
+            cwd=PROJECT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        for _ in range(2)
+    ]
+    said = [run.communicate()[0] for run in runs]
+    assert sorted(run.returncode for run in runs) in ([0, 0], [0, 1]), said
+    for text, run in zip(said, runs, strict=True):
+        assert run.returncode == 0 or "Another run is grading" in text
+        assert "Traceback" not in text
+    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert Course(course.root).report.joinpath("index.html").exists()
+    assert json.loads(next(course.verdicts.rglob("06*.json")).read_text())
