@@ -7,6 +7,7 @@ import json
 import nbformat
 import numpy as np
 import pytest
+from nbconvert.exporters import HTMLExporter
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
@@ -412,6 +413,17 @@ def test_pictures_stay_and_nothing_else_does():
     made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
     (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
     assert cell.attachments == {"a.png": {"image/png": picture}}
+
+
+def test_a_picture_that_is_not_there_stops_no_page():
+    text_with = "![](attachment:gone.png) [a]: attachment:b%20c.png <x attachment:>"
+    notebook = json.loads(fill_in(WRITTEN, {"write_up": text_with}))
+    picture = {"b c.png": {"image/png": base64.b64encode(b"png").decode()}}
+    notebook["cells"].append({**text(text_with), "attachments": picture})
+    data = json.dumps(notebook).encode()
+    made = build_copy(prepare(HandedIn("12_streaming_obstacles.ipynb", data), WRITTEN))
+    page, _ = HTMLExporter().from_notebook_node(made)
+    assert "gone.png" in page
 
 
 def test_what_a_student_changed_in_our_cells_is_shown_beside_them():

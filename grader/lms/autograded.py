@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from html import escape
 
 import nbformat
@@ -17,9 +18,10 @@ from nbgrader.utils import is_grade, is_solution
 from grader.course.lessons import Lesson
 from grader.intake.preflight import Answer, Prepared
 from grader.judging.verdict import ExerciseResult, Verdict
-from grader.lms.harmless import as_code, harmless, harmless_pictures
+from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
 from utils.notebooks.reading import Cell
 
+_PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
 LOOK_FOR_IT = (
     "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
     "please look for it.*"
@@ -42,7 +44,7 @@ def build_copy(prepared: Prepared) -> NotebookNode:
     copy = nbformat.from_dict({**released, "cells": []})
     given = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(released)}
     names = {place: name for name, place in prepared.graded.items()}
-    ours = {cell.source for cell in released.cells}
+    ours = {cell.source: cell for cell in released.cells}
     where = {}
     for place, cell in enumerate(prepared.cells):
         name = names.get(place)
@@ -55,7 +57,7 @@ def build_copy(prepared: Prepared) -> NotebookNode:
             where[name] = len(copy.cells)
             copy.cells.append(_filled(given[name], cell, prepared.answers.get(name)))
         if shown:
-            copy.cells.append(_shown(cell, trusted=cell.source in ours))
+            copy.cells.append(_shown(cell, ours.get(cell.source)))
     _add_missing(copy, given, where, prepared)
     for number, cell in enumerate(copy.cells):
         cell.id = cell.id if "nbgrader" in cell.metadata else f"handed-in-{number}"
@@ -125,16 +127,30 @@ def _released(lesson: Lesson) -> NotebookNode:
     return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
 
 
-def _shown(cell: Cell, trusted: bool) -> NotebookNode:
-    """A cell around the graded ones."""
+def _shown(cell: Cell, ours: NotebookNode | None) -> NotebookNode:
+    """A cell around the graded ones; as it was released where it says the same."""
+    if ours is not None and ours.cell_type == "markdown" and cell.kind == "markdown":
+        made = nbformat.v4.new_markdown_cell(ours.source)
+        if "attachments" in ours:
+            made.attachments = ours.attachments
+        return made
     if cell.kind == "code":
         return nbformat.v4.new_code_cell(cell.source)
     if cell.kind == "raw":  # some programs take raw text for HTML
         return nbformat.v4.new_markdown_cell(harmless(as_code(cell.source)))
-    made = nbformat.v4.new_markdown_cell(cell.source if trusted else harmless(cell.source))
-    pictures = harmless_pictures(cell.attachments)
+    made = nbformat.v4.new_markdown_cell(harmless(cell.source))
+    return _with_pictures(made, cell.attachments)
+
+
+def _with_pictures(made: NotebookNode, attachments: dict) -> NotebookNode:
+    """Attach pictures. nbconvert gives up where one is named that is not there."""
+    pictures = harmless_pictures(attachments)
     if pictures:
         made.attachments = pictures
+    made.source = _PICTURE.sub(
+        lambda found: found[0] if found[1] in pictures else f"{NO_WIDTH}{found[0]}",
+        made.source,
+    )
     return made
 
 
@@ -146,9 +162,7 @@ def _filled(given: NotebookNode, cell: Cell | None, answer: Answer | None) -> No
             made.source = harmless(answer.text)
         elif not answer.certain:
             made.source = f"{given.source}\n\n{LOOK_FOR_IT}"
-        pictures = harmless_pictures(answer.attachments)
-        if pictures:
-            made.attachments = pictures
+        made = _with_pictures(made, answer.attachments)
     elif is_solution(made) and cell is not None:
         made.source = cell.source
     return made
