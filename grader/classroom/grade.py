@@ -175,7 +175,10 @@ def rehearse(
             running[future] = (lesson, path, key)
     failed = []
     for future, (lesson, path, key) in running.items():
-        complaints = future.result()
+        try:
+            complaints = future.result()
+        except BrokenExecutor:
+            complaints = ("The process that judged it died. Is there memory enough?",)
         if complaints:
             failed.append(f"{lesson.name}:\n" + "\n".join(complaints))
         else:

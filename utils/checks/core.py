@@ -176,8 +176,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     exercise = exercise or getattr(function, "__name__", str(function))
     outcomes = [run_check(one_check, function) for one_check in checks_of(exercise)]
     show(outcomes)
-    failed = sum(outcome.failure is not None for outcome in outcomes)
+    failed = [outcome.check.title for outcome in outcomes if outcome.failure is not None]
     if failed:
-        raise ChecksFailed(
-            f"{failed} of {len(outcomes)} checks failed; the table above says which and why."
-        )
+        # Where there is no table, as in `nbgrader validate`, this is all that is shown.
+        raise ChecksFailed(f"{len(failed)} of {len(outcomes)} checks failed: {'; '.join(failed)}.")
