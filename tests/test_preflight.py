@@ -200,7 +200,7 @@ EARNS_EVERYTHING = {
     ),
     "an answer twice, the first one wrong": (
         lambda notebook: notebook["cells"].insert(1, code("def voxel_grid(cloud): return 3")),
-        "voxel_grid is written 2 times",
+        "",
     ),
     "the cell as given out, pasted at the end": (
         lambda notebook: notebook["cells"].append(
@@ -304,6 +304,20 @@ def test_nothing_of_this_lesson_is_never_silently_nothing(notebook, says, sandbo
     verdict = judge_handed_in(HandedIn("06_filter_ground.ipynb", data), 1, sandbox, LESSON)
     assert verdict.score == 0
     assert says in " ".join(verdict.problems)
+
+
+def test_two_versions_are_told_to_who_loses_points(sandbox):
+    notebook = whole()
+    notebook["cells"].insert(1, code("def voxel_grid(cloud): return 3"))
+    handed_in = HandedIn("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    verdict = judge_handed_in(handed_in, 1, sandbox, LESSON)
+    assert verdict.score == 30 and verdict.problems == ()
+    notebook["cells"].append(code("def voxel_grid(cloud, size): return 3"))
+    handed_in = HandedIn("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    verdict = judge_handed_in(handed_in, 1, sandbox, LESSON)
+    assert verdict.score == 20
+    assert "voxel_grid is written 3 times, in code cells" in " ".join(verdict.problems)
+    assert "The last one counts" in " ".join(verdict.problems)
 
 
 def test_a_module_beside_is_said_to_be_used():

@@ -57,6 +57,8 @@ class Prepared:
         Written answers by ``grade_id``.
     notes : tuple of str
         What was mended or noticed, one sentence each.
+    versions : dict of str to str
+        A sentence on each exercise that is written more than once, for those that lose points.
     """
 
     lesson: Lesson
@@ -64,6 +66,7 @@ class Prepared:
     graded: dict[str, int]
     answers: dict[str, Answer]
     notes: tuple[str, ...]
+    versions: dict[str, str] = field(default_factory=dict, hash=False)
 
     @property
     def code(self) -> tuple[str, ...]:
@@ -102,7 +105,9 @@ def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     notebook = handed_in.notebook()
     draft = _Draft(lesson, handed_in, notebook, list(notebook.cells))
     notes = [sentence for step in STEPS for sentence in step(draft)]
-    return Prepared(lesson, tuple(draft.cells), draft.graded, draft.answers, tuple(notes))
+    return Prepared(
+        lesson, tuple(draft.cells), draft.graded, draft.answers, tuple(notes), _versions(draft)
+    )
 
 
 def unreadable(error: UnreadableNotebook, lesson: Lesson) -> Prepared:
@@ -147,23 +152,6 @@ def _stubs_behind(draft: _Draft) -> Iterator[str]:
             yield (
                 f"Below your {name} stands the cell as it was given out, which puts nothing in "
                 f"its place. Your {name} was judged, and that cell left out. Delete it."
-            )
-
-
-def _several(draft: _Draft) -> Iterator[str]:
-    """More than one version of an exercise."""
-    for name in _functions(draft.lesson):
-        places = _cells_that_define(draft, name)
-        stub = _given(draft.lesson).get(name)
-        texts = {draft.cells[place].source for place in places}
-        if stub is not None:
-            texts.discard(stub.source)
-        if len(texts) > 1:
-            cells = [_number(draft, place) for place in places]
-            yield (
-                f"{name} is written {len(places)} times, in code cells "
-                f"{', '.join(map(str, cells[:-1]))} and {cells[-1]}. The last one counts, as it "
-                "does when the notebook runs from top to bottom. Keep one."
             )
 
 
@@ -267,12 +255,30 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _reading,
     _retyped,
     _stubs_behind,
-    _several,
     _another_lesson,
     _modules,
     _graded_cells,
     _written_answers,
 )
+
+
+def _versions(draft: _Draft) -> dict[str, str]:
+    """A sentence on each exercise of which there are several versions."""
+    found = {}
+    for name in _functions(draft.lesson):
+        places = _cells_that_define(draft, name)
+        stub = _given(draft.lesson).get(name)
+        texts = {draft.cells[place].source for place in places}
+        if stub is not None:
+            texts.discard(stub.source)
+        if len(texts) > 1:
+            cells = [_number(draft, place) for place in places]
+            found[name] = (
+                f"{name} is written {len(places)} times, in code cells "
+                f"{', '.join(map(str, cells[:-1]))} and {cells[-1]}. The last one counts, as it "
+                "does when the notebook runs from top to bottom. Keep one."
+            )
+    return found
 
 
 def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:

@@ -78,7 +78,7 @@ def judge_handed_in(
     """Judge what has been read; see `judge`."""
     begin = time.perf_counter()
     lesson = lesson or find_lesson(Path(handed_in.name).stem)
-    outcomes, problems, faults, starved = None, [], [], False
+    outcomes, problems, faults, starved, versions = None, [], [], False, {}
     try:
         notebook = handed_in.notebook()
     except UnreadableNotebook as error:
@@ -93,6 +93,7 @@ def judge_handed_in(
                 "was released under, such as 06_filter_ground.ipynb."
             )
         prepared = prepare(handed_in, lesson)
+        versions = prepared.versions
         program = program_for(lesson, prepared.code, handed_in.modules)
         with Student(program, sandbox, limits) as proxy:
             try:
@@ -106,6 +107,9 @@ def judge_handed_in(
     if faults:
         outcomes, problems = None, [UNFAIR]
     exercises = tuple(_score(exercise, outcomes) for exercise in lesson.machine_graded)
+    if outcomes is not None:
+        lost = [result.name for result in exercises if result.score < result.max_score]
+        problems += [versions[name] for name in lost if name in versions]
     return Verdict(
         lesson=lesson.name,
         student=student,
