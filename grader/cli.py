@@ -1,6 +1,7 @@
 """The grammar of the command line, ``python -m grader``; what commands do is in `commands`."""
 
 import argparse
+import errno
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +37,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 130
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise
+        print(
+            f"The disk is full ({error.filename or error}). What has been judged is kept: make "
+            "room, and give the same command again.",
+            file=sys.stderr,
+        )
+        return commands.FAULT
 
 
 def parser() -> argparse.ArgumentParser:

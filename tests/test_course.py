@@ -1,5 +1,6 @@
 """A course played through by its commands, and everything that may go wrong on the way."""
 
+import errno
 import hashlib
 import json
 import os
@@ -16,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from grader import commands
+from grader import cli, commands
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import AlreadyRunning, only_one
 from grader.course import paths
@@ -335,6 +336,36 @@ def test_nothing_half_done_stays(course, sandbox):
         (folder / "x.part").write_text("half")
     assert grade(course, sandbox) == commands.GOOD
     assert not list(course.root.rglob("*.part"))
+
+
+@pytest.mark.parametrize("writes", [0, 1, 2, 3, 4, 5])
+def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeypatch, capsys):
+    """Full after so many files: verdicts, fingerprints of answers, the report."""
+    left, replace = [writes], os.replace
+
+    def full(*arguments):
+        left[0] -= 1
+        if left[0] < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return replace(*arguments)
+
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    call = ["grade", "--seed", str(SEED), "--sandbox", sandbox.name]
+    with monkeypatch.context() as until:
+        until.setattr(os, "replace", full)
+        assert cli.main(call) == commands.FAULT
+    assert "No space left" in (said := capsys.readouterr().err) or "The disk is full" in said
+    assert cli.main(call) == commands.GOOD
+    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert not list(course.root.rglob("*.part"))
+
+
+def test_students_may_be_called_anything(course, sandbox):
+    for name in ("[red]", "s*", "a b", "Ünal", "x'y", "..."):
+        hand_in(course, name, LESSON, answer())
+    assert grade(course, sandbox) == commands.GOOD
+    assert entered(course)["[red]", LESSON.stage, LESSON.name] == 30
+    assert entered(course)["s*", LESSON.stage, LESSON.name] == 30
 
 
 # ---- Killed at any moment -----------------------------------------------------------------
