@@ -1,6 +1,7 @@
 """A course played through by its commands, and everything that may go wrong on the way."""
 
 import errno
+import functools
 import hashlib
 import json
 import os
@@ -363,7 +364,17 @@ def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeyp
 def test_students_may_be_called_anything(course, sandbox):
     for name in ("[red]", "s*", "a b", "Ünal", "x'y", "..."):
         hand_in(course, name, LESSON, answer())
+    deep = json.loads(answer())
+    deep["metadata"]["a"] = functools.reduce(lambda inner, _: {"a": inner}, range(620), 1)
+    hand_in(course, "deep", LESSON, json.dumps(deep))
+    pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
+    pipe.parent.mkdir(parents=True)
+    os.mkfifo(pipe)
+    os.mkfifo(course.submitted / "ada" / LESSON.stage / "beside")
     assert grade(course, sandbox) == commands.GOOD
+    assert entered(course)["deep", LESSON.stage, LESSON.name] == 30
+    assert entered(course)["pipe", LESSON.stage, LESSON.name] == 0
+    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
     assert entered(course)["[red]", LESSON.stage, LESSON.name] == 30
     assert entered(course)["s*", LESSON.stage, LESSON.name] == 30
 
@@ -417,7 +428,7 @@ def test_killed_at_fifty_moments_the_same_command_ends_the_same(course, sandbox,
         judge = turn % 10 == 0
         if judge:  # from the very beginning, judging included
             shutil.rmtree(course.verdicts)
-        if turn % 2:
+        if turn % 5 == 1:
             (course.root / "gradebook.db").unlink(missing_ok=True)
         shutil.rmtree(course.autograded / "ada", ignore_errors=True)
         after = dice.uniform(0, cold if judge else warm)

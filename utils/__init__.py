@@ -62,7 +62,9 @@ def health() -> str:
     from pathlib import Path
 
     missing = [
-        name for name in ("numpy", "scipy", "matplotlib", "ipywidgets") if not util.find_spec(name)
+        name
+        for name in ("numpy", "scipy", "matplotlib", "ipywidgets", "shapely")
+        if not util.find_spec(name)
     ]
     if missing:
         return f"Not ready. Install what is missing with: pip install {' '.join(missing)}"
