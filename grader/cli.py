@@ -63,6 +63,17 @@ def parser() -> argparse.ArgumentParser:
     )
     build.set_defaults(run=commands.run_build)
 
+    release = kinds.add_parser("release", help="write notebooks that need no file beside them")
+    release.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
+    release.add_argument(
+        "--standalone",
+        action="store_true",
+        required=True,
+        help="put the tools of the course into each notebook",
+    )
+    release.add_argument("--to", type=Path, required=True, metavar="DIR", help="where to write")
+    release.set_defaults(run=commands.run_release)
+
     judge = kinds.add_parser("judge", help="judge one notebook")
     judge.add_argument("notebook", type=Path, metavar="NOTEBOOK.ipynb")
     judge.add_argument("--json", action="store_true", help="print the verdict as one JSON object")

@@ -33,6 +33,33 @@ def run_build(options: argparse.Namespace) -> int:
     return GOOD
 
 
+def run_release(options: argparse.Namespace) -> int:
+    """Run ``release --standalone [STAGE ...] --to DIR``."""
+    from grader.course.standalone import NotStandalone, write_standalone
+
+    if not are_stages(options.stages):
+        return WRONG_CALL
+    try:
+        for path in write_standalone(options.to, options.stages):
+            print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
+    except NotStandalone as error:
+        print(error, file=sys.stderr)
+        return FAULT
+    return GOOD
+
+
+def are_stages(names: Sequence[str]) -> bool:
+    """Whether the course has all these stages; says which it has if not."""
+    unknown = set(names) - set(stages())
+    if unknown:
+        print(
+            f"There is no stage {', '.join(sorted(unknown))}. The stages are: "
+            f"{', '.join(stages())}.",
+            file=sys.stderr,
+        )
+    return not unknown
+
+
 def run_judge(options: argparse.Namespace) -> int:
     """Run ``judge NOTEBOOK``."""
     from grader.course.seed import course_seed
@@ -59,13 +86,7 @@ def run_grade(options: argparse.Namespace) -> int:
     """Run ``grade [STAGE ...]``."""
     from grader.course.seed import course_seed
 
-    unknown = set(options.stages) - set(stages())
-    if unknown:
-        print(
-            f"There is no stage {', '.join(sorted(unknown))}. The stages are: "
-            f"{', '.join(stages())}.",
-            file=sys.stderr,
-        )
+    if not are_stages(options.stages):
         return WRONG_CALL
     course = Course()
     sandbox = choose_sandbox(options.sandbox)

@@ -11,8 +11,9 @@ import nbformat
 import pytest
 
 from grader.course import build
-from grader.course.lessons import all_lessons
+from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT
+from grader.course.standalone import standalone
 from tests.colab import (
     MARK,
     archive_of,
@@ -222,19 +223,51 @@ def course():
 
 def run_alone(text, folder):
     """Execute a notebook in an empty folder of Colab, up to its first error."""
-    notebook = run(nbformat.reads(text.decode(), as_version=4), folder, kernel_name="colab")
-    assert names_in(folder) == ["data", "utils"]
-    return notebook
+    return run(nbformat.reads(text.decode(), as_version=4), folder, kernel_name="colab")
 
 
 @only_like_colab
 @pytest.mark.colab
-def test_solved_notebook_runs_in_colab(lesson, course, colab_kernel, tmp_path):
+@pytest.mark.parametrize("stage", stages())
+def test_a_solved_notebook_of_each_stage_fetches_the_course(stage, course, colab_kernel, tmp_path):
+    lesson = next(lesson for lesson in all_lessons() if lesson.stage == stage)
     notebook = run_alone(course[lesson.solved], tmp_path)
     assert errors_of(notebook) == []
-    assert written(notebook, "stderr") == ""
+    assert names_in(tmp_path) == ["data", "utils"]
     assert "Ready:" in written(notebook, "stdout")
+
+
+# No address can be looked up, and none but our own machine be reached: Jupyter talks to its kernel.
+NO_NETWORK = """
+import socket
+def unreachable(*anything, **more): raise OSError("no network")
+socket.getaddrinfo = socket.gethostbyname = socket.create_connection = unreachable
+"""
+
+
+def run_without_network(text, folder):
+    notebook = nbformat.reads(text.decode(), as_version=4)
+    notebook.cells.insert(0, nbformat.v4.new_code_cell(NO_NETWORK))
+    return run(notebook, folder, kernel_name="colab")
+
+
+@only_like_colab
+@pytest.mark.colab
+def test_standalone_notebook_runs_in_colab_without_network(lesson, colab_kernel, tmp_path):
+    notebook = run_without_network(standalone(lesson.solved.read_bytes()), tmp_path)
+    assert errors_of(notebook) == []
+    assert written(notebook, "stderr") == ""
+    assert "Everything this notebook needs is here." in written(notebook, "stdout")
     assert "NumPy 2.1.3" in written(notebook, "stdout")
+    assert names_in(tmp_path) == []
+
+
+@only_like_colab
+@pytest.mark.colab
+def test_untouched_standalone_notebook_runs_to_its_first_stub(lesson, colab_kernel, tmp_path):
+    notebook = run_without_network(standalone(lesson.released.read_bytes()), tmp_path)
+    ((_, error),) = errors_of(notebook)
+    assert "NotImplementedError" in error or "checks failed" in error
 
 
 @only_like_colab

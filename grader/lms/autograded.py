@@ -16,6 +16,7 @@ from nbformat import NotebookNode
 from nbgrader.utils import is_grade, is_solution
 
 from grader.course.lessons import Lesson
+from grader.course.standalone import TITLE, is_setup_cell
 from grader.intake.preflight import Answer, Prepared
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
@@ -129,6 +130,8 @@ def _released(lesson: Lesson) -> NotebookNode:
 
 def _shown(cell: Cell, ours: NotebookNode | None) -> NotebookNode:
     """A cell around the graded ones; as it was released where it says the same."""
+    if is_setup_cell(cell.source):
+        return nbformat.v4.new_code_cell(f"{TITLE}\n# (The tools of the course, packed.)")
     if ours is not None and ours.cell_type == "markdown" and cell.kind == "markdown":
         made = nbformat.v4.new_markdown_cell(ours.source)
         if "attachments" in ours:

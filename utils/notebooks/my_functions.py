@@ -106,9 +106,11 @@ def _find(wanted: Path) -> Path:
     )
     similar = difflib.get_close_matches(wanted.name, seen, n=1, cutoff=0.4)
     advice = f" Did you mean {similar[0]}?" if similar else ""
+    alone = not (_PROJECT / "notebooks").is_dir()
+    remedy = f"Upload your {wanted.name} beside this notebook" if alone else "Save it there"
     raise FileNotFoundError(
         f"There is no notebook {str(wanted)!r} in {here}, in the folders beside it or in the "
-        f"course's notebooks.{advice} Save it there, or give its path. (The judge sees one "
+        f"course's notebooks.{advice} {remedy}, or give its path. (The judge sees one "
         "notebook only: paste what it needs into that notebook.)"
     )
 

@@ -1,0 +1,122 @@
+"""Notebooks that need no file beside them: by mail, on a stick, uploaded to Colab or Kaggle."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import hashlib
+import io
+import json
+import lzma
+import tarfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from grader.course.build import COMMON_CELLS, leaks
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT
+
+SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
+# With this the setup cell begins, by which it is known when it comes back.
+TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
+ABOUT = (
+    "*This notebook needs no other file. Upload it to Colab or Kaggle, or open it in VS Code or "
+    "JupyterLab, wherever NumPy, SciPy and matplotlib are.*"
+)
+LARGEST = 400_000  # bytes
+
+
+class NotStandalone(Exception):
+    """A notebook cannot be made that way; `str()` is the sentence to show."""
+
+
+def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
+    """Write the students' notebooks, each with all that it needs.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Made where there is none.
+    stages : iterable of str, optional
+        Only these; by default all.
+
+    Returns
+    -------
+    list of pathlib.Path
+
+    Raises
+    ------
+    NotStandalone
+        One would be too large, or give a solution away.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for lesson in all_lessons():
+        if stages and lesson.stage not in stages:
+            continue
+        text = standalone(lesson.released.read_bytes())
+        given_away = leaks(lesson.solved.read_bytes(), text)
+        if given_away or len(text) > LARGEST:
+            why = f"gives away {given_away[0]!r}" if given_away else f"has {len(text)} bytes"
+            raise NotStandalone(f"{lesson.name} {why}. Nothing was written for it.")
+        path = folder / f"{lesson.name}.ipynb"
+        path.write_bytes(text)
+        written.append(path)
+    return written
+
+
+def standalone(notebook: bytes) -> bytes:
+    """Bytes of a built notebook, with the tools of the course in its setup cell.
+
+    Parameters
+    ----------
+    notebook : bytes
+        As `grader.course.build` writes it.
+
+    Returns
+    -------
+    bytes
+        The same for the same course.
+    """
+    content = json.loads(notebook)
+    for cell in content["cells"]:
+        tags = COMMON_CELLS.keys() & set(cell["metadata"].get("tags", ()))
+        if "setup" in tags:
+            cell["source"] = setup_cell().splitlines(keepends=True)
+            # Folded in JupyterLab, a form in Colab.
+            cell["metadata"] |= {"cellView": "form", "jupyter": {"source_hidden": True}}
+        elif "badge" in tags:
+            cell["source"] = [ABOUT]
+    content["metadata"]["lidar_obstacle_lab"]["standalone"] = True
+    return (json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
+
+
+@functools.cache
+def setup_cell() -> str:
+    """Source of the cell that unpacks the tools."""
+    data = packed_tools()
+    return (
+        SETUP_CELL.read_text("utf-8")
+        .strip()
+        .replace("PACKED", base64.b85encode(data).decode())
+        .replace("DIGEST", hashlib.sha256(data).hexdigest())
+    )
+
+
+def packed_tools() -> bytes:
+    """``utils``, compressed; the same bytes for the same files."""
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
+        for path in sorted((PROJECT / "utils").rglob("*")):
+            if path.suffix not in (".py", ".html") or not path.is_file():
+                continue
+            entry = tarfile.TarInfo(path.relative_to(PROJECT).as_posix())
+            content = path.read_bytes()
+            entry.size, entry.mode = len(content), 0o644
+            archive.addfile(entry, io.BytesIO(content))
+    return lzma.compress(buffer.getvalue(), preset=9 | lzma.PRESET_EXTREME)
+
+
+def is_setup_cell(source: str) -> bool:
+    """Whether a cell that was handed in is the one that unpacks the tools."""
+    return source.startswith(TITLE)

@@ -1,0 +1,162 @@
+"""Notebooks that need no file beside them."""
+
+import base64
+import hashlib
+import io
+import json
+import lzma
+import re
+import subprocess
+import sys
+import tarfile
+
+import nbformat
+import pytest
+
+from grader import cli
+from grader.course import standalone
+from grader.course.lessons import all_lessons, find_lesson
+from grader.course.paths import PROJECT
+from grader.course.variants import fill_in, variants_of
+from grader.intake.handed_in import HandedIn
+from grader.intake.preflight import prepare
+from grader.judging.judge import judge_handed_in
+from grader.lms.autograded import build_copy, graded_cells
+
+LESSON = find_lesson("06_filter_ground")
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("standalone")
+    assert cli.main(["release", "--standalone", "--to", str(folder)]) == 0
+    return folder
+
+
+def unpacked(notebook):
+    """Files in the setup cell of a notebook, by name."""
+    (cell,) = [
+        "".join(cell["source"])
+        for cell in json.loads(notebook)["cells"]
+        if "".join(cell["source"]).startswith(standalone.TITLE)
+    ]
+    data = base64.b85decode(re.search(r'^packed = "(.*)"$', cell, re.M)[1])
+    with tarfile.open(fileobj=io.BytesIO(lzma.decompress(data))) as archive:
+        return {
+            entry.name: archive.extractfile(entry).read() for entry in archive if entry.isfile()
+        }
+
+
+def test_one_small_notebook_a_lesson(written):
+    assert [path.stem for path in sorted(written.iterdir())] == [
+        lesson.name for lesson in all_lessons()
+    ]
+    for path in written.iterdir():
+        assert path.stat().st_size < 400_000
+        nbformat.validate(nbformat.read(path, as_version=4))
+
+
+def test_the_same_bytes_again(written, tmp_path):
+    standalone.setup_cell.cache_clear()
+    standalone.write_standalone(tmp_path, [LESSON.stage])
+    for path in tmp_path.iterdir():
+        assert path.read_bytes() == (written / path.name).read_bytes()
+
+
+def test_nothing_of_the_grader_and_no_solution_inside(written):
+    found = unpacked((written / "06_filter_ground.ipynb").read_bytes())
+    assert found["utils/__init__.py"] == (PROJECT / "utils" / "__init__.py").read_bytes()
+    for name, content in found.items():
+        assert name.startswith("utils/") and "test" not in name.split("/")[-1]
+        assert content == (PROJECT / name).read_bytes()
+        assert b"import grader" not in content and b"from grader" not in content
+
+
+def test_a_notebook_that_gives_a_solution_away_is_not_written(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(standalone, "leaks", lambda *texts: ["answer = 42"])
+    call = ["release", "--standalone", LESSON.stage, "--to", str(tmp_path)]
+    assert cli.main(call) == 1
+    assert "gives away 'answer = 42'" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def run_setup(folder, cell):
+    program = f"{cell}\nprint(folder)\nimport utils\nprint(utils.__file__)\n"
+    program += "print(hashlib.sha256((folder / 'data' / 'cloud.txt').read_bytes()).hexdigest())"
+    return run_python(folder, program)
+
+
+def run_python(folder, program):
+    """Run a program that is too long for a command line."""
+    return subprocess.run(
+        [sys.executable, "-"], input=program, cwd=folder, capture_output=True, text=True
+    )
+
+
+def test_the_setup_cell_needs_nothing_and_makes_the_same_cloud(tmp_path):
+    done = run_setup(tmp_path, standalone.setup_cell())
+    assert done.returncode == 0, done.stderr
+    said, folder, place, digest = done.stdout.strip().splitlines()
+    assert said.startswith("Ready: ") and "Everything this notebook needs is here." in said
+    assert place.startswith(folder)
+    assert digest == hashlib.sha256((PROJECT / "data" / "cloud.txt").read_bytes()).hexdigest()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_damaged_cell_says_so(tmp_path):
+    cell = standalone.setup_cell()
+    place = cell.index('packed = "') + 5000
+    other = "0" if cell[place] != "0" else "1"
+    done = run_setup(tmp_path, cell[:place] + other + cell[place + 1 :])
+    assert "This cell is damaged: get the notebook anew." in done.stderr
+
+
+def test_handed_in_it_is_judged_like_any_other(sandbox):
+    notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
+    answers = {
+        name: next(one.source for one in variants_of(name) if one.right)
+        for name in ("filter_ground", "voxel_grid")
+    }
+    filled = json.loads(fill_in(LESSON, answers))
+    solved = {cell["id"]: cell["source"] for cell in filled["cells"]}
+    for cell in notebook["cells"]:
+        if cell["metadata"].get("nbgrader", {}).get("solution"):
+            cell["source"] = solved[cell["id"]]
+    handed_in = HandedIn("my work.ipynb", json.dumps(notebook).encode())
+    verdict = judge_handed_in(handed_in, 1, sandbox)
+    assert (verdict.lesson, verdict.score, verdict.problems) == (LESSON.name, 30, ())
+    copy = build_copy(prepare(handed_in, LESSON))
+    assert len(graded_cells(copy)) == 4
+    assert max(len(cell.source) for cell in copy.cells) < 10_000  # no wall of letters
+
+
+def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
+    here = tmp_path / "downloads"
+    here.mkdir()
+    notebook = standalone.standalone(LESSON.solved.read_bytes())
+    (here / "06_filter_ground.ipynb").write_bytes(notebook)
+    program = standalone.setup_cell() + (
+        "\nfrom utils import load_my_functions"
+        "\nprint(load_my_functions('06_filter_ground.ipynb').filter_ground.__name__)"
+        "\ntry: load_my_functions('07_filter_by_distance.ipynb')"
+        "\nexcept FileNotFoundError as error: print(error)"
+    )
+    done = run_python(here, program)
+    assert done.returncode == 0, done.stderr
+    assert "filter_ground" in done.stdout.splitlines()[1]
+    assert "Upload your 07_filter_by_distance.ipynb beside this notebook" in done.stdout
+
+
+def test_it_is_the_lesson_that_is_seen_first(written):
+    for path in written.iterdir():
+        cells = json.loads(path.read_text())["cells"]
+        assert cells[0]["cell_type"] == "markdown"
+        (setup,) = [c for c in cells if "".join(c["source"]).startswith(standalone.TITLE)]
+        assert setup["metadata"]["jupyter"]["source_hidden"]
+        assert setup["metadata"]["cellView"] == "form"
+        assert not [c for c in cells if "upload the folders" in "".join(c["source"])]
+
+
+def test_a_stage_that_is_none_is_named(tmp_path, capsys):
+    assert cli.main(["release", "--standalone", "stage9", "--to", str(tmp_path)]) == 2
+    assert "There is no stage stage9" in capsys.readouterr().err
