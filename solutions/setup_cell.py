@@ -12,6 +12,6 @@ import sys
 from pathlib import Path
 
 folders = [p for p in (Path.cwd(), *Path.cwd().parents) if (p / "utils" / "checks").is_dir()]
-assert folders, "No folder `utils` here. Unzip the whole course and open the notebook from it; or get the standalone notebook, which needs no other file; or open the course by its address in Colab."
+assert folders, "No folder `utils` here: unzip the whole course and open the notebook from it; or get the standalone notebook, which needs no other file; or open the course by its address in Colab."
 sys.path.insert(0, str(folders[0]))
 import utils; print(utils.health())
