@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import itertools
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -265,6 +266,7 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
 def _versions(draft: _Draft) -> dict[str, str]:
     """A sentence on each exercise of which there are several versions."""
     found = {}
+    numbers = list(itertools.accumulate(int(cell.kind == "code") for cell in draft.cells))
     for name in _functions(draft.lesson):
         places = _cells_that_define(draft, name)
         stub = _given(draft.lesson).get(name)
@@ -272,11 +274,11 @@ def _versions(draft: _Draft) -> dict[str, str]:
         if stub is not None:
             texts.discard(stub.source)
         if len(texts) > 1:
-            cells = [_number(draft, place) for place in places]
+            *some, last = (numbers[place] for place in places)
+            listed = ", ".join(map(str, some[:4])) + (", …" if len(some) > 4 else "")
             found[name] = (
-                f"{name} is written {len(places)} times, in code cells "
-                f"{', '.join(map(str, cells[:-1]))} and {cells[-1]}. The last one counts, as it "
-                "does when the notebook runs from top to bottom. Keep one."
+                f"{name} is written {len(places)} times, in code cells {listed} and {last}. The "
+                "last one counts, as it does when the notebook runs from top to bottom. Keep one."
             )
     return found
 
@@ -319,7 +321,11 @@ def _drop(draft: _Draft, places: set[int]) -> None:
 
 
 def _defines(cell: Cell, name: str) -> bool:
-    return bool(re.search(rf"^(?:def\s+{name}\s*\(|{name}\s*=)", cell.source, re.MULTILINE))
+    """Whether a cell binds a name at its left margin."""
+    if name not in cell.source:
+        return False
+    pattern = rf"^(?:def[ \t]+{name}[ \t]*\(|{name}[ \t]*=)"
+    return bool(re.search(pattern, cell.source, re.MULTILINE))
 
 
 def _cells_that_define(draft: _Draft, name: str) -> list[int]:
@@ -328,11 +334,6 @@ def _cells_that_define(draft: _Draft, name: str) -> list[int]:
         for place, cell in enumerate(draft.cells)
         if cell.kind == "code" and _defines(cell, name)
     ]
-
-
-def _number(draft: _Draft, place: int) -> int:
-    """Number of a cell among the code cells, from 1."""
-    return sum(cell.kind == "code" for cell in draft.cells[: place + 1])
 
 
 def _functions(lesson: Lesson) -> list[str]:

@@ -209,6 +209,20 @@ def test_a_million_cells(hand_in):
         total_seconds=2.0,
     )
     assert verdict.score == 0 and verdict.seconds < 20
+    assert "700,000 cells" in verdict.problems[0]
+
+
+def test_twenty_thousand_cells_that_all_define_the_exercise(hand_in):
+    source = "def filter_ground(cloud): pass"
+    cells = [
+        json.dumps({"cell_type": "code", "source": source + "#" * (n % 99)}) for n in range(20_000)
+    ]
+    verdict = hand_in(
+        text=f'{{"metadata":{{}},"cells":[{",".join(cells)}]}}',
+        start_seconds=1.0,
+        total_seconds=2.0,
+    )
+    assert verdict.score == 0 and verdict.seconds < 60
 
 
 def test_metadata_nested_620_deep(hand_in, filtering):

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 
 # Each bracket becomes an object of a hundred bytes, so a small file could fill the memory.
 MOST_BRACKETS = 2_000_000
+MOST_CELLS = 20_000
 _TEXT_IN_JSON = re.compile(r'"(?:[^"\\]|\\.)*+"', re.DOTALL)
 _BETWEEN = re.compile(r"[\s,]*")
 _LESSON_IN_JSON = re.compile(r'"lidar_obstacle_lab"\s*:\s*\{\s*"lesson"\s*:\s*"(\w{1,60})"')
@@ -219,6 +220,11 @@ def _find_cells(draft: _Draft) -> str:
 
 def _read_cells(draft: _Draft) -> str:
     """Read each cell, whatever it lacks."""
+    if len(draft.found) > MOST_CELLS:
+        raise UnreadableNotebook(
+            f"{draft.name} has {len(draft.found):,} cells; more than {MOST_CELLS:,} are not read. "
+            "Hand in the notebook you worked in."
+        )
     cells = [cell for cell in draft.found if isinstance(cell, dict)]
     draft.cells = tuple(_cell(cell, draft.old) for cell in cells)
     odd = len(draft.found) - len(cells)
