@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import socket
@@ -116,6 +117,13 @@ def files(folder):
     }
 
 
+def report_of(course):
+    """The report, but for what time it is and how long things took."""
+    page = (course.report / "index.html").read_text()
+    page = re.sub(r"<h2>Slowest notebooks</h2>.*?</table>", "", page, flags=re.DOTALL)
+    return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
+
+
 def book_of(course):
     return gradebook.open_gradebook(course)
 
@@ -140,7 +148,10 @@ def mark_of(course, student):
 
 
 @pytest.mark.slow
-def test_a_course_from_release_to_export(course, sandbox, capsys):
+def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
+    for stage in STAGES:
+        made = nbgrader(course, "generate_assignment", stage, "--force")
+        assert made.returncode == 0, made.stderr
     released = files(course.root / "notebooks")
     configure(
         course,
@@ -204,6 +215,10 @@ def test_a_course_from_release_to_export(course, sandbox, capsys):
     assert "And the tram" in page
     feedback = nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    assert cli.main(["export"]) == commands.GOOD
+    exported = (course.root / "scores.csv").read_text()
+    assert "\ncarol,30," in exported and "\nerin,,13," in exported
     assert files(course.root / "notebooks") == released
 
 
@@ -335,8 +350,11 @@ def test_nothing_half_done_stays(course, sandbox):
     for folder in (course.verdicts / "ada", course.report):
         folder.mkdir(parents=True)
         (folder / "x.part").write_text("half")
+    for name in (".stage3_obstacles.part", ".stage3_obstacles.old"):
+        (course.autograded / "ada" / name).mkdir(parents=True)
+        (course.autograded / "ada" / name / "06_filter_ground.ipynb").write_text("{}")
     assert grade(course, sandbox) == commands.GOOD
-    assert not list(course.root.rglob("*.part"))
+    assert not list(course.root.rglob("*.part")) and not list(course.root.rglob("*.old"))
 
 
 @pytest.mark.parametrize("writes", [0, 1, 2, 3, 4, 5])
@@ -415,7 +433,7 @@ def test_killed_at_fifty_moments_the_same_command_ends_the_same(course, sandbox,
     assert grade(course, sandbox) == commands.GOOD
     cold = time.monotonic() - begin
     expected, released = rows(course), files(course.root / "notebooks")
-    copies = files(course.autograded)
+    copies, report = files(course.autograded), report_of(course)
     begin = time.monotonic()
     (course.root / "gradebook.db").unlink()
     shutil.rmtree(course.autograded)
@@ -438,6 +456,7 @@ def test_killed_at_fifty_moments_the_same_command_ends_the_same(course, sandbox,
             assert grade(course, sandbox) == commands.GOOD
             assert rows(course) == expected
             assert files(course.autograded) == copies
+            assert report_of(course) == report
             assert not list(course.root.rglob("*.part"))
     assert killed > 15
 

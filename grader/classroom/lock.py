@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 from collections.abc import Iterator
 
 from grader.course.paths import Course
@@ -46,4 +47,7 @@ def only_one(course: Course) -> Iterator[None]:
         for folder in (course.verdicts, course.report):
             for path in folder.rglob("*.part"):
                 path.unlink(missing_ok=True)
+        for pattern in ("*/.*.part", "*/.*.old"):  # whole folders, as `grader.lms.gradebook` makes
+            for path in course.autograded.glob(pattern):
+                shutil.rmtree(path, ignore_errors=True)
         yield
