@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 
+import matplotlib.pyplot as plt
 import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
@@ -103,7 +104,10 @@ def faults_on_other_seeds(path, lesson, sandbox):
     if lesson.header.given:
         with Student(program_for(lesson, cells, {}), sandbox, LIMITS) as student:
             return faults_of(lesson, student)
-    return faults_of(lesson, student_with(lesson, answers_in(lesson, cells)))
+    try:
+        return faults_of(lesson, student_with(lesson, answers_in(lesson, cells)))
+    finally:
+        plt.close("all")  # some draw on the way
 
 
 def faults_of(lesson, student):

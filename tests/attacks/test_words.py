@@ -11,7 +11,7 @@ from grader.classroom.submissions import Submission
 from grader.console import print_class, print_verdict
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.lms.nbgrader_plugin import score_output
+from grader.lms.autograded import score_output
 from grader.sandbox.student import KNOWN_EXCEPTIONS, StudentError
 from tests.attacks.attacking import attack, function, tried
 

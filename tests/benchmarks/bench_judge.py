@@ -54,15 +54,20 @@ def time_ours(lessons, folder):
     processes, count = EXECUTORS["processes"], os.cpu_count()
     judged = judge_class(course, (), SEED, sandbox, processes, count, lambda *news: None)
     middle = time.perf_counter()
-    enter(course, judged, SEED, sandbox, lambda *news: None)
+    enter(course, judged, stages_of(lessons), lambda *news: None)
     return middle - begin, time.perf_counter() - middle, len(judged)
+
+
+def stages_of(lessons):
+    return tuple(dict.fromkeys(lesson.stage for lesson in lessons))
 
 
 def time_nbgrader(lessons, folder):
     """(seconds, notebooks) of nbgrader as it comes."""
     course = make_course(folder / "nbgrader", STUDENTS_OF_NBGRADER, lessons)
-    stages = dict.fromkeys(lesson.stage for lesson in lessons)
-    register(course, stages)
+    stages = stages_of(lessons)
+    with open_gradebook(course) as book:
+        register(course, book, stages)
     begin = time.perf_counter()
     for stage in stages:
         autograde = converter(Autograde, course.root, stage)
