@@ -17,8 +17,9 @@ from nbgrader.preprocessors import AssignLatePenalties, Execute, LimitOutput, Sa
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.grade import judge_class
 from grader.course.lessons import all_lessons
+from grader.course.nbgrader_settings import converter
 from grader.course.paths import PROJECT, Course
-from grader.lms.gradebook import converter, enter, register
+from grader.lms.gradebook import enter, open_gradebook, register
 from grader.sandbox import choose_sandbox
 
 STUDENTS = 6
