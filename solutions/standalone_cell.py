@@ -10,7 +10,8 @@ if "utils" not in sys.modules:
     folder = Path(tempfile.mkdtemp(prefix="lidar-obstacle-lab-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     with tarfile.open(fileobj=io.BytesIO(lzma.decompress(data))) as archive:
-        archive.extractall(folder)
+        safely = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
+        archive.extractall(folder, **safely)
     sys.path.insert(0, str(folder))
     from utils.simulator.scenes import write_lesson_cloud
 
