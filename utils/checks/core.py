@@ -179,4 +179,5 @@ def check(function: Callable, exercise: str | None = None) -> None:
     failed = [outcome.check.title for outcome in outcomes if outcome.failure is not None]
     if failed:
         # Where there is no table, as in `nbgrader validate`, this is all that is shown.
-        raise ChecksFailed(f"{len(failed)} of {len(outcomes)} checks failed: {'; '.join(failed)}.")
+        first = "" if len(failed) == 1 else ", the first of them"
+        raise ChecksFailed(f"{len(failed)} of {len(outcomes)} checks failed{first}:\n{failed[0]}")
