@@ -1,6 +1,7 @@
 """What the project's own tests share."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,13 @@ def real_clouds():
     if not folder:
         pytest.skip("REAL_CLOUDS does not name a folder of real recordings")
     return Path(folder)
+
+
+@pytest.fixture(autouse=True)
+def no_figures_of_others():
+    """A test that counts figures meets none that an earlier test left open."""
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
 
 
 # What takes longest comes first, so that no processor waits for another in the end.
