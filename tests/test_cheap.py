@@ -506,7 +506,7 @@ def lost(variant_of, name, lesson_name):
             "filter_clusters",
             "its own input where nothing changes",
             "09_filter_clusters",
-            "leaves_its_input",
+            "returns_a_new_array",
         ),
     ],
 )

@@ -22,6 +22,7 @@ from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
 from grader.sandbox.student import Student
 from tests.students import answers_in, student_with
+from utils.checks.diagnosis import known_mistakes
 from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
@@ -154,7 +155,7 @@ def test_untouched_notebook_earns_nothing(lesson, sandbox):
     verdict = judge(lesson.released, 1, sandbox)
     assert verdict.score == 0
     assert all(
-        "NotImplementedError" in test.message
+        "is not started" in test.message or "For the same reason" in test.message
         for exercise in verdict.exercises
         for test in exercise.tests
     )
@@ -200,8 +201,14 @@ def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_pat
             assert any(key.startswith(name) for key in failed), (
                 f"{variant.name}: {name} passed; only {sorted(failed)} failed"
             )
+        if variant.loses_only:
+            others = [key for key in failed if not key.startswith(variant.loses)]
+            assert not others, f"{variant.name} loses more than it should: {others}"
         assert variant.says in "\n".join([*failed.values(), *verdict.problems]), variant.name
         assert result.score < result.max_score, variant.name
+        told = [one.says for one in known_mistakes(variant.exercise) if one.says in result.cause]
+        assert len(told) == bool(variant.claims), f"{variant.name} is told: {told}"
+        assert variant.claims in "".join(told), f"{variant.name} is told: {told}"
 
 
 def test_hidden_tests_differ_from_seed_to_seed():

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 # variants stands a line `---`: the first is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
+FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
 # A stripped line this short, or of this kind, tells nobody the solution.
 LEAK_LENGTH = 12
 # Address and revision become part of links and of a command, so they hold nothing unusual.
@@ -36,7 +37,7 @@ HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b
 
 
 def build() -> list[tuple[str, Path]]:
-    """Write every notebook and remove those that have no source.
+    """Write every generated file and remove notebooks that have no source.
 
     Returns
     -------
@@ -84,10 +85,18 @@ def check() -> list[str]:
 
 
 def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
-    """Bytes of every generated notebook by path; `origin` is pyproject.toml's unless given."""
+    """Bytes of every generated file by path; `origin` is pyproject.toml's unless given."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in all_lessons()}
-    return {**solved, **_released(solved)}
+    return {**solved, **_released(solved), FORBIDDEN: _forbidden()}
+
+
+def _forbidden() -> bytes:
+    """What each lesson's header forbids, for `check`, which has no header at hand."""
+    rules = {f"lesson_{one.number}": one.header.forbidden for one in all_lessons()}
+    return (
+        json.dumps({name: rule for name, rule in rules.items() if rule}, indent=1) + "\n"
+    ).encode()
 
 
 def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:

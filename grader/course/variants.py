@@ -2,8 +2,10 @@
 
 They lie in ``tests/variants/<exercise>.py``, one after another, each under a line such as
 ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A wrong one goes on with
-``# loses:`` (the checks that it fails, among others) and ``# says:`` (words that the message of
-one of them holds). The tests grade them all; the demo gives them to its pretend students.
+``# loses:`` (the checks that it fails, among others; with ``# loses only:`` no others),
+``# says:`` (words that the message of one of them holds) and ``# claims:`` (words of the mistake
+that is told; without that line, none may be told). The tests grade them all; the demo gives them
+to its pretend students.
 """
 
 import json
@@ -26,6 +28,8 @@ class Variant:
     source: str
     loses: tuple
     says: str
+    loses_only: bool
+    claims: str
 
 
 def variants_of(exercise: str) -> tuple[Variant, ...]:
@@ -48,10 +52,20 @@ def variants_of(exercise: str) -> tuple[Variant, ...]:
 
 
 def _variant(exercise: str, right: bool, name: str, body: str) -> Variant:
-    notes = dict(re.findall(r"^# (loses|says): (.+)\n", body, flags=re.M))
-    source = re.sub(r"^# (loses|says): .+\n", "", body, flags=re.M).strip() + "\n"
-    loses = tuple(part.strip() for part in notes.get("loses", "").split(",") if part.strip())
-    return Variant(exercise, name.strip(), right, source, loses, notes.get("says", ""))
+    kinds = r"^# (loses only|loses|says|claims): (.+)\n"
+    notes, source = dict(re.findall(kinds, body, flags=re.M)), re.sub(kinds, "", body, flags=re.M)
+    only = notes.get("loses only", "")
+    loses = tuple(filter(None, map(str.strip, (only or notes.get("loses", "")).split(","))))
+    return Variant(
+        exercise,
+        name.strip(),
+        right,
+        source.strip() + "\n",
+        loses,
+        notes.get("says", ""),
+        bool(only),
+        notes.get("claims", ""),
+    )
 
 
 def fill_in(lesson: Lesson, answers: dict[str, str]) -> str:

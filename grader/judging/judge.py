@@ -11,13 +11,15 @@ from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.intake.handed_in import HandedIn, read_handed_in
 from grader.intake.preflight import prepare
 from grader.judging.asking import JudgeFault, JudgeTimeout, Outcome, run_tests
+from grader.judging.followed import Followed, follow_through, points_of
 from grader.judging.key import verdict_key
-from grader.judging.messages import message_of
+from grader.judging.messages import messages_of, story_of, text_of
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, TestResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.student import Student, StudentError, StudentStopped
 from utils.checks import CheckFailed
+from utils.checks.diagnosis import Mistake, diagnose
 from utils.notebooks.reading import UnreadableNotebook
 
 # What a wrong answer makes a test raise; anything else may be a fault of the test.
@@ -78,7 +80,8 @@ def judge_handed_in(
     """Judge what has been read; see `judge`."""
     begin = time.perf_counter()
     lesson = lesson or find_lesson(Path(handed_in.name).stem)
-    outcomes, problems, faults, starved, versions = None, [], [], False, {}
+    outcomes, problems, faults, starved, versions, claims = None, [], [], False, {}, {}
+    followed = {}
     try:
         notebook = handed_in.notebook()
     except UnreadableNotebook as error:
@@ -98,6 +101,7 @@ def judge_handed_in(
         with Student(program, sandbox, limits) as proxy:
             try:
                 outcomes = run_tests(lesson, proxy, seed)
+                claims = _claims(lesson, outcomes, proxy)
             except JudgeFault as error:
                 faults = [str(error)]
             problems, starved = [*prepared.notes, *proxy.problems], proxy.starved
@@ -106,7 +110,12 @@ def judge_handed_in(
         faults += ["".join(traceback.format_exception(one.error)) for one in odd]
     if faults:
         outcomes, problems = None, [UNFAIR]
-    exercises = tuple(_score(exercise, outcomes) for exercise in lesson.machine_graded)
+    elif outcomes is not None:
+        followed = follow_through(lesson, program, outcomes, seed, sandbox, limits)
+    exercises = tuple(
+        _score(exercise, outcomes, claims.get(exercise.name), followed.get(exercise.name))
+        for exercise in lesson.machine_graded
+    )
     if outcomes is not None:
         lost = [result.name for result in exercises if result.score < result.max_score]
         problems += [versions[name] for name in lost if name in versions]
@@ -166,19 +175,42 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
         )
 
 
-def _score(exercise: Exercise, outcomes: list[Outcome] | None) -> ExerciseResult:
+def _claims(lesson: Lesson, outcomes: list[Outcome], student: Student) -> dict[str, Mistake]:
+    """What explains the answers to each exercise, by its name."""
+    found = {}
+    for exercise in lesson.machine_graded:
+        mine = [one.error for one in outcomes if one.mark["exercise"] == exercise.name]
+        if any(isinstance(error, CheckFailed) for error in mine):
+            student.exercise = exercise.name
+            found[exercise.name] = diagnose(exercise.name, getattr(student, exercise.name))
+    return found
+
+
+def _score(
+    exercise: Exercise,
+    outcomes: list[Outcome] | None,
+    claim: Mistake | None,
+    followed: Followed | None,
+) -> ExerciseResult:
     """`ExerciseResult` of one exercise; nothing was tried where `outcomes` is None."""
     if outcomes is None:
         return ExerciseResult(exercise.name, 0.0, exercise.points, ())
     mine = [one for one in outcomes if one.mark["exercise"] == exercise.name]
+    said, claim = [], None if followed else claim
+    if followed:
+        mine, said = followed.outcomes, [followed.sentence]
     whole = sum(one.mark["weight"] for one in mine)
-    tests = tuple(_result(one, exercise.points * one.mark["weight"] / whole) for one in mine)
-    passed = sum(one.mark["weight"] for one in mine if one.error is None)
-    score = round(exercise.points * passed / whole, 2)
-    return ExerciseResult(exercise.name, score, exercise.points, tests)
+    story = story_of(mine, claim)
+    messages = messages_of(story)
+    tests = tuple(
+        _result(one, exercise.points * one.mark["weight"] / whole, messages) for one in mine
+    )
+    score = points_of(exercise, mine)
+    said += [text_of(story.first, claim)] if story.first else []
+    return ExerciseResult(exercise.name, score, exercise.points, tests, "\n".join(said))
 
 
-def _result(outcome: Outcome, points: float) -> TestResult:
+def _result(outcome: Outcome, points: float, messages: dict[str, str]) -> TestResult:
     passed, points = outcome.error is None, round(points, 2)
     return TestResult(
         outcome.name,
@@ -186,6 +218,6 @@ def _result(outcome: Outcome, points: float) -> TestResult:
         passed,
         points if passed else 0.0,
         points,
-        "" if passed else message_of(outcome),
+        "" if passed else messages[outcome.mark["title"]],
         outcome.mark["visible"],
     )

@@ -1,4 +1,4 @@
-"""What a person reads about a failed test.
+"""What a person reads about a failed test, and about an exercise as a whole.
 
 About a visible test everything: it is in the notebook. About a hidden one nothing that holds a
 part of its question, or a word that student code chose: what kind of thing is wrong, where in
@@ -10,37 +10,85 @@ import re
 from grader.judging.asking import JudgeTimeout, Outcome
 from grader.sandbox.student import StudentError, StudentStopped
 from utils.checks import CheckFailed
+from utils.checks.core import Check
+from utils.checks.diagnosis import Mistake
+from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
+from utils.checks.story import Outcome as Told
+from utils.checks.story import Story, hint_for, resolve
 from utils.checks.tips import tip_for
 
 
-def message_of(outcome: Outcome) -> str:
-    """What to tell a student about a failed test, line by line."""
+def story_of(outcomes: list[Outcome], claim: Mistake | None = None) -> Story:
+    """The story of one exercise; see `utils.checks.story`.
+
+    Parameters
+    ----------
+    outcomes : list of Outcome
+        Those of the exercise, the visible ones first.
+    claim : utils.checks.diagnosis.Mistake, optional
+        What explains the answers.
+    """
+    return resolve([told(one) for one in outcomes], claim=claim)
+
+
+def told(outcome: Outcome) -> Told:
+    """A test's outcome, as one tells that of a check."""
+    mark = outcome.mark
+    check = Check(mark["exercise"], mark["title"], "", mark["hint"], mark["weight"], print)
+    return Told(check, outcome.error and failure_of(outcome))
+
+
+def messages_of(story: Story) -> dict[str, str]:
+    """What to tell about each failed test, by title; one cause is told once."""
+    if story.first is None:
+        return {}
+    title = story.first.check.title
+    same = f"For the same reason as “{title}”."
+    return {
+        title: text_of(story.first, story.claim),
+        **{one.check.title: same for one in story.same},
+        **{one.check.title: text_of(one) for one in (*story.others, *story.waiting)},
+    }
+
+
+def text_of(outcome: Told, claim: Mistake | None = None) -> str:
+    """What to tell about a failure, line by line."""
+    failure, hint = outcome.failure, hint_for(outcome, claim)
+    lines = [
+        failure.message,
+        claim.says if claim else "",
+        failure.tip,
+        _side_by_side(failure),
+        hint and f"Hint: {hint}",
+    ]
+    return "\n".join(line for line in lines if line)
+
+
+def failure_of(outcome: Outcome) -> CheckFailed:
+    """Why a test failed, in words that may be told."""
     error, visible = outcome.error, outcome.mark["visible"]
-    exercise, hint = outcome.mark["exercise"], f"Hint: {outcome.mark['hint']}"
+    exercise = outcome.mark["exercise"]
     if isinstance(error, StudentStopped):
-        return str(error)
+        return Stopped(str(error))
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
-        return (
-            f"{exercise} still raises NotImplementedError: it was not written, "
-            "or its cell was lost."
-        )
+        return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
         said = str(error) if visible else error.without_words
-        return _lines(said, tip_for(error.type_name, error.message), hint)
-    if isinstance(error, CheckFailed) and visible:
-        return _lines(error.message, _side_by_side(error), hint)
+        tip = tip_for(error.type_name, error.message, error.line)
+        return Raised(said, kind=error.type_name, place=error.place, tip=tip)
+    if isinstance(error, NotYet) or (isinstance(error, CheckFailed) and visible):
+        return error
     if isinstance(error, CheckFailed):
-        return _lines(without_numbers(error.message), hint)
+        kind = type(error) if isinstance(error, WrongForm) else CheckFailed
+        return kind(without_numbers(error.message), hint=error.hint)
     if isinstance(error, JudgeTimeout):
-        return _lines(
+        return WrongForm(
             "Comparing the answer took longer than any right answer needs: is it much larger "
-            "than what was asked for?",
-            hint,
+            "than what was asked for?"
         )
-    return _lines(
+    return WrongForm(
         "The answer could not be compared with the right one "
-        f"({type(error).__name__}): is it what the docstring promises?",
-        hint,
+        f"({type(error).__name__}): is it what the docstring promises?"
     )
 
 
@@ -52,11 +100,8 @@ def without_numbers(message: str) -> str:
 
 
 def _side_by_side(error: CheckFailed) -> str:
+    given = f"Given: {error.given}; " if error.given is not None else ""
     if error.yours is None:
-        return ""
+        return given.removesuffix("; ")
     expected = f"; expected: {error.expected}" if error.expected is not None else ""
-    return f"Yours: {error.yours}{expected}"
-
-
-def _lines(*lines: str) -> str:
-    return "\n".join(line for line in lines if line)
+    return f"{given}{'yours' if given else 'Yours'}: {error.yours}{expected}"

@@ -31,12 +31,22 @@ class TestResult:
 
 @dataclass(frozen=True)
 class ExerciseResult:
-    """One exercise with its tests."""
+    """One exercise with its tests.
+
+    Attributes
+    ----------
+    name : str
+    score, max_score : float
+    tests : tuple of TestResult
+    cause : str
+        What to mend first, line by line; empty where nothing failed.
+    """
 
     name: str
     score: float
     max_score: float
     tests: tuple
+    cause: str = ""
 
 
 @dataclass(frozen=True)

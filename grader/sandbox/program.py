@@ -43,10 +43,11 @@ class Program:
     forbidden: tuple[str, ...] = ()
     packages: tuple[str, ...] = PACKAGES
 
-    def has_place(self, text: str) -> bool:
-        """True if a text is a place in the notebook, such as ``code cell 3, line 12``."""
-        found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", text)
+    def line_at(self, place: str) -> str | None:
+        """What stands at a place such as ``code cell 3, line 12``; None if there is no such one."""
+        found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
         if not found:
-            return False
+            return None
         cell, line = int(found[1]), int(found[2])
-        return 0 < cell <= len(self.cells) and 0 < line <= self.cells[cell - 1].count("\n") + 1
+        lines = self.cells[cell - 1].split("\n") if 0 < cell <= len(self.cells) else []
+        return lines[line - 1].strip() if 0 < line <= len(lines) else None

@@ -42,14 +42,27 @@ class StudentError(Exception):
     ----------
     type_name, message : str
         The student's words: not for the messages of hidden tests.
+    place : str or None
+        Where in the notebook, in our words.
+    line : str
+        What stands there, in the student's.
+    inside : str
+        The exercise that it happened in; empty where it was in none.
     without_words : str
         The same in our words alone: a type that Python or NumPy defines, and the place.
     """
 
     def __init__(
-        self, function: str, type_name: str, message: str = "", place: str | None = None
+        self,
+        function: str,
+        type_name: str,
+        message: str = "",
+        place: str | None = None,
+        line: str = "",
+        inside: str = "",
     ) -> None:
         self.type_name, self.message = type_name, message
+        self.place, self.line, self.inside = place, line, inside
         where = f" ({place})" if place else ""
         known = type_name if type_name in KNOWN_EXCEPTIONS else "an exception of its own"
         self.without_words = f"{function} raised {known}{where}."
@@ -206,9 +219,13 @@ class Student:
     def _error(self, name: str, error: object) -> StudentError:
         if not isinstance(error, dict):
             return StudentError(name, "Exception")
-        kind, message, place = (_readable(error.get(key)) for key in ("type", "message", "place"))
-        place = place if self._program.has_place(place) else None
-        return StudentError(name, kind or "Exception", message, place)
+        kind, message, place, inside = (
+            _readable(error.get(key)) for key in ("type", "message", "place", "function")
+        )
+        line = self._program.line_at(place)
+        place, line = (None, "") if line is None else (place, _readable(line))
+        inside = inside if inside in self._program.names else ""
+        return StudentError(name, kind or "Exception", message, place, line, inside)
 
     def _ensure_running(self) -> None:
         if self._worker:

@@ -5,7 +5,7 @@
 #     language: python
 #     name: python3
 #   lidar_obstacle_lab:
-#     forbidden: [sklearn.cluster, scipy.cluster, hdbscan, dbscan, open3d, pcl]
+#     forbidden: [sklearn.cluster, scipy.cluster, scipy.sparse.csgraph, hdbscan, dbscan, open3d, pcl]
 #     packages: [scikit-learn]
 # ---
 

@@ -19,7 +19,6 @@ from tests.attacks.attacking import (
     attack,
     function,
     outcome_of,
-    stopped_by,
     tried,
 )
 

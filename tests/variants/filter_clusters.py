@@ -53,14 +53,14 @@ def filter_clusters(cluster_labels, min_num_points=100):
     return filtered
 
 # %% wrong: labels of eight bits
-# loses: test_gaps_and_noise, test_kinds_of_numbers
+# loses only: test_labels
 # says: What stays keeps its label
 def filter_clusters(cluster_labels, min_num_points=100):
     names, which, counts = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(counts[which] < min_num_points, 0, cluster_labels).astype(np.uint8)
 
 # %% wrong: its own input where nothing changes
-# loses: leaves_its_input
+# loses only: returns_a_new_array
 # says: whoever changes one changes both
 def filter_clusters(cluster_labels, min_num_points=100):
     names, which, counts = np.unique(cluster_labels, return_inverse=True, return_counts=True)
@@ -83,8 +83,9 @@ def filter_clusters(cluster_labels, min_num_points=100):
     return labels
 
 # %% wrong: renumbers what is left
-# loses: removes_small_clusters, test_course_cloud, test_swarms
+# loses only: keeps_the_labels, test_labels
 # says: What stays keeps its label
+# claims: numbered anew
 def filter_clusters(cluster_labels, min_num_points=100):
     filtered = np.zeros_like(cluster_labels)
     number = 0
@@ -95,7 +96,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
     return filtered
 
 # %% wrong: changes the labels in place
-# loses: leaves_its_input, test_course_cloud
+# loses only: leaves_its_input, returns_a_new_array, test_input
 # says: changed its input
 def filter_clusters(cluster_labels, min_num_points=100):
     for label in np.unique(cluster_labels):
@@ -104,8 +105,9 @@ def filter_clusters(cluster_labels, min_num_points=100):
     return cluster_labels
 
 # %% wrong: at most instead of fewer than
-# loses: follows_the_minimum, removes_small_clusters
-# says: not <=
+# loses only: keeps_the_tie, test_ties
+# says: fewer than
+# claims: `<=` stands
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] <= min_num_points, 0, cluster_labels)
@@ -113,53 +115,58 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: compares the label with the minimum
 # loses: removes_small_clusters, removes_neighbours, test_swarms
 # says: should be
+# claims: The labels are compared
 def filter_clusters(cluster_labels, min_num_points=100):
     return np.where(cluster_labels < min_num_points, 0, cluster_labels)
 
 # %% wrong: deletes the points of small clusters
 # loses: removes_small_clusters, test_course_cloud, test_order
 # says: one label for each
+# claims: are deleted
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return cluster_labels[count[which] >= min_num_points]
 
 # %% wrong: the minimum is written into the function
 # loses: removes_small_clusters, follows_the_minimum, test_swarms
-# says: Compare with the parameter
+# says: Compare with min_num_points
+# claims: A fixed minimum
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < 100, 0, cluster_labels)
 
 # %% wrong: parameters renamed
-# loses: follows_the_minimum
-# says: A parameter was renamed
+# loses only: keeps_the_names
+# says: another name
 def filter_clusters(labels, minimum=100):
     _, which, count = np.unique(labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < minimum, 0, labels)
 
 # %% wrong: default changed
-# loses: follows_the_minimum
+# loses only: keeps_the_default
 # says: should be gone
 def filter_clusters(cluster_labels, min_num_points=10):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, 0, cluster_labels)
 
 # %% wrong: -1 for noise
-# loses: removes_small_clusters, test_course_cloud
+# loses only: writes_zeros
 # says: not a negative one
+# claims: -1 is written
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, -1, cluster_labels)
 
 # %% wrong: keeps the small ones
-# loses: removes_small_clusters, removes_neighbours, test_swarms
-# says: should be gone
+# loses: removes_small_clusters, test_course_cloud
+# says: should be
+# claims: the large clusters that go
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, cluster_labels, 0)
 
 # %% wrong: counts on labels without gaps
-# loses: leaves_noise_alone, test_gaps_and_noise
+# loses: allows_gaps
 # says: 7 may be there without 6
 def filter_clusters(cluster_labels, min_num_points=100):
     filtered = cluster_labels.copy()
@@ -172,6 +179,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: returns the labels that stay
 # loses: removes_small_clusters, test_swarms
 # says: one label for each
+# claims: names of the labels
 def filter_clusters(cluster_labels, min_num_points=100):
     found, counts = np.unique(cluster_labels[cluster_labels > 0], return_counts=True)
     return found[counts >= min_num_points]
@@ -196,6 +204,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: returns the labels as they are
 # loses: removes_small_clusters, removes_neighbours, test_course_cloud, test_swarms
 # says: should be gone
+# claims: Nothing is removed
 def filter_clusters(cluster_labels, min_num_points=100):
     return cluster_labels
 
@@ -206,8 +215,8 @@ def filter_clusters(cluster_labels, min_num_points=100):
     return np.zeros_like(cluster_labels)
 
 # %% wrong: max of nothing
-# loses: takes_the_smallest
-# says: Return early
+# loses only: takes_the_smallest
+# says: can be empty
 def filter_clusters(cluster_labels, min_num_points=100):
     filtered = cluster_labels.copy()
     for label in range(1, np.max(cluster_labels) + 1):

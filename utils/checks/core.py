@@ -1,15 +1,29 @@
 """What a check is, how it is declared, and how a notebook runs it."""
 
+from __future__ import annotations
+
 import importlib
 import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from utils.checks.tips import tip_for
-from utils.checks.vocabulary import CheckFailed
+from utils.checks.diagnosis import Mistake, diagnose
+from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
+from utils.checks.limits import TimeUp, limited
+from utils.checks.story import Outcome, resolve
+from utils.checks.tips import place_in, tip_for
+from utils.checks.using import functions_used, refused_modules
+
+if TYPE_CHECKING:
+    from utils.checks.display import Table
+
+# More than any right answer needs on a slow machine; somebody waits for it who has a loop without
+# an end.
+SECONDS = 20
 
 # Every module `lesson_NN` of this package declares the checks of its exercises here.
-_CHECKS: dict[str, list["Check"]] = {}
+_CHECKS: dict[str, list[Check]] = {}
 
 
 @dataclass(frozen=True)
@@ -27,7 +41,8 @@ class Check:
     hint : str
         The first hint for someone who fails it.
     weight : float
-        Its share of the exercise's points, relative to the other checks.
+        Its share of the exercise's points, relative to the other checks; 0 for a note, which
+        says what costs no points and why later cells care.
     run : callable
         Takes the function; raises `CheckFailed` where the property does not hold.
     """
@@ -44,13 +59,15 @@ class Check:
         """Short name, unique within the exercise."""
         return self.run.__name__
 
+    @property
+    def lesson(self) -> str:
+        """The module that declares it, such as "lesson_05"."""
+        return self.run.__module__.rpartition(".")[2]
 
-@dataclass(frozen=True)
-class Outcome:
-    """What came of running a check; `failure` is None where it passed."""
-
-    check: Check
-    failure: CheckFailed | None
+    @property
+    def is_note(self) -> bool:
+        """True where it costs no points."""
+        return self.weight == 0
 
 
 class ChecksFailed(AssertionError):
@@ -84,8 +101,25 @@ def visible(exercise: str, *, title: str, why: str, hint: str, weight: float = 1
     return declare
 
 
+def noted(exercise: str, *, title: str, why: str) -> Callable:
+    """Declare a check that costs no points: where it fails, `check` shows an amber note.
+
+    Parameters
+    ----------
+    exercise : str
+    title, why : str
+        As in `Check`; `why` says which later cells care.
+
+    Returns
+    -------
+    callable
+        The decorator; the function stays as it is.
+    """
+    return visible(exercise, title=title, why=why, hint="", weight=0)
+
+
 def checks_of(exercise: str) -> tuple[Check, ...]:
-    """The visible checks of an exercise, in the order they are written.
+    """The visible checks of an exercise that give points, in the order they are written.
 
     Parameters
     ----------
@@ -101,6 +135,15 @@ def checks_of(exercise: str) -> tuple[Check, ...]:
     LookupError
         If the course has no such exercise.
     """
+    return tuple(one for one in _all_of(exercise) if not one.is_note)
+
+
+def notes_of(exercise: str) -> tuple[Check, ...]:
+    """The notes of an exercise, which cost no points; see `checks_of`."""
+    return tuple(one for one in _all_of(exercise) if one.is_note)
+
+
+def _all_of(exercise: str) -> list[Check]:
     modules = _modules_of_lessons()
     while exercise not in _CHECKS and modules:
         importlib.import_module(modules.pop(0))
@@ -111,7 +154,7 @@ def checks_of(exercise: str) -> tuple[Check, ...]:
             f"There are no checks for {exercise!r}. Pass the function itself, "
             f"under the name it was given: one of {', '.join(names)}."
         )
-    return tuple(_CHECKS[exercise])
+    return _CHECKS[exercise]
 
 
 def _modules_of_lessons() -> list[str]:
@@ -122,7 +165,7 @@ def _modules_of_lessons() -> list[str]:
 
 
 def run_check(one_check: Check, function: Callable) -> Outcome:
-    """Run one check.
+    """Run one check, for as long as it may take.
 
     Parameters
     ----------
@@ -134,26 +177,28 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
     Outcome
     """
     try:
-        one_check.run(function)
+        with limited(SECONDS):
+            one_check.run(function)
     except CheckFailed as failure:
         return Outcome(one_check, failure)
-    except NotImplementedError:
-        return Outcome(
-            one_check,
-            CheckFailed(
-                f"{one_check.exercise} still raises NotImplementedError. Replace that line with "
-                "your code and run its cell again."
-            ),
+    except TimeUp:
+        sentence = (
+            f"{one_check.exercise} did not come back within {SECONDS} seconds: is there a loop "
+            "that never ends? If a cell of yours hangs, press the stop button ■ above."
         )
+        return Outcome(one_check, Stopped(sentence))
     except Exception as error:
-        name = type(error).__name__
-        return Outcome(
-            one_check,
-            CheckFailed(
-                f"{one_check.exercise} raised {name}: {error}", tip=tip_for(name, str(error))
-            ),
-        )
+        return Outcome(one_check, _raised(one_check.exercise, error, function))
     return Outcome(one_check, None)
+
+
+def _raised(exercise: str, error: Exception, function: Callable) -> CheckFailed:
+    """What an exception means for whoever wrote the function."""
+    kind, (name, place, line) = type(error).__name__, place_in(error, function)
+    if isinstance(error, NotImplementedError):
+        return NotStarted(exercise, name or exercise)
+    message = f"{exercise} raised {kind}: {error}" + (f" ({place}: {line})" if place else "")
+    return Raised(message, kind=kind, place=place, tip=tip_for(kind, str(error), line))
 
 
 def check(function: Callable, exercise: str | None = None) -> None:
@@ -171,13 +216,59 @@ def check(function: Callable, exercise: str | None = None) -> None:
     ChecksFailed
         If a check fails, after everything has been shown.
     """
-    from utils.checks.display import show
+    from utils.checks.display import Table
 
     exercise = exercise or getattr(function, "__name__", str(function))
-    outcomes = [run_check(one_check, function) for one_check in checks_of(exercise)]
-    show(outcomes)
-    failed = [outcome.check.title for outcome in outcomes if outcome.failure is not None]
-    if failed:
-        # Where there is no table, as in `nbgrader validate`, this is all that is shown.
-        first = "" if len(failed) == 1 else ", the first of them"
-        raise ChecksFailed(f"{len(failed)} of {len(outcomes)} checks failed{first}:\n{failed[0]}")
+    checks = checks_of(exercise)
+    table = Table(checks)
+    if refused := refused_modules(function, checks[0].lesson):
+        outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
+    else:
+        outcomes = _run_all(checks, function, table)
+    failed = [outcome for outcome in outcomes if outcome.failure]
+    claim = blamed = None
+    if failed and not isinstance(failed[0].failure, NotStarted | Refused | Stopped):
+        claim, blamed = _claim(exercise, function), _blamed(exercise, function)
+    notes = [] if failed else [run_check(one, function) for one in notes_of(exercise)]
+    story = resolve(outcomes, checks, claim, notes, blamed)
+    table.finish(story)
+    if story.first:
+        raise ChecksFailed(story.in_one_line)
+
+
+def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
+    """Run checks, and show each as it ends; after one that hangs, or a stub, no more."""
+    outcomes = []
+    for one in checks:
+        outcomes.append(run_check(one, function))
+        table.show(outcomes)
+        if isinstance(outcomes[-1].failure, Stopped | NotStarted):
+            break
+    return outcomes
+
+
+def _refusal(exercise: str, modules: list[str]) -> Refused:
+    names = " and ".join(modules)
+    return Refused(
+        f"{exercise} uses {names}, which is not allowed in this lesson: it does the exercise for "
+        "you. With it the judge gives no points, either."
+    )
+
+
+def _claim(exercise: str, function: Callable) -> Mistake | None:
+    try:
+        with limited(SECONDS):
+            return diagnose(exercise, function)
+    except TimeUp:
+        return None
+
+
+def _blamed(exercise: str, function: Callable) -> str | None:
+    """An exercise of the same lesson that a function calls and that does not pass its checks."""
+    lesson = checks_of(exercise)[0].lesson
+    for name, helper in functions_used(function).items():
+        if name != exercise and name in _CHECKS and checks_of(name)[0].lesson == lesson:
+            for one in checks_of(name):
+                if run_check(one, helper).failure:
+                    return name
+    return None

@@ -1,108 +1,163 @@
-"""Show the outcome of checks: a table in a notebook, plain text elsewhere."""
+"""Show what came of checks: a table in a notebook, plain text elsewhere."""
 
-from collections.abc import Iterator
+import contextlib
+from collections.abc import Iterable, Sequence
 from html import escape
 
-from utils.checks.core import Outcome
+from utils.checks.core import Check
+from utils.checks.story import Outcome, Story, details
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
-_PASSED, _FAILED = "#1a7f4b", "#c4420b"
+_COLOURS = {"passed": "#1a7f4b", "failed": "#c4420b", "note": "#8a5a00", "waiting": "#5f6670"}
+_SIGNS = {"passed": "✓ passed", "failed": "✗ failed", "note": "! note", "waiting": "… waiting"}
 
 
-def show(outcomes: list[Outcome]) -> None:
-    """Display outcomes, and the pictures of what failed.
+class Table:
+    """A table of checks that grows while they run.
 
     Parameters
     ----------
-    outcomes : list of utils.checks.core.Outcome
+    checks : sequence of utils.checks.core.Check
+        All that will run.
     """
-    try:
-        from IPython import get_ipython
+
+    def __init__(self, checks: Sequence[Check]) -> None:
+        self._checks, self._handle, self._in_notebook = checks, None, _in_notebook()
+
+    def show(self, outcomes: Sequence[Outcome]) -> None:
+        """Display the rows that are there already; in plain text everything comes at the end."""
+        if self._in_notebook:
+            rows = [_row("failed" if o.failure else "passed", o.check.title) for o in outcomes]
+            if len(outcomes) < len(self._checks):
+                rows.append(_row("waiting", f"{self._checks[len(outcomes)].title}: running"))
+            self._display(_table(rows), "checks are running")
+
+    def finish(self, story: Story) -> None:
+        """Display the whole story, and the picture of its first failure."""
+        if not self._in_notebook:
+            print(as_text(story))
+            return
+        self._display(as_html(story), as_text(story))
+        if story.first and story.first.failure.draw:
+            import matplotlib.pyplot as plt
+
+            story.first.failure.draw()
+            plt.show()
+
+    def _display(self, html: str, text: str) -> None:
         from IPython.display import display
 
-        in_notebook = get_ipython() is not None
-    except ImportError:
-        in_notebook = False
-    if not in_notebook:
-        print(as_text(outcomes))
-        return
-    display({"text/html": as_html(outcomes), "text/plain": as_text(outcomes)}, raw=True)
-    # One picture is a help, five are a wall.
-    drawn = next(
-        (outcome.failure.draw for outcome in outcomes if outcome.failure and outcome.failure.draw),
-        None,
-    )
-    if drawn:
-        import matplotlib.pyplot as plt
-
-        drawn()
-        plt.show()
+        data = {"text/html": html, "text/plain": text}
+        if self._handle:
+            self._handle.update(data, raw=True)
+        else:
+            self._handle = display(data, raw=True, display_id=True)
 
 
-def as_text(outcomes: list[Outcome]) -> str:
-    """Outcomes as plain text.
+def as_text(story: Story) -> str:
+    """A story as plain text.
 
     Parameters
     ----------
-    outcomes : list of utils.checks.core.Outcome
+    story : utils.checks.story.Story
 
     Returns
     -------
     str
     """
+    if story.not_started:
+        return f"[waiting] {story.first.failure.message}"
     lines = []
-    for outcome in outcomes:
-        failure = outcome.failure
-        lines.append(f"[{'failed' if failure else 'passed'}] {outcome.check.title}")
-        if failure:
-            lines += [f"    {label}: {text}" for label, text in _details(outcome)]
+    if story.first:
+        lines.append(f"[failed] {story.first.check.title}")
+        lines += [f"    {label}: {text}" for label, text in _all_details(story)]
+    lines += [f"    [failed] for the same reason: {one.check.title}" for one in story.same]
+    lines += [f"[failed] {o.check.title}: {o.failure.message}" for o in story.others]
+    lines += [f"[waiting] {one.check.title}" for one in story.waiting]
+    lines += [f"[passed] {outcome.check.title}" for outcome in story.passed]
+    lines += [
+        f"[note] {one.check.title}: {one.failure.message} {one.check.why}" for one in story.notes
+    ]
     return "\n".join(lines)
 
 
-def as_html(outcomes: list[Outcome]) -> str:
-    """Outcomes as an HTML table.
+def as_html(story: Story) -> str:
+    """A story as an HTML table.
 
     Parameters
     ----------
-    outcomes : list of utils.checks.core.Outcome
+    story : utils.checks.story.Story
 
     Returns
     -------
     str
     """
+    if story.not_started:
+        return _table([_row("waiting", "", _line("", story.first.failure.message))])
     rows = []
-    for outcome in outcomes:
-        good = outcome.failure is None
-        mark = (
-            f"<span style='background:{_PASSED if good else _FAILED};color:#fff;"
-            "font-weight:bold;white-space:nowrap;padding:0 0.5em;border-radius:3px'>"
-            f"{'✓ passed' if good else '✗ failed'}</span>"
-        )
-        body = f"<b>{escape(outcome.check.title)}</b>"
-        body += "".join(
-            f"<br><i>{escape(label)}:</i> {escape(text)}"
-            for label, text in ([] if good else _details(outcome))
-        )
-        rows.append(
-            f"<tr><td style='width:6em;vertical-align:top;text-align:left'>"
-            f"{mark}</td>"
-            f"<td style='text-align:left'>{body}</td></tr>"
-        )
+    if story.first:
+        body = "".join(_line(label, text) for label, text in _all_details(story))
+        if story.same:
+            body += (
+                f"<details><summary>{_count(story.same)} for the same reason</summary>"
+                f"{_titles(one.check for one in story.same)}</details>"
+            )
+        rows.append(_row("failed", story.first.check.title, body))
+    rows += [
+        _row("failed", one.check.title, _line("", one.failure.message)) for one in story.others
+    ]
+    rows += [_row("waiting", one.check.title) for one in story.waiting]
+    rows += [_row("passed", one.check.title) for one in story.passed]
+    rows += [
+        _row("note", one.check.title, _line("", f"{one.failure.message} {one.check.why}"))
+        for one in story.notes
+    ]
+    return _table(rows)
+
+
+def _all_details(story: Story) -> list[tuple[str, str]]:
+    """What is said about the first failure, and which function to mend first."""
+    said = details(story.first, story.claim)
+    if story.blamed:
+        sentence = f"{story.blamed}, which this calls, does not pass its own checks."
+        said.insert(1, ("Begin there", sentence))
+    return said
+
+
+def _count(outcomes: Sequence[Outcome]) -> str:
+    return f"{len(outcomes)} more check{'s fail' if len(outcomes) > 1 else ' fails'}"
+
+
+def _titles(checks: Iterable[Check]) -> str:
+    return "".join(f"<br>{escape(one.title)}" for one in checks)
+
+
+def _line(label: str, text: str) -> str:
+    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + escape(text)
+
+
+def _row(state: str, title: str, body: str = "") -> str:
+    mark = (
+        f"<span style='background:{_COLOURS[state]};color:#fff;font-weight:bold;"
+        f"white-space:nowrap;padding:0 0.5em;border-radius:3px'>{_SIGNS[state]}</span>"
+    )
+    said = f"<b>{escape(title)}</b>{body}" if title else body.removeprefix("<br>")
+    return (
+        f"<tr><td style='width:6em;vertical-align:top;text-align:left'>{mark}</td>"
+        f"<td style='text-align:left'>{said}</td></tr>"
+    )
+
+
+def _table(rows: list[str]) -> str:
     return (
         "<table role='table' aria-label='Checks' style='width:100%;max-width:60em'>"
         f"{''.join(rows)}</table>"
     )
 
 
-def _details(outcome: Outcome) -> Iterator[tuple[str, str]]:
-    """What there is to say about a failure, each as (label, text)."""
-    failure = outcome.failure
-    yield "What happened", failure.message
-    if failure.tip:
-        yield "In plain words", failure.tip
-    if failure.yours is not None:
-        yield "Yours", failure.yours
-    if failure.expected is not None:
-        yield "Expected", failure.expected
-    yield "Why it matters", outcome.check.why
-    yield "Hint", outcome.check.hint
+def _in_notebook() -> bool:
+    with contextlib.suppress(ImportError):
+        from IPython import get_ipython
+
+        return get_ipython() is not None
+    return False

@@ -5,21 +5,29 @@ from collections.abc import Callable
 import numpy as np
 
 import utils
-from utils.checks.core import visible
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
     CheckFailed,
+    as_array,
     as_labels,
     assert_new_array,
     assert_untouched,
+    brief,
     frozen,
+    needs,
 )
 
-# Clusters of 5, 1, 2, 4, 3 and 2 points, neither sorted nor in one piece.
-_LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6]))
+# Clusters of 5, 1, 2, 4, 4 and 2 points, neither sorted nor in one piece. None has exactly 3, the
+# minimum that goes with them: what happens then is a check of its own.
+_LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6, 5]))
+_KEPT = frozen(np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0, 5]))
 
 
-def assert_filtered(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
-    """The answer is `expected`; where not, say which of the usual mistakes it looks like.
+def assert_kept(
+    answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
+) -> None:
+    """The right points are left; under which label, and what the others have, is not looked at.
 
     Parameters
     ----------
@@ -27,36 +35,58 @@ def assert_filtered(answer: object, labels: np.ndarray, expected: np.ndarray) ->
     labels : numpy.ndarray of int, shape (n,)
         What the function was given.
     expected : numpy.ndarray of int, shape (n,)
+    minimum : int, optional
+        What else it was given, for the message.
     """
     yours = as_labels(answer, len(labels))
-    if np.array_equal(yours, expected):
-        return
-    sides = {"yours": _counted(yours), "expected": _counted(expected)}
-    noise = labels == 0
-    if yours[noise].any():
-        raise CheckFailed("Points with label 0 belong to no cluster and keep the 0.", **sides)
-    if (yours < 0).any():
-        raise CheckFailed(
-            "Points of removed clusters get the label 0, not a negative one.", **sides
-        )
     if np.array_equal(yours > 0, expected > 0):
-        raise CheckFailed(
-            "The right points are left, but clusters changed their labels. What "
-            "stays keeps its label, gaps and all.",
-            **sides,
-        )
-    gone, left = (
-        np.unique(labels[(yours == 0) & (expected > 0)]),
-        np.unique(labels[(yours > 0) & (expected == 0)]),
-    )
+        return
+    gone = np.unique(labels[(yours <= 0) & (expected > 0)])
+    left = np.unique(labels[(yours > 0) & (expected == 0) & (labels > 0)])
     parts = [
         f"{_of(labels, cluster)} should be {'gone' if cluster in left else 'left'}"
         for cluster in [*left[:1], *gone[:1]]
     ]
-    text = "; ".join(parts)
+    text = "; ".join(parts) or "points with label 0 belong to no cluster and keep the 0"
     raise CheckFailed(
-        f"{text[0].upper()}{text[1:]}.", **sides, draw=lambda: _draw(labels, yours, expected)
+        f"{text[0].upper()}{text[1:]}.",
+        given=_call(labels, minimum) if len(labels) <= 20 else None,
+        yours=_counted(yours),
+        expected=_counted(expected),
+        draw=lambda: _draw(labels, yours, expected),
     )
+
+
+def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
+    """What is left of the right points has its old label; whether they are all there is not asked.
+
+    Parameters
+    ----------
+    answer : object
+    labels, expected : numpy.ndarray of int, shape (n,)
+    """
+    yours = as_labels(answer, len(labels))
+    both = (yours > 0) & (expected > 0)
+    wrong = np.flatnonzero(both & (yours != expected))
+    if len(wrong):
+        place = wrong[0]
+        raise CheckFailed(
+            f"Point {place} has another label than before. What stays keeps its label, gaps and "
+            "all.",
+            yours=f"label {yours[place]}",
+            expected=f"label {expected[place]}",
+            draw=lambda: _draw(labels, yours, expected),
+        )
+
+
+def assert_works(filter_clusters: Callable) -> None:
+    """Small clusters go and large ones stay; where not, no other property can be looked at."""
+    with needs("clusters with too few points go, the others stay"):
+        assert_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
+
+
+def _call(labels: np.ndarray, minimum: int | None) -> str:
+    return f"labels {brief(labels)}" + (f", minimum {minimum}" if minimum is not None else "")
 
 
 def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
@@ -88,29 +118,56 @@ def _counted(labels: np.ndarray) -> str:
     """Labels above 0 that are in use, and the number of points without one, in few words."""
     found = np.unique(labels[labels > 0]).tolist()
     names = ", ".join(map(str, found[:8])) + (", ..." if len(found) > 8 else "")
-    return f"clusters {names or 'none'}; {np.count_nonzero(labels <= 0)} points of noise"
+    noise = np.count_nonzero(labels <= 0)
+    return f"clusters {names or 'none'}; {noise} point{'s' if noise != 1 else ''} of noise"
 
 
 @visible(
     "filter_clusters",
     weight=4,
-    title="Clusters with too few points become 0, the others keep their label",
+    title="Clusters with too few points go, the others stay",
     why="Later steps draw a box around every label above 0: each drop of spray that stays "
     "is an obstacle to brake for.",
     hint="First count how often each label occurs. Then decide point by point, from the "
     "count of its label.",
 )
 def removes_small_clusters(filter_clusters: Callable) -> None:
-    assert_filtered(
-        filter_clusters(_LABELS.copy(), 3),
-        _LABELS,
-        np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0]),
-    )
+    assert_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
 
 
 @visible(
     "filter_clusters",
-    weight=4,
+    weight=3,
+    title="What stays keeps its label",
+    why="The label is the obstacle's name: the next steps find its points and its box by it.",
+    hint="Change no label but to 0: start from a copy of the labels.",
+)
+def keeps_the_labels(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
+    assert_labels_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
+
+
+@visible(
+    "filter_clusters",
+    weight=2,
+    title="Points of removed clusters get the label 0",
+    why="0 is noise for every step that follows; a negative label is the name of nothing.",
+    hint="Write 0 where a cluster is too small.",
+)
+def writes_zeros(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
+    yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
+    if (yours < 0).any():
+        raise CheckFailed(
+            "Points of removed clusters get the label 0, not a negative one.",
+            yours=brief(yours),
+            expected=brief(_KEPT),
+        )
+
+
+@visible(
+    "filter_clusters",
+    weight=3,
     title="Removes every small cluster, also one that follows another",
     why="Clutter comes in swarms. Whoever moves the labels up while walking along them skips "
     "the neighbour of each cluster that went.",
@@ -119,7 +176,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
 )
 def removes_neighbours(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3, 4, 5, 6, 7], [1, 2, 1, 6, 2, 1, 5])
-    assert_filtered(
+    assert_kept(
         filter_clusters(labels.copy(), 4),
         labels,
         np.repeat([0, 0, 0, 4, 0, 0, 7], [1, 2, 1, 6, 2, 1, 5]),
@@ -129,35 +186,86 @@ def removes_neighbours(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="A cluster of exactly min_num_points stays; the parameter decides, the default is 100",
-    why="How many points an obstacle has depends on the scanner, so each car sets its own minimum.",
-    hint='"Fewer than" is <, not <=. Compare with the parameter, by its name, and keep its '
-    "default of 100.",
+    title="A cluster of exactly min_num_points stays",
+    why="The minimum is the smallest number of points that is still believed.",
+    hint='"Fewer than" is <, not <=.',
 )
-def follows_the_minimum(filter_clusters: Callable) -> None:
-    labels = np.repeat([1, 2, 3], [99, 100, 101])
-    for minimum, kept in ((99, [1, 2, 3]), (100, [0, 2, 3]), (101, [0, 0, 3]), (102, [0, 0, 0])):
-        expected = np.repeat(kept, [99, 100, 101])
-        assert_filtered(filter_clusters(labels.copy(), minimum), labels, expected)
-        assert_filtered(
-            filter_clusters(cluster_labels=labels.copy(), min_num_points=minimum), labels, expected
-        )
-    assert_filtered(filter_clusters(labels.copy()), labels, np.repeat([0, 2, 3], [99, 100, 101]))
+def keeps_the_tie(filter_clusters: Callable) -> None:
+    labels = np.repeat([1, 2, 3], [4, 5, 9])
+    assert_kept(filter_clusters(labels.copy(), 5), labels, np.repeat([0, 2, 3], [4, 5, 9]), 5)
 
 
 @visible(
     "filter_clusters",
     weight=3,
-    title="Label 0 stays 0, however many points have it; labels may have gaps",
+    title="The parameter decides how many points are enough",
+    why="How many points an obstacle has depends on the scanner, so each car sets its own minimum.",
+    hint="Compare with min_num_points, by its name, and with no number of your own.",
+)
+def follows_the_minimum(filter_clusters: Callable) -> None:
+    labels = np.repeat([1, 2, 3], [12, 30, 60])
+    for minimum, kept in ((7, [1, 2, 3]), (20, [0, 2, 3]), (45, [0, 0, 3]), (80, [0, 0, 0])):
+        expected = np.repeat(kept, [12, 30, 60])
+        assert_kept(filter_clusters(labels.copy(), minimum), labels, expected)
+
+
+@visible(
+    "filter_clusters",
+    weight=1,
+    title="The minimum is 100 unless another one is given",
+    why="Later lessons call filter_clusters(labels) and rely on it.",
+    hint="Keep the first line of the function as it was given: min_num_points=100.",
+)
+def keeps_the_default(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
+    labels = np.repeat([1, 2, 3], [60, 98, 102])
+    assert_kept(filter_clusters(labels.copy()), labels, np.repeat([0, 0, 3], [60, 98, 102]))
+
+
+@visible(
+    "filter_clusters",
+    weight=1,
+    title="The parameters keep their names",
+    why="Later lessons call filter_clusters(labels, min_num_points=10).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
+    answer = filter_clusters(cluster_labels=_LABELS.copy(), min_num_points=3)
+    assert_kept(answer, _LABELS, _KEPT)
+
+
+@visible(
+    "filter_clusters",
+    weight=3,
+    title="Label 0 stays 0, however many points have it",
     why="Other steps set noise to 0, too. It must not come back as one huge obstacle.",
+    hint="Leave out the label 0 when you look for clusters, or let it stay what it is.",
+)
+def leaves_noise_alone(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
+    labels = np.array([0, 2, 0, 2, 0, 1, 2, 0, 0, 1, 0, 2])
+    yours = as_labels(filter_clusters(labels.copy(), 3), len(labels))
+    if (yours[labels == 0] > 0).any():
+        raise CheckFailed(
+            "Points with label 0 belong to no cluster and keep the 0.",
+            given=f"labels {brief(labels)}, minimum 3",
+            yours=brief(yours),
+            expected=brief(np.where(labels == 2, 2, 0)),
+        )
+
+
+@visible(
+    "filter_clusters",
+    weight=2,
+    title="Labels may have gaps",
+    why="Whoever filters twice gives gaps to the second run.",
     hint="Go by the labels that occur, from np.unique, not by range(1, N): 7 may be there "
     "without 6.",
 )
-def leaves_noise_alone(filter_clusters: Callable) -> None:
-    labels = np.array([0, 7, 0, 7, 0, 40, 7, 0, 0, 3, 0, 40])
-    assert_filtered(
-        filter_clusters(labels.copy(), 3), labels, np.array([0, 7, 0, 7, 0, 0, 7, 0, 0, 0, 0, 0])
-    )
+def allows_gaps(filter_clusters: Callable) -> None:
+    labels = np.array([7, 40, 7, 7, 40, 3, 7])
+    assert_kept(filter_clusters(labels.copy(), 3), labels, np.array([7, 0, 7, 7, 0, 0, 7]), 3)
 
 
 @visible(
@@ -165,31 +273,119 @@ def leaves_noise_alone(filter_clusters: Callable) -> None:
     weight=2,
     title="Takes no points, one point, and all points in one cluster",
     why="After the other filters nothing may be left, or a single wall.",
-    hint="max() of an empty array is an error; np.unique of one is not.",
+    hint="The same lines serve every case: np.unique of no points is no labels.",
 )
 def takes_the_smallest(filter_clusters: Callable) -> None:
     nothing = np.empty(0, dtype=int)
-    assert_filtered(filter_clusters(nothing, 2), nothing, nothing)
+    assert_kept(filter_clusters(nothing, 2), nothing, nothing)
     for labels, minimum, expected in (
-        ([1], 1, [1]),
+        ([1], 0, [1]),
         ([1], 2, [0]),
-        ([5, 5, 5], 3, [5, 5, 5]),
+        ([5, 5, 5], 2, [5, 5, 5]),
         ([5, 5, 5], 4, [0, 0, 0]),
     ):
-        assert_filtered(
-            filter_clusters(np.array(labels), minimum), np.array(labels), np.array(expected)
-        )
+        labels = np.array(labels)
+        assert_kept(filter_clusters(labels.copy(), minimum), labels, np.array(expected))
 
 
 @visible(
     "filter_clusters",
     weight=2,
-    title="Returns a new array and leaves its input untouched",
+    title="Leaves its input untouched",
     why="Somebody may want to try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def leaves_its_input(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
     assert_untouched(filter_clusters, _LABELS, 3)
-    assert_new_array(filter_clusters, _LABELS, 1)
-    answer = filter_clusters(_LABELS.copy(), 3)
-    assert_filtered(answer, _LABELS, np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0]))
+
+
+@visible(
+    "filter_clusters",
+    weight=1,
+    title="Returns a new array, also where nothing is removed",
+    why="Whoever changes the result later would change the labels of the step before.",
+    hint="Start from cluster_labels.copy(), or let np.where build a new array.",
+)
+def returns_a_new_array(filter_clusters: Callable) -> None:
+    assert_works(filter_clusters)
+    assert_new_array(filter_clusters, _LABELS, 0)
+
+
+@noted(
+    "filter_clusters",
+    title="Labels are whole numbers",
+    why="np.bincount and labels as an index, in the next cells, take no floating point numbers.",
+)
+def has_whole_labels(filter_clusters: Callable) -> None:
+    kind = as_array(filter_clusters(_LABELS.copy(), 3)).dtype
+    if kind.kind not in "iu":
+        raise CheckFailed(f"The labels are of type {kind}.")
+
+
+def _right(labels: np.ndarray, minimum: int) -> np.ndarray:
+    numbers = labels.tolist()
+    return np.array([n if n > 0 and numbers.count(n) >= minimum else 0 for n in numbers])
+
+
+def _counts(labels: np.ndarray) -> np.ndarray:
+    return np.array([labels.tolist().count(label) for label in labels])
+
+
+def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
+    """As if what is left were numbered from 1."""
+    return np.searchsorted(np.unique(right[right > 0]), right) + (right > 0)
+
+
+mistakes(
+    "filter_clusters",
+    Mistake(
+        "`<=` stands where `<` is asked for: a cluster of exactly min_num_points goes.",
+        lambda right, labels, minimum: np.where(_counts(labels) > minimum, labels, 0),
+        'Only clusters with fewer points go; "fewer than" is <.',
+    ),
+    Mistake(
+        "The labels are compared with min_num_points; the number of points that have a label "
+        "should be.",
+        lambda right, labels, minimum: np.where(labels < minimum, 0, labels),
+        "np.unique(cluster_labels, return_counts=True) counts the points of each label.",
+    ),
+    Mistake(
+        "It is the large clusters that go, and the small ones that stay.",
+        lambda right, labels, minimum: np.where(_counts(labels) < minimum, labels, 0),
+    ),
+    Mistake(
+        "A fixed minimum of 100 decides, whatever min_num_points is.",
+        lambda right, labels, minimum: np.where(_counts(labels) < 100, 0, labels),
+        "Compare with min_num_points.",
+    ),
+    Mistake(
+        "The points of small clusters are deleted. They keep their place, with the label 0.",
+        lambda right, labels, minimum: right[right > 0],
+        "There must be one label for each point: np.where(too_small, 0, cluster_labels).",
+    ),
+    Mistake(
+        "The clusters that stay are numbered anew, from 1.",
+        _renumbered,
+        "Change no label but to 0.",
+    ),
+    Mistake(
+        "What is returned are the names of the labels that stay, each once.",
+        lambda right, labels, minimum: np.unique(right[right > 0]),
+        "There must be one label for each point, in the order of the points.",
+    ),
+    Mistake(
+        "-1 is written where a cluster is too small; it should be 0.",
+        lambda right, labels, minimum: np.where(right > 0, right, -1),
+    ),
+    Mistake(
+        "Nothing is removed: the labels come back as they went in.",
+        lambda right, labels, minimum: labels,
+    ),
+    cases=(
+        (np.array([2, 2, 4, 4, 4, 7, 7, 7, 7, 9, 9]), 3),
+        (np.array([5, 3, 5, 3, 5, 8, 5, 8, 8]), 3),
+        (np.repeat([4, 6, 130], [3, 120, 7]), 7),
+    ),
+    right=_right,
+)

@@ -1,112 +1,255 @@
 """Plain words for the exceptions that beginners meet."""
 
+import linecache
 import re
+from collections.abc import Callable
 
 _WHOLE = "An index must be a whole number: use //, int(...) or .astype(int)."
 
-# (exception, pattern of its message, what to say)
+# (exception, pattern of its message, pattern of the student's line, what to say). The first that
+# fits is told, so what is special comes before what is general.
 _TIPS = (
     (
-        "NameError",
-        r"name '(\w+)' is not defined",
-        "Python does not know this name: is it spelt as where you made it, and did you run that "
-        "cell? Inside a function, use its parameters.",
+        "NameError|UnboundLocalError",
+        r"(cannot access|referenced) .*(local|free) variable|local variable",
+        "",
+        "This name gets its value further down in the same function, or in a branch that was not "
+        "taken. Give it one before the first use.",
     ),
     (
         "NameError",
         r"does not define it",
+        "",
         "The cell with the function is missing, was not run, or the function has another name.",
+    ),
+    (
+        "NameError",
+        r"name '(\w+)' is not defined",
+        "",
+        "Python does not know this name: is it spelt as where you made it, and did you run that "
+        "cell? Inside a function, use its parameters.",
     ),
     (
         "TypeError",
         r"unexpected keyword argument",
-        "A parameter was renamed. Keep the names in the first line of the function as given.",
+        "",
+        "A parameter has another name than the call gives it. Keep the names in the first line of "
+        "the function as given.",
     ),
     (
         "TypeError",
-        r"missing \d+ required positional|takes \d+ positional",
-        "The parameters changed. Keep the first line of the function, defaults included, as given.",
+        r"missing \d+ required positional|takes (from )?\d+ .*positional",
+        "",
+        "A function is called with more or fewer values than its first line has. Keep the first "
+        "line of yours, defaults included, as given.",
     ),
-    ("TypeError", r"'NoneType'", "Something is None: a function without `return` gives None."),
-    ("TypeError", r"only integer|integer scalar arrays", _WHOLE),
-    ("IndexError", r"only integers|of integer \(or boolean\) type", _WHOLE),
     (
         "TypeError",
-        r"unhashable type: 'numpy.ndarray'",
-        "An array cannot be a dictionary key or a set member: use tuple(array).",
+        r"cannot unpack non-iterable NoneType",
+        "",
+        "The right-hand side is None and cannot be taken apart. A function gives None where it "
+        "ends without `return`, or returns None on purpose: look whether it is None first.",
     ),
     (
-        "IndexError",
-        r"boolean index did not match",
-        "The mask and the array have different lengths. Build the mask from the same array that "
-        "you index, after any earlier filtering.",
+        "AttributeError|TypeError",
+        r"'?NoneType'?",
+        "",
+        "Something in this line is None: the result of a function without `return`, or an empty "
+        "place, such as the child of a leaf. Look whether it is None before you use it.",
     ),
     (
-        "IndexError",
-        r"index 3 is out of bounds for axis 1 with size 3",
-        "The cloud may have three columns: not every recording has intensity.",
+        "TypeError",
+        r"only (length-1|0-dimensional|size-1) arrays can be converted",
+        r"\bmath\.",
+        "The functions of `math` take one number. For a whole array take NumPy's: np.sqrt, "
+        "np.cos, np.floor.",
     ),
     (
-        "IndexError",
-        r"out of bounds",
-        "An index points past the end. Is the cloud transposed, (3, n) for (n, 3), or empty?",
+        "TypeError",
+        r"only (length-1|0-dimensional|size-1) arrays can be converted",
+        "",
+        "A single number is asked for here, and this is a whole array: take one of its values, or "
+        "a function of NumPy's.",
+    ),
+    (
+        "TypeError",
+        r"(ufunc 'bitwise_xor' not supported|unsupported operand type\(s\) for \^)",
+        "",
+        "`^` is not a power in Python: x**2 is the square.",
+    ),
+    (
+        "TypeError",
+        r"(ufunc 'bitwise_(and|or)' not supported|unsupported operand type\(s\) for [&|])",
+        "",
+        "& and | are worked out before < and >: put each comparison in parentheses, "
+        "(a > 1) & (b < 2).",
     ),
     (
         "ValueError",
         r"truth value of an array",
-        "Python's if, and, or want one True or False. For arrays use a mask with & and |, "
-        "each side in parentheses.",
+        r"[^&|]*[<>]=?.*[&|]",
+        "Each comparison beside & and | needs parentheses of its own: (a > 1) & (b < 2).",
+    ),
+    (
+        "ValueError",
+        r"truth value of an array",
+        "",
+        "Python's if, while, and, or, not want one True or False, and this is one for each "
+        "element. Combine masks with & and |, each side in parentheses; or take .any() or .all().",
+    ),
+    (
+        "TypeError",
+        r"'(numpy\.ndarray|int|float|list|tuple|numpy\.float64|numpy\.int64|bool)' object is not "
+        r"callable",
+        "",
+        "Round brackets call a function, and this is a value. Either square brackets are meant, "
+        "x[i], or a variable took the name of a function, such as sum, max or list.",
+    ),
+    (
+        "TypeError",
+        r"'(builtin_function_or_method|function|type|method)' object is not subscriptable",
+        "",
+        "Square brackets stand behind a function: call it with round ones.",
+    ),
+    (
+        "TypeError",
+        r"'(int|float|numpy\.float64|numpy\.int64)' object is not (iterable|subscriptable)",
+        "",
+        "This is one number, not an array or a list: it has no elements.",
+    ),
+    (
+        "TypeError",
+        r"can't multiply sequence by non-int|unsupported operand type\(s\) for .: 'list'|"
+        r"list indices must be integers",
+        "",
+        "This is a list. Lists do not calculate and take no masks: wrap it in np.array(...).",
+    ),
+    (
+        "AttributeError",
+        r"'list' object has no attribute '(shape|min|max|sum|mean|astype|any|all|copy|ndim|T)'",
+        "",
+        "This is a list, not an array: wrap it in np.array(...).",
+    ),
+    ("TypeError", r"'float' object cannot be interpreted as an integer", "", _WHOLE),
+    ("TypeError", r"only integer|integer scalar arrays|slice indices must be", "", _WHOLE),
+    ("IndexError", r"only integers|of integer \(or boolean\) type", "", _WHOLE),
+    (
+        "TypeError",
+        r"unhashable type: '(numpy.ndarray|list)'",
+        "",
+        "An array or a list cannot be a dictionary key or a set member: use tuple(...).",
+    ),
+    (
+        "IndexError",
+        r"boolean index did not match indexed array along (axis|dimension) 0; "
+        r"(size of axis|dimension) is \d+ but .* (is|dimension is) [34]$",
+        "",
+        "This mask has one value for each column, not for each point: axis=1 goes along a row.",
+    ),
+    (
+        "IndexError",
+        r"boolean index did not match indexed array along (axis|dimension) 1",
+        "",
+        "The mask stands where columns are chosen. Points are rows: cloud[mask].",
+    ),
+    (
+        "IndexError",
+        r"boolean index did not match",
+        "",
+        "The mask and the array have different lengths: a mask fits the array that it was made "
+        "from.",
+    ),
+    (
+        "IndexError",
+        r"index 3 is out of bounds for axis 1 with size 3",
+        "",
+        "The cloud may have three columns: not every recording has intensity.",
+    ),
+    (
+        "IndexError",
+        r"too many indices for array",
+        "",
+        "The array has fewer dimensions than the brackets name: a single point is p[0], not "
+        "p[:, 0].",
+    ),
+    (
+        "IndexError",
+        r"out of bounds|out of range",
+        "",
+        "An index points past the end: the last one is len(...) - 1, and of nothing there is none.",
+    ),
+    (
+        "ValueError",
+        r"operands could not be broadcast together with shapes \((?![34],)(\d+),([34])\) \(\1,\)",
+        "",
+        "One number for each row has to become a column first: counts[:, None].",
+    ),
+    (
+        "ValueError",
+        r"operands could not be broadcast together with shapes \((?!3,)(\d+,)?4\) \(3,\)|"
+        r"operands could not be broadcast together with shapes \((?!4,)(\d+,)?3\) \(4,\)",
+        "",
+        "One side has x, y, z, the other has intensity, too: take [:, :3] of a cloud, [:3] of a "
+        "point.",
     ),
     (
         "ValueError",
         r"could not be broadcast",
-        "The shapes do not fit. (n, 3) minus (3,) works; (3, n) or (n, 4) minus (3,) does not: "
-        "take cloud[:, :3].",
+        "",
+        "The two shapes in the message do not fit: seen from the right, they must be equal or 1. "
+        "(n, 3) with (3,) works, (n, 3) with (n,) does not.",
     ),
     (
         "ValueError",
-        r"zero-size array|empty",
-        "The cloud, or one cluster of it, can be empty. Return early, or use an operation that "
-        "allows no rows.",
+        r"zero-size array|need at least one array|arg(min|max) of an empty|empty sequence|"
+        r"empty iterable",
+        "",
+        "Here there is nothing to take the smallest or largest of: a cloud, or one cluster of "
+        "it, can be empty.",
     ),
     (
         "ValueError",
-        r"read-only|assignment destination",
+        r"read-only",
+        "",
         "The input must stay as it is: work on a copy.",
+    ),
+    (
+        "ValueError",
+        r"(too many|not enough) values to unpack",
+        "",
+        "The left-hand side has more or fewer names than there are values on the right.",
     ),
     (
         "RecursionError",
         r"",
-        "Python stops after about a thousand nested calls and a cluster has many more points: "
-        "use a queue and a loop.",
+        "",
+        "The function calls itself about a thousand times, and there Python stops: does it ever "
+        "reach the case that ends it? What goes deep by nature is written as a loop.",
     ),
     (
         "MemoryError",
         r"",
+        "",
         "That asks for more memory than there is. All pairs of 120 000 points are 14 400 000 000 "
         "numbers: go point by point, or cell by cell.",
     ),
     (
         "AttributeError",
-        r"'int' object has no attribute '(choice|integers|permutation)'",
+        r"'int' object has no attribute '(choice|integers|permutation|random|shuffle)'",
+        "",
         "rng may be a whole number: begin with rng = np.random.default_rng(rng).",
     ),
+    ("SystemExit", r"", "", "Leave out exit() and quit(): they end the whole notebook."),
     (
-        "AttributeError",
-        r"'list' object has no attribute",
-        "This is a list, not an array: wrap it in np.array(...).",
-    ),
-    (
-        "NotImplementedError",
+        "EOFError",
         r"",
-        "The stub is still there: replace `raise NotImplementedError` with your code.",
+        "",
+        "Leave out input(): nobody sits at the keyboard when a notebook is judged.",
     ),
-    ("SystemExit", r"", "Leave out exit() and quit(): they end the whole notebook."),
-    ("EOFError", r"", "Leave out input(): nobody sits at the keyboard when a notebook is judged."),
 )
 
 
-def tip_for(exception: str, message: str) -> str:
+def tip_for(exception: str, message: str, line: str = "") -> str:
     """A tip for an exception.
 
     Parameters
@@ -114,6 +257,8 @@ def tip_for(exception: str, message: str) -> str:
     exception : str
         Name of its type.
     message : str
+    line : str
+        The line of the student's code in which it happened, where that is known.
 
     Returns
     -------
@@ -121,6 +266,43 @@ def tip_for(exception: str, message: str) -> str:
         Empty where there is nothing helpful to say.
     """
     return next(
-        (tip for name, pattern, tip in _TIPS if name == exception and re.search(pattern, message)),
+        (
+            tip
+            for kinds, pattern, code, tip in _TIPS
+            if exception in kinds.split("|")
+            and re.search(pattern, message)
+            and re.search(code, line)
+        ),
         "",
     )
+
+
+def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
+    """Where in the student's own code an exception was raised.
+
+    Parameters
+    ----------
+    error : BaseException
+    function : callable
+        The student's.
+
+    Returns
+    -------
+    name : str
+        The function that it happened in; empty where it was in none of the student's.
+    place : str
+        Such as "line 3 of its cell".
+    line : str
+        What stands there.
+    """
+    methods = getattr(function, "__dict__", {}).values()  # of a class
+    homes = [one.__globals__ for one in (function, *methods) if hasattr(one, "__globals__")]
+    found, trace = ("", "", ""), error.__traceback__
+    while trace is not None:
+        if any(trace.tb_frame.f_globals is home for home in homes):
+            code = trace.tb_frame.f_code
+            line = linecache.getline(code.co_filename, trace.tb_lineno).strip()
+            where = f"line {trace.tb_lineno} of the cell of {code.co_name}"
+            found = code.co_name, where, f"`{line}`" if line else ""
+        trace = trace.tb_next
+    return found

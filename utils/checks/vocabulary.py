@@ -8,8 +8,9 @@ Checks write `utils.plots` in full: it is loaded when the first picture is drawn
 is slow to import and the judge has no use for it.
 """
 
+import contextlib
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,38 +18,27 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.claims import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
+from utils.checks.failures import CheckFailed, NotYet, WrongForm
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
 TOLERANCE = 1e-3
 
 
-class CheckFailed(AssertionError):
-    """A property does not hold.
+@contextlib.contextmanager
+def needs(basic: str) -> Iterator[None]:
+    """What a property rests on: where it does not hold, the property cannot be looked at.
 
-    Attributes
+    Parameters
     ----------
-    message : str
-        What is wrong, in a sentence.
-    yours, expected : str or None
-        Short texts to stand side by side.
-    draw : callable or None
-        Draws the difference with `utils.plots`; takes nothing.
-    tip : str
-        What an exception means in plain words.
+    basic : str
+        What has to hold first, as a clause: "the right points are left".
     """
-
-    def __init__(
-        self,
-        message: str,
-        *,
-        yours: str | None = None,
-        expected: str | None = None,
-        draw: Callable | None = None,
-        tip: str = "",
-    ) -> None:
-        super().__init__(message)
-        self.message, self.yours, self.expected = message, yours, expected
-        self.draw, self.tip = draw, tip
+    try:
+        yield
+    except (WrongForm, NotYet):
+        raise
+    except CheckFailed:
+        raise NotYet(basic) from None
 
 
 def frozen(value: object) -> object:
@@ -72,7 +62,7 @@ def frozen(value: object) -> object:
 
 
 def brief(value: object) -> str:
-    """A value in at most 90 characters.
+    """A value in at most 90 characters; a short row of numbers as it is.
 
     Parameters
     ----------
@@ -82,6 +72,8 @@ def brief(value: object) -> str:
     -------
     str
     """
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
+        return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
         # Of many dimensions even the corners are many.
         shown = value if value.ndim <= 3 else value.reshape(-1)
@@ -131,21 +123,23 @@ def as_array(
 
     Raises
     ------
-    CheckFailed
+    WrongForm
     """
     if answer is None:
-        raise CheckFailed(
-            "The function returned None. Does it end with `return`?", yours="None", expected=what
+        raise WrongForm(
+            "The function returned None. Does every way through it end with `return`?",
+            yours="None",
+            expected=what,
         )
     try:
         array = as_numbers(answer, most)
     except TooMuch as error:
-        raise CheckFailed(str(error), yours=brief(answer), expected=what) from None
+        raise WrongForm(str(error), yours=brief(answer), expected=what) from None
     except NotNumbers:
         # In the judge an object of another kind arrives as a stand-in that knows its name. The
         # student chose it, so it is no part of the message.
         kind = getattr(answer, "type_name", "") or type(answer).__name__
-        raise CheckFailed(
+        raise WrongForm(
             f"The function returned something else, expected {what}.",
             yours=f"{kind}: {brief(answer)}",
             expected=what,
@@ -154,13 +148,63 @@ def as_array(
         if array.size == 0 and array.ndim == 1:
             array = array.reshape(0, columns)
         if array.ndim != 2 or array.shape[1] != columns:
-            raise CheckFailed(
-                f"The shape is {array.shape}, expected {columns} columns: one row per point, "
-                "the columns of the input.",
-                yours=f"shape {array.shape}",
+            raise WrongForm(
+                _about_rows(array, columns),
+                yours=f"{array.dtype} numbers of shape {array.shape}",
                 expected=f"shape (n, {columns})",
             )
     return array
+
+
+def _about_rows(array: np.ndarray, columns: int) -> str:
+    """What an array is that should have been rows of the cloud."""
+    if array.dtype.kind == "b" and array.ndim == 1:
+        return "This is a mask, True or False for each point: return the rows, cloud[mask]."
+    if array.ndim == 2 and array.shape[0] == columns:
+        return (
+            f"The answer has {columns} rows, as if points stood in columns: one row per point, "
+            f"{columns} columns."
+        )
+    return (
+        f"The shape is {array.shape}, expected {columns} columns: one row per point, "
+        "the columns of the input."
+    )
+
+
+def assert_shape(yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0) -> None:
+    """An answer has a shape; where it has not, say which everyday slip gives the one it has.
+
+    Parameters
+    ----------
+    yours : numpy.ndarray
+    expected : tuple of int
+    each : str
+        What there must be, as "one distance for each of the 5 points".
+    columns : int
+        Of the cloud that the function was given, if it was given one.
+
+    Raises
+    ------
+    WrongForm
+    """
+    if yours.shape == expected or (yours.size == 0 and 0 in expected):
+        return
+    n, shape = expected[0] if expected else 0, yours.shape
+    words = ""
+    if len(expected) == 1:
+        if shape == ():
+            words = " This is one number for all points: an axis= is missing."
+        elif shape == (n, 1):
+            words = " A column (n, 1) is a table: take [:, 0], or leave out the None in [:, None]."
+        elif shape == (1, n):
+            words = " (1, n) is a table of one row: take [0]."
+        elif n > 1 and shape == (n, n):
+            words = " (n, n) comes from (n, 1) against (n,): both must be (n,)."
+        elif columns and shape == (columns,):
+            words = f" There are {columns}, one for each column: axis=1 goes along a row."
+    raise WrongForm(
+        f"There must be {each}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
+    )
 
 
 def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str = "side") -> None:
@@ -253,14 +297,14 @@ def as_labels(answer: object, n: int) -> np.ndarray:
     numpy.ndarray of int, shape (n,)
     """
     labels = as_array(answer, what="an array of labels")
-    if labels.shape != (n,):
-        raise CheckFailed(
-            f"There must be one label for each of the {n} points.",
-            yours=f"shape {labels.shape}",
-            expected=f"shape ({n},)",
+    assert_shape(labels, (n,), f"one label for each of the {n} points")
+    if labels.dtype.kind == "b":
+        raise WrongForm(
+            "This is a mask, True or False for each point; labels are whole numbers.",
+            yours=brief(labels),
         )
     if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):
-        raise CheckFailed("Labels are whole numbers.", yours=brief(labels))
+        raise WrongForm("Labels are whole numbers.", yours=brief(labels))
     return labels.astype(np.int64)
 
 
@@ -308,12 +352,7 @@ def assert_close(
     """
     expected = np.asarray(expected)
     yours = as_array(answer, what=f"an array of {what}")
-    if yours.shape != expected.shape:
-        raise CheckFailed(
-            f"The {what} have another shape than expected.",
-            yours=f"shape {yours.shape}",
-            expected=f"shape {expected.shape}",
-        )
+    assert_shape(yours, expected.shape, f"{what} of shape {expected.shape}")
     if not np.allclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True):
         wrong = np.count_nonzero(
             ~np.isclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True)

@@ -224,11 +224,12 @@ def reply(write_end: int, number: int, content: dict) -> None:
 
 
 def describe(error: BaseException) -> dict:
-    """Plain data about an exception: type, message and the last line of the notebook in it."""
-    place, trace = None, error.__traceback__
+    """Plain data about an exception: type, message, the notebook's last line and function in it."""
+    place, function, trace = None, None, error.__traceback__
     while trace is not None:
-        if trace.tb_frame.f_code.co_filename.startswith("code cell "):
-            place = f"{trace.tb_frame.f_code.co_filename}, line {trace.tb_lineno}"
+        code = trace.tb_frame.f_code
+        if code.co_filename.startswith("code cell "):
+            place, function = f"{code.co_filename}, line {trace.tb_lineno}", code.co_name
         trace = trace.tb_next
     try:
         message = str(error)
@@ -236,7 +237,12 @@ def describe(error: BaseException) -> dict:
         message = ""
     if isinstance(error, ModuleNotFoundError) and "." not in str(error.name):
         message += ", where notebooks are judged: only the packages that the lesson needs are there"
-    return {"type": type(error).__name__[:100], "message": message[:LONGEST_TEXT], "place": place}
+    return {
+        "type": type(error).__name__[:100],
+        "message": message[:LONGEST_TEXT],
+        "place": place,
+        "function": function and function[:100],
+    }
 
 
 if __name__ == "__main__":

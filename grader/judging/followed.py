@@ -1,0 +1,123 @@
+"""An exercise that calls a wrong one is judged a second time, with a right one in its place.
+
+Its own work still earns points. That second time it has a process of its own, in which nothing
+else is asked: what is right in there is no answer to any question.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+from dataclasses import dataclass
+
+from grader.course.lessons import Exercise, Lesson
+from grader.judging.asking import JudgeFault, Outcome, run_tests
+from grader.sandbox import Limits, Sandbox
+from grader.sandbox.program import Given, Program
+from grader.sandbox.student import Student
+from utils.notebooks import slicing
+
+
+@dataclass(frozen=True)
+class Followed:
+    """How an exercise fared with right helpers.
+
+    Attributes
+    ----------
+    outcomes : list of Outcome
+    sentence : str
+        Which function is at fault.
+    """
+
+    outcomes: list[Outcome]
+    sentence: str
+
+
+def follow_through(
+    lesson: Lesson,
+    program: Program,
+    outcomes: list[Outcome],
+    seed: int,
+    sandbox: Sandbox,
+    limits: Limits | None = None,
+) -> dict[str, Followed]:
+    """Judge again what calls a wrong exercise.
+
+    Parameters
+    ----------
+    lesson : grader.course.lessons.Lesson
+    program : grader.sandbox.program.Program
+        The notebook.
+    outcomes : list of Outcome
+        What came of judging it.
+    seed : int
+    sandbox : grader.sandbox.Sandbox
+    limits : grader.sandbox.Limits, optional
+
+    Returns
+    -------
+    dict of str to Followed
+        By exercise; only those that fare better so.
+    """
+    lost = {one.mark["exercise"] for one in outcomes if one.error}
+    better = {}
+    if len(lost) < 2:
+        return better
+    statements, _ = slicing.parse_notebook(program.cells)
+    for exercise in lesson.machine_graded:
+        helpers = _helpers(exercise, lost, statements) if exercise.name in lost else ()
+        if not helpers:
+            continue
+        with Student(_with_right(lesson, program, exercise, helpers), sandbox, limits) as student:
+            try:
+                again = run_tests(
+                    lesson, student, seed, lambda mark, e=exercise: mark["exercise"] == e.name
+                )
+            except JudgeFault:  # said of the first time, which counts
+                continue
+        before, after = (points_of(exercise, ones) for ones in (outcomes, again))
+        if after > before:
+            better[exercise.name] = Followed(again, _sentence(exercise, helpers, before, after))
+    return better
+
+
+def _helpers(
+    exercise: Exercise, lost: set[str], statements: list[slicing.Statement]
+) -> tuple[str, ...]:
+    """The exercises among those that lost points which another one calls."""
+    bound = set().union(*(one.binds for one in slicing.slice_for((exercise.name,), statements)))
+    return tuple(sorted(bound & lost - {exercise.name}))
+
+
+def _with_right(
+    lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
+) -> Program:
+    """The notebook, with the lesson's own helpers in the place of the student's."""
+    statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
+    right = [
+        ast.unparse(one.node)
+        for one in slicing.slice_for(helpers, statements)
+        if exercise.name not in one.binds
+    ]
+    given = program.given
+    return dataclasses.replace(
+        program,
+        names=(exercise.name, *given.names),
+        given=Given((*given.names, *helpers), "\n".join([given.source, *right])),
+    )
+
+
+def _sentence(exercise: Exercise, helpers: tuple[str, ...], before: float, after: float) -> str:
+    wrong, right = ("is", "a right one") if len(helpers) == 1 else ("are", "right ones")
+    return (
+        f"{' and '.join(helpers)}, which {exercise.name} calls, {wrong} wrong. Judged with {right} "
+        f"instead, {exercise.name} earns {after:g} of {exercise.points:g} points, not {before:g}."
+    )
+
+
+def points_of(exercise: Exercise, outcomes: list[Outcome]) -> float:
+    """What an exercise earns, given how the tests ended, its own and others."""
+    mine = [one for one in outcomes if one.mark["exercise"] == exercise.name]
+    whole = sum(one.mark["weight"] for one in mine)
+    passed = sum(one.mark["weight"] for one in mine if one.error is None)
+    return round(exercise.points * passed / whole, 2)

@@ -1,0 +1,125 @@
+"""What somebody did, told only where it explains the answers and nothing else does.
+
+A mistake predicts what a function would return that makes it. It is told if the function returns
+just that on every case, two of which at least tell it from a right answer, and if no other
+mistake of the exercise predicts the same.
+"""
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from utils.checks.vocabulary import CheckFailed, as_array
+
+_TELLING_CASES = 2
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One thing that people do.
+
+    Attributes
+    ----------
+    says : str
+        What it is, in a sentence about the code: "`<` stands where `<=` is asked for."
+    predicts : callable
+        Takes the right answer and then the arguments of a case; returns what the mistake would.
+    hint : str
+        What to do about it; empty where the sentence says so.
+    """
+
+    says: str
+    predicts: Callable
+    hint: str = ""
+
+
+@dataclass(frozen=True)
+class _Known:
+    cases: tuple
+    right: Callable
+    mistakes: tuple[Mistake, ...]
+    same: Callable
+
+
+_KNOWN: dict[str, _Known] = {}
+
+
+def same_array(answer: object, predicted: object) -> bool:
+    """Whether an answer is an array of this shape and, nearly, these numbers."""
+    predicted = np.asarray(predicted)
+    try:
+        yours = as_array(answer)
+    except CheckFailed:
+        return False
+    if yours.size == predicted.size == 0:
+        return len(yours) == len(predicted)
+    return yours.shape == predicted.shape and np.allclose(
+        yours.astype(float), predicted.astype(float), rtol=1e-4, atol=1e-4, equal_nan=True
+    )
+
+
+def mistakes(
+    exercise: str,
+    *known: Mistake,
+    cases: Sequence[tuple],
+    right: Callable,
+    same: Callable = same_array,
+) -> None:
+    """Declare the usual mistakes of an exercise.
+
+    Parameters
+    ----------
+    exercise : str
+    known : Mistake
+    cases : sequence of tuple
+        Positional arguments of some small calls.
+    right : callable
+        Takes the arguments of a case; returns the right answer.
+    same : callable
+        Takes an answer and a prediction: whether they are the same.
+    """
+    _KNOWN[exercise] = _Known(tuple(cases), right, known, same)
+
+
+def known_mistakes(exercise: str) -> tuple[Mistake, ...]:
+    """What can be told about an exercise."""
+    return _KNOWN[exercise].mistakes if exercise in _KNOWN else ()
+
+
+def diagnose(exercise: str, function: Callable) -> Mistake | None:
+    """The mistake that explains the answers of a function.
+
+    Parameters
+    ----------
+    exercise : str
+    function : callable
+        The student's, or what stands for it in the judge.
+
+    Returns
+    -------
+    Mistake or None
+        None where none does, more than one does, or a call fails.
+    """
+    known = _KNOWN.get(exercise)
+    if known is None:
+        return None
+    fitting, telling = list(known.mistakes), dict.fromkeys(known.mistakes, 0)
+    for case in known.cases:
+        try:
+            answer = function(*copy.deepcopy(case))
+        except Exception:
+            return None
+        right = known.right(*copy.deepcopy(case))
+        still = []
+        for mistake in fitting:
+            predicted = mistake.predicts(copy.deepcopy(right), *copy.deepcopy(case))
+            if known.same(answer, predicted):
+                still.append(mistake)
+                telling[mistake] += not known.same(right, predicted)
+        fitting = still
+        if not fitting:
+            return None
+    fitting = [mistake for mistake in fitting if telling[mistake] >= _TELLING_CASES]
+    return fitting[0] if len(fitting) == 1 else None

@@ -1,0 +1,119 @@
+"""The ways in which an answer can fail, each told in its own words.
+
+What two failures have in common is their `cause`: rows with the same one are folded together.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Hashable
+
+
+class CheckFailed(AssertionError):
+    """A property does not hold.
+
+    Attributes
+    ----------
+    message : str
+        What is wrong, in a sentence.
+    given, yours, expected : str or None
+        Short texts: the input of the smallest case, and the two answers to stand side by side.
+    draw : callable or None
+        Draws the difference with `utils.plots`; takes nothing.
+    tip : str
+        What an exception means in plain words.
+    hint : str
+        The first hint for this very failure; by default the one of the check, where the failure
+        is about what the check demands.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        given: str | None = None,
+        yours: str | None = None,
+        expected: str | None = None,
+        draw: Callable | None = None,
+        tip: str = "",
+        hint: str = "",
+    ) -> None:
+        super().__init__(message)
+        self.message, self.given, self.yours, self.expected = message, given, yours, expected
+        self.draw, self.tip, self.hint = draw, tip, hint
+
+    @property
+    def cause(self) -> Hashable:
+        """Equal for failures that are one and the same; None where nobody can know."""
+        return None
+
+    @property
+    def is_about_the_check(self) -> bool:
+        """Whether the property itself was looked at, and not something that comes before."""
+        return type(self) is CheckFailed
+
+
+class WrongForm(CheckFailed):
+    """The answer is not of the kind that was asked for; there is nothing more to look at."""
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102 (as above)
+        return "form", re.sub(r"\d+", "#", self.message)
+
+
+class NotYet(CheckFailed):
+    """The property cannot be looked at while something more basic is wrong."""
+
+    def __init__(self, basic: str) -> None:
+        super().__init__(f"Cannot be judged yet. First: {basic}.")
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102
+        return "not yet", self.message
+
+
+class Raised(CheckFailed):
+    """The function raised an exception."""
+
+    def __init__(self, message: str, *, kind: str, place: str | None, tip: str = "") -> None:
+        super().__init__(message, tip=tip)
+        self.kind, self.place = kind, place
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102
+        return "raised", self.kind, self.place or re.sub(r"\d+", "#", self.message)
+
+
+class NotStarted(CheckFailed):
+    """The stub is still there, of this exercise or of one that it calls."""
+
+    def __init__(self, exercise: str, stub: str) -> None:
+        self.stub, self.own = stub, stub == exercise
+        if self.own:
+            message = (
+                f"{exercise} is not started: replace `raise NotImplementedError` with your code, "
+                "run its cell, then this one."
+            )
+        else:
+            message = f"{exercise} calls {stub}, which is not written yet. Write {stub} first."
+        super().__init__(message)
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102
+        return "not started", self.stub
+
+
+class Stopped(CheckFailed):
+    """The function did not come back, or took its process with it."""
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102
+        return "stopped", self.message
+
+
+class Refused(CheckFailed):
+    """The lesson does not allow what the function uses."""
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102
+        return "refused", self.message

@@ -1,0 +1,83 @@
+"""Time and memory that a check may take in a notebook.
+
+In the judge the sandbox has limits of its own.
+"""
+
+import _thread
+import contextlib
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+# Share of the memory that is free which student code may take before it gets a MemoryError, which
+# can be explained; where a kernel takes all of it, the system ends it without a word.
+_SHARE = 0.8
+
+
+class TimeUp(Exception):
+    """A call took longer than it may."""
+
+
+@contextlib.contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise `TimeUp` in here after some seconds, and MemoryError before the machine is full.
+
+    Only the main thread can be interrupted; in another one there is no limit of time.
+
+    Parameters
+    ----------
+    seconds : float
+    """
+    with _limited_memory():
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        over, rang = threading.Event(), threading.Event()
+
+        def ring() -> None:
+            wait = seconds
+            while not over.wait(wait):
+                rang.set()
+                _thread.interrupt_main()
+                wait = 1.0  # code that catches everything is interrupted again
+
+        watch = threading.Thread(target=ring, daemon=True)
+        watch.start()
+        try:
+            try:
+                yield
+            finally:
+                over.set()
+                watch.join()
+                if rang.is_set():
+                    time.sleep(0.01)  # what rang in the last moment is heard here, not later
+        except KeyboardInterrupt:
+            if rang.is_set():
+                raise TimeUp from None
+            raise
+
+
+@contextlib.contextmanager
+def _limited_memory() -> Iterator[None]:
+    """Let no more memory be taken than is free; only Linux can say how much that is."""
+    try:
+        import resource
+
+        free = _kilobytes("/proc/meminfo", "MemAvailable") * _SHARE
+        limit = int((_kilobytes("/proc/self/status", "VmSize") + free) * 1024)
+        soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+        lower = [value for value in (soft, hard) if value != resource.RLIM_INFINITY]
+        resource.setrlimit(resource.RLIMIT_AS, (min([limit, *lower]), hard))
+    except (ImportError, OSError, ValueError, StopIteration):
+        yield
+        return
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _kilobytes(file: str, name: str) -> float:
+    lines = Path(file).read_text().splitlines()
+    return float(next(line for line in lines if line.startswith(name + ":")).split()[1])

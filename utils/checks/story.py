@@ -1,0 +1,152 @@
+"""From many failures to one story: the first in full, what it explains folded under it.
+
+Pedal, an autograder of introductory courses, calls this its resolver: many findings, ranked, one
+told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from utils.checks.failures import CheckFailed, NotStarted, NotYet
+
+if TYPE_CHECKING:
+    from utils.checks.core import Check
+    from utils.checks.diagnosis import Mistake
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of running a check; `failure` is None where it passed."""
+
+    check: Check
+    failure: CheckFailed | None
+
+
+@dataclass(frozen=True)
+class Story:
+    """What is told about an exercise.
+
+    Attributes
+    ----------
+    passed : tuple of Outcome
+    first : Outcome or None
+        The failure that is told in full.
+    same : tuple of Outcome
+        Failures with the same cause.
+    others : tuple of Outcome
+        Failures of which nobody knows whether they have the same cause.
+    waiting : tuple of Outcome
+        What cannot be judged yet; without a failure where it was not even run.
+    notes : tuple of Outcome
+        What costs no points.
+    claim : Mistake or None
+        What explains all answers.
+    blamed : str or None
+        A function that this one calls and that is wrong itself.
+    """
+
+    passed: tuple[Outcome, ...]
+    first: Outcome | None
+    same: tuple[Outcome, ...] = ()
+    others: tuple[Outcome, ...] = ()
+    waiting: tuple[Outcome, ...] = ()
+    notes: tuple[Outcome, ...] = ()
+    claim: Mistake | None = None
+    blamed: str | None = None
+
+    @property
+    def not_started(self) -> bool:
+        """True for a stub that nobody touched."""
+        return self.first is not None and isinstance(self.first.failure, NotStarted)
+
+    @property
+    def in_one_line(self) -> str:
+        """For where there is no table, as in `nbgrader validate`."""
+        if self.not_started:
+            return self.first.failure.message
+        failed = 1 + len(self.same) + len(self.others)
+        count = failed + len(self.passed) + len(self.waiting)
+        which = "" if failed == 1 else ", the first of them"
+        return f"{failed} of {count} checks failed{which}:\n{self.first.check.title}"
+
+
+def resolve(
+    outcomes: Sequence[Outcome],
+    checks: Sequence[Check] = (),
+    claim: Mistake | None = None,
+    notes: Sequence[Outcome] = (),
+    blamed: str | None = None,
+) -> Story:
+    """Find out what to tell.
+
+    Parameters
+    ----------
+    outcomes : sequence of Outcome
+        What was run, basics first.
+    checks : sequence of Check
+        All there are; those that were not run are waiting.
+    claim : Mistake, optional
+    notes : sequence of Outcome
+    blamed : str, optional
+
+    Returns
+    -------
+    Story
+    """
+    passed = tuple(one for one in outcomes if one.failure is None)
+    failed = [one for one in outcomes if one.failure is not None]
+    ran = [one.check for one in outcomes]
+    waiting = tuple(Outcome(one, None) for one in checks if one not in ran)
+    notes = tuple(one for one in notes if one.failure is not None)
+    if not failed:
+        return Story(passed, None, waiting=waiting, notes=notes)
+    # A stub explains everything; otherwise the checks stand in the order to read them in.
+    stubs = [one for one in failed if isinstance(one.failure, NotStarted)]
+    ready = [one for one in failed if not isinstance(one.failure, NotYet)]
+    first = (stubs or ready or failed)[0]
+    cause = first.failure.cause
+    rest = [one for one in ready if one is not first]
+    waiting += tuple(one for one in failed if one is not first and one not in ready)
+    same = tuple(one for one in rest if cause is not None and one.failure.cause == cause)
+    others = tuple(one for one in rest if one not in same)
+    return Story(passed, first, same, others, waiting, notes, claim, blamed)
+
+
+def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, str]]:
+    """What there is to say about a failure, each as (label, text).
+
+    Parameters
+    ----------
+    outcome : Outcome
+    claim : Mistake, optional
+        What explains it.
+
+    Returns
+    -------
+    list of tuple of str
+    """
+    failure, said = outcome.failure, []
+    said.append(("What happened", failure.message))
+    if claim:
+        said.append(("The cause", claim.says))
+    said += [
+        ("In plain words", failure.tip),
+        ("Given", failure.given),
+        ("Yours", failure.yours),
+        ("Expected", failure.expected),
+        ("Hint", hint_for(outcome, claim)),
+    ]
+    if failure.is_about_the_check:
+        said.append(("Why it matters", outcome.check.why))
+    return [(label, text) for label, text in said if text]
+
+
+def hint_for(outcome: Outcome, claim: Mistake | None = None) -> str:
+    """The hint that belongs to a failure: of its cause, of its own, or of what was checked."""
+    if claim:
+        return claim.hint
+    failure = outcome.failure
+    return failure.hint or (outcome.check.hint if failure.is_about_the_check else "")

@@ -1,0 +1,100 @@
+"""What a student's function uses: other exercises, and modules that the lesson does not allow."""
+
+import dis
+import functools
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+
+# Written by `python -m grader build` from the headers of the lessons.
+_FORBIDDEN = Path(__file__).with_name("forbidden.json")
+
+
+def refused_modules(function: Callable, lesson: str) -> list[str]:
+    """Modules that a function uses, itself or through others, and that its lesson forbids.
+
+    Parameters
+    ----------
+    function : callable
+    lesson : str
+        Such as "lesson_05".
+
+    Returns
+    -------
+    list of str
+        Their names, as the lesson gives them.
+    """
+    forbidden = _forbidden().get(lesson, ())
+    used = set(_modules_of(function)) if forbidden else ()
+    return [one for one in forbidden if any(f"{name}.".startswith(f"{one}.") for name in used)]
+
+
+def functions_used(function: Callable) -> dict[str, Callable]:
+    """The functions of the same notebook that a function calls, directly or not, by name."""
+    found = {}
+    for part in _functions(function):
+        for code in _codes(part.__code__):
+            for name in code.co_names:
+                value = part.__globals__.get(name)
+                if isinstance(value, FunctionType) and value is not function:
+                    found[name] = value
+    return found
+
+
+@functools.cache
+def _forbidden() -> dict[str, list[str]]:
+    return json.loads(_FORBIDDEN.read_text("utf-8"))
+
+
+def _modules_of(function: Callable) -> Iterator[str]:
+    """Dotted names of the modules that code imports, or reaches by name."""
+    for part in _functions(function):
+        for code in _codes(part.__code__):
+            for instruction in dis.get_instructions(code):
+                if instruction.opname == "IMPORT_NAME":
+                    yield instruction.argval
+                    yield from (f"{instruction.argval}.{name}" for name in code.co_names)
+            for name in code.co_names:
+                yield from _reached(part.__globals__.get(name), code.co_names)
+
+
+def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
+    """A module and those of its modules that code names beside it; or where a thing comes from."""
+    waiting, seen = [value], set()
+    while waiting:
+        value = waiting.pop()
+        if not isinstance(value, ModuleType):
+            yield str(getattr(value, "__module__", ""))
+        elif id(value) not in seen:
+            seen.add(id(value))
+            yield value.__name__
+            waiting += [
+                vars(value)[name]
+                for name in names
+                if isinstance(vars(value).get(name), (ModuleType, type, FunctionType))
+                or hasattr(vars(value).get(name), "__module__")
+            ]
+
+
+def _functions(function: object) -> list[FunctionType]:
+    """A function, those it calls, and the methods of classes it uses, all of one notebook."""
+    found, waiting, home = {}, [function], getattr(function, "__module__", None)
+    while waiting:
+        value = waiting.pop()
+        value = getattr(value, "__wrapped__", value)
+        if isinstance(value, type) and value.__module__ == home:
+            waiting += [one for one in vars(value).values() if isinstance(one, FunctionType)]
+        elif isinstance(value, FunctionType) and value not in found and value.__module__ == home:
+            found[value] = True
+            for code in _codes(value.__code__):
+                waiting += [value.__globals__.get(name) for name in code.co_names]
+    return list(found)
+
+
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    """A piece of code and those inside it."""
+    yield code
+    for value in code.co_consts:
+        if isinstance(value, CodeType):
+            yield from _codes(value)
