@@ -201,6 +201,7 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
     assert sorted(written) == [
         "wrote notebooks/stage4_realtime/13_toy.ipynb",
         "wrote solutions/stage4_realtime/13_toy.ipynb",
+        "wrote utils/checks/forbidden.json",
     ]
     assert "is what its source says" in run(copy, "grader", "build", "--check")
 
