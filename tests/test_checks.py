@@ -12,7 +12,7 @@ import pytest
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
 from grader.judging.asking import run_tests
-from grader.judging.messages import messages_of, story_of
+from grader.judging.messages import text_of, told
 from utils.checks import CheckFailed, check, checks_of
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import as_html
@@ -473,4 +473,4 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
         if not one.mark["visible"]:
             assert isinstance(one.error, CheckFailed), (one.name, one.error)
             assert SECRET not in one.error.message
-            assert SECRET not in "".join(messages_of(story_of([one])).values())
+            assert SECRET not in text_of(told(one))

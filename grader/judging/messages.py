@@ -14,21 +14,8 @@ from utils.checks.core import Check
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
 from utils.checks.story import Outcome as Told
-from utils.checks.story import Story, hint_for, resolve
+from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
-
-
-def story_of(outcomes: list[Outcome], claim: Mistake | None = None) -> Story:
-    """The story of one exercise; see `utils.checks.story`.
-
-    Parameters
-    ----------
-    outcomes : list of Outcome
-        Those of the exercise, the visible ones first.
-    claim : utils.checks.diagnosis.Mistake, optional
-        What explains the answers.
-    """
-    return resolve([told(one) for one in outcomes], claim=claim)
 
 
 def told(outcome: Outcome) -> Told:
@@ -38,16 +25,15 @@ def told(outcome: Outcome) -> Told:
     return Told(check, outcome.error and failure_of(outcome))
 
 
-def messages_of(story: Story) -> dict[str, str]:
-    """What to tell about each failed test, by title; one cause is told once."""
+def messages_of(story: Story) -> dict[Told, str]:
+    """What to tell about each failed test; one cause is told once."""
     if story.first is None:
         return {}
-    title = story.first.check.title
-    same = f"For the same reason as “{title}”."
+    same = f"For the same reason as “{story.first.check.title}”."
     return {
-        title: text_of(story.first, story.claim),
-        **{one.check.title: same for one in story.same},
-        **{one.check.title: text_of(one) for one in (*story.others, *story.waiting)},
+        story.first: text_of(story.first, story.claim),
+        **dict.fromkeys(story.same, same),
+        **{one: text_of(one) for one in (*story.others, *story.waiting)},
     }
 
 
@@ -55,8 +41,8 @@ def text_of(outcome: Told, claim: Mistake | None = None) -> str:
     """What to tell about a failure, line by line."""
     failure, hint = outcome.failure, hint_for(outcome, claim)
     lines = [
-        failure.message,
         claim.says if claim else "",
+        failure.message,
         failure.tip,
         _side_by_side(failure),
         hint and f"Hint: {hint}",

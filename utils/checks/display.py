@@ -120,7 +120,7 @@ def _all_details(story: Story) -> list[tuple[str, str]]:
     said = details(story.first, story.claim)
     if story.blamed:
         sentence = f"{story.blamed}, which this calls, does not pass its own checks."
-        said.insert(1, ("Begin there", sentence))
+        said.insert(0, ("Begin there", sentence))
     return said
 
 

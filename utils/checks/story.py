@@ -128,11 +128,10 @@ def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, s
     -------
     list of tuple of str
     """
-    failure, said = outcome.failure, []
-    said.append(("What happened", failure.message))
-    if claim:
-        said.append(("The cause", claim.says))
-    said += [
+    failure = outcome.failure
+    said = [
+        ("The cause", claim.says if claim else ""),
+        ("What happened", failure.message),
         ("In plain words", failure.tip),
         ("Given", failure.given),
         ("Yours", failure.yours),
