@@ -52,7 +52,7 @@ def test_a_stub_is_one_line_and_raises(exercise, capsys):
         raise NotImplementedError
 
     shown = shown_by(double, capsys)
-    assert shown.count("\n") == 1 and shown.startswith("[waiting] double is not started")
+    assert shown.count("\n") == 1 and shown.startswith("[not started] double is not")
     assert "Hint" not in shown
 
 

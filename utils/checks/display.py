@@ -1,6 +1,7 @@
 """Show what came of checks: a table in a notebook, plain text elsewhere."""
 
 import contextlib
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -8,8 +9,15 @@ from utils.checks.core import Check
 from utils.checks.story import Outcome, Story, details
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
-_COLOURS = {"passed": "#1a7f4b", "failed": "#c4420b", "note": "#8a5a00", "waiting": "#5f6670"}
-_SIGNS = {"passed": "✓ passed", "failed": "✗ failed", "note": "! note", "waiting": "… waiting"}
+_STATES = {
+    "passed": ("#1a7f4b", "✓ passed"),
+    "failed": ("#c4420b", "✗ failed"),
+    "note": ("#8a5a00", "! note"),
+    "waiting": ("#5f6670", "… waiting"),
+    "not started": ("#5f6670", "not started"),
+}
+# Beside a failure, more rows than this that passed are folded into one.
+_MANY = 3
 
 
 class Table:
@@ -66,7 +74,7 @@ def as_text(story: Story) -> str:
     str
     """
     if story.not_started:
-        return f"[waiting] {story.first.failure.message}"
+        return f"[not started] {story.first.failure.message}"
     lines = []
     if story.first:
         lines.append(f"[failed] {story.first.check.title}")
@@ -93,7 +101,7 @@ def as_html(story: Story) -> str:
     str
     """
     if story.not_started:
-        return _table([_row("waiting", "", _line("", story.first.failure.message))])
+        return _table([_row("not started", "", _line("", story.first.failure.message))])
     rows = []
     if story.first:
         body = "".join(_line(label, text) for label, text in _all_details(story))
@@ -107,7 +115,7 @@ def as_html(story: Story) -> str:
         _row("failed", one.check.title, _line("", one.failure.message)) for one in story.others
     ]
     rows += [_row("waiting", one.check.title) for one in story.waiting]
-    rows += [_row("passed", one.check.title) for one in story.passed]
+    rows += _passed(story)
     rows += [
         _row("note", one.check.title, _line("", f"{one.failure.message} {one.check.why}"))
         for one in story.notes
@@ -124,6 +132,15 @@ def _all_details(story: Story) -> list[tuple[str, str]]:
     return said
 
 
+def _passed(story: Story) -> list[str]:
+    """What holds, row by row; beside a failure many rows are folded into one."""
+    if story.first is None or len(story.passed) <= _MANY:
+        return [_row("passed", one.check.title) for one in story.passed]
+    titles = _titles(one.check for one in story.passed)
+    summary = f"<summary>{len(story.passed)} checks</summary>"
+    return [_row("passed", "", f"<details>{summary}{titles.removeprefix('<br>')}</details>")]
+
+
 def _count(outcomes: Sequence[Outcome]) -> str:
     return f"{len(outcomes)} more check{'s fail' if len(outcomes) > 1 else ' fails'}"
 
@@ -133,17 +150,19 @@ def _titles(checks: Iterable[Check]) -> str:
 
 
 def _line(label: str, text: str) -> str:
-    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + escape(text)
+    said = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + said
 
 
 def _row(state: str, title: str, body: str = "") -> str:
+    colour, sign = _STATES[state]
     mark = (
-        f"<span style='background:{_COLOURS[state]};color:#fff;font-weight:bold;"
-        f"white-space:nowrap;padding:0 0.5em;border-radius:3px'>{_SIGNS[state]}</span>"
+        f"<span style='background:{colour};color:#fff;font-weight:bold;"
+        f"white-space:nowrap;padding:0 0.5em;border-radius:3px'>{sign}</span>"
     )
     said = f"<b>{escape(title)}</b>{body}" if title else body.removeprefix("<br>")
     return (
-        f"<tr><td style='width:6em;vertical-align:top;text-align:left'>{mark}</td>"
+        f"<tr><td style='width:7.5em;vertical-align:top;text-align:left'>{mark}</td>"
         f"<td style='text-align:left'>{said}</td></tr>"
     )
 

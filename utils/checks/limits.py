@@ -60,7 +60,8 @@ def _silence(over: threading.Event, watch: threading.Thread, rang: threading.Eve
     while True:
         try:
             over.set()
-            watch.join()
+            if watch.is_alive():
+                watch.join()
             if rang.is_set():
                 time.sleep(0.01)
             return

@@ -303,6 +303,6 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
             code = trace.tb_frame.f_code
             line = linecache.getline(code.co_filename, trace.tb_lineno).strip()
             where = f"line {trace.tb_lineno} of the cell of {code.co_name}"
-            found = code.co_name, where, f"`{line}`" if line else ""
+            found = code.co_name, where, line
         trace = trace.tb_next
     return found
