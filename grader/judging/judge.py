@@ -202,7 +202,7 @@ def _score(
     if followed:
         mine, said = followed.outcomes, [followed.sentence]
     whole = sum(one.mark["weight"] for one in mine)
-    stories = [told(one) for one in mine]
+    stories = [told(one, open_to_all=followed is None) for one in mine]
     story = resolve(stories, claim=claim)
     messages = messages_of(story)
     tests = tuple(

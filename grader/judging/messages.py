@@ -18,11 +18,19 @@ from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
 
 
-def told(outcome: Outcome) -> Told:
-    """A test's outcome, as one tells that of a check."""
+def told(outcome: Outcome, open_to_all: bool = True) -> Told:
+    """A test's outcome, as one tells that of a check.
+
+    Parameters
+    ----------
+    outcome : Outcome
+    open_to_all : bool
+        False where the student's code had company that no word may be told of: then visible
+        tests are told like hidden ones.
+    """
     mark = outcome.mark
     check = Check(mark["exercise"], mark["title"], "", mark["hint"], mark["weight"], print)
-    return Told(check, outcome.error and failure_of(outcome))
+    return Told(check, outcome.error and failure_of(outcome, open_to_all and mark["visible"]))
 
 
 def messages_of(story: Story) -> dict[Told, str]:
@@ -50,10 +58,9 @@ def text_of(outcome: Told, claim: Mistake | None = None) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def failure_of(outcome: Outcome) -> CheckFailed:
+def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     """Why a test failed, in words that may be told."""
-    error, visible = outcome.error, outcome.mark["visible"]
-    exercise = outcome.mark["exercise"]
+    error, exercise = outcome.error, outcome.mark["exercise"]
     if isinstance(error, StudentStopped):
         return Stopped(str(error))
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
