@@ -16,7 +16,7 @@ _STATES = {
     "waiting": ("#5f6670", "… waiting"),
     "not started": ("#5f6670", "not started"),
 }
-# Beside a failure, more rows than this that passed are folded into one.
+# Beside a failure, more rows than this that passed, or wait, are folded into one.
 _MANY = 3
 
 
@@ -114,8 +114,8 @@ def as_html(story: Story) -> str:
     rows += [
         _row("failed", one.check.title, _line("", one.failure.message)) for one in story.others
     ]
-    rows += [_row("waiting", one.check.title) for one in story.waiting]
-    rows += _passed(story)
+    rows += _rows("waiting", story.waiting, story)
+    rows += _rows("passed", story.passed, story)
     rows += [
         _row("note", one.check.title, _line("", f"{one.failure.message} {one.check.why}"))
         for one in story.notes
@@ -132,13 +132,13 @@ def _all_details(story: Story) -> list[tuple[str, str]]:
     return said
 
 
-def _passed(story: Story) -> list[str]:
-    """What holds, row by row; beside a failure many rows are folded into one."""
-    if story.first is None or len(story.passed) <= _MANY:
-        return [_row("passed", one.check.title) for one in story.passed]
-    titles = _titles(one.check for one in story.passed)
-    summary = f"<summary>{len(story.passed)} checks</summary>"
-    return [_row("passed", "", f"<details>{summary}{titles.removeprefix('<br>')}</details>")]
+def _rows(state: str, outcomes: Sequence[Outcome], story: Story) -> list[str]:
+    """What holds, or waits, row by row; beside a failure many rows are folded into one."""
+    if story.first is None or len(outcomes) <= _MANY:
+        return [_row(state, one.check.title) for one in outcomes]
+    titles = _titles(one.check for one in outcomes)
+    summary = f"<summary>{len(outcomes)} checks</summary>"
+    return [_row(state, "", f"<details>{summary}{titles.removeprefix('<br>')}</details>")]
 
 
 def _count(outcomes: Sequence[Outcome]) -> str:
