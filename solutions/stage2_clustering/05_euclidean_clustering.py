@@ -34,7 +34,7 @@
 #
 # *Clustering starts where the road ends: everything that touches the road would be one cluster.*
 #
-# We take one turn of a 64-beam scanner, keep the surroundings of the car, and drop what lies more than 1.2 m below the sensor: the road, and with it the lowest half metre of everything (lesson 06 says why 1.2). Returns closer than 2 m come from our own bonnet and roof, so they go too.
+# We take one turn of a 64-beam scanner, keep the surroundings of the car, and drop what lies more than 1.2 m below the sensor: the road, and with it the lowest half metre of everything (lesson 06 says why 1.2). Returns closer than 2 m come from our own car, so they go too.
 
 # %%
 from collections import deque
@@ -131,7 +131,7 @@ plots.growth(car, [frames[step] for step in shown], titles=[f"round {step}" for 
              title="A car joins, half a metre at a time");
 
 # %% [markdown]
-# The cluster walks along the rear and the flank and ends where the car ends: nobody bridges the gap to the pedestrian, who stays grey for ever. But look at the price. In every round, *all* points were compared with *all* members, those deep inside included, who had told everything they know long ago.
+# The cluster walks along the rear and the flank and ends where the car ends: nobody bridges the gap to the pedestrian, who stays grey for ever. But look at the price. In every round, *all* points were compared with *all* members, those deep inside included, which were processed long ago.
 #
 # ## The queue: ask everybody exactly once
 #

@@ -399,7 +399,7 @@ for (name, keep), axes in zip(wrong.items(), rows):
 # %% [markdown]
 # ## In practice
 #
-# - Cars do not use one level. They fit planes piece by piece, or look along each beam for the first jump in height: on a flat road neighbouring rings lie at foreseeable distances, and an obstacle shortens them.
+# - Cars do not use one level. They fit planes piece by piece; or they go outward along one azimuth, from beam to beam, and look for the first jump in height: on a flat road neighbouring rings lie at foreseeable distances, and an obstacle shortens them.
 # - Level and margin come from calibration: the sensor's height changes by centimetres with the load of the car.
 # - A voxel grid stands at the start of nearly every pipeline; 0.1 to 0.3 m is usual in a city. The real-time lessons (10 to 12) show when you can do without.
 #
@@ -415,7 +415,7 @@ for (name, keep), axes in zip(wrong.items(), rows):
 # - One comparison removes nearly all of the road; slopes and kerbs need a plane.
 # - A voxel grid evens out density; doubling the cell divides the points by two to four.
 #
-# **Sources.** Ground height and margin: sensor set-up of the KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by piecewise planes: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059).
+# **Sources.** Ground height and margin: sensor set-up of the KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by lines in sectors of azimuth: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059); by planes, piece by piece: [Zermas et al. 2017](https://doi.org/10.1109/ICRA.2017.7989591).
 #
 # **Next:** 07 · Filter by distance
 

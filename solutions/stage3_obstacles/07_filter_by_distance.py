@@ -203,7 +203,7 @@ for distance, axes in zip((5, 10, 30), panels):
 # %% [markdown]
 # ## Theory against practice: where do the points lie?
 #
-# *Beams are evenly spaced in angle, so their rings crowd together near the car.*
+# *Equal angles are unequal distances on the road, so the rings of the beams crowd together near the car.*
 #
 # A beam that looks down by the angle $\alpha$ from the height $h$ meets a flat road at the distance $h / \tan\alpha$ and draws a ring there. Each ring holds equally many returns. So the share of road returns within a radius is the share of rings within it, and that we can count without any scan.
 #
@@ -283,6 +283,7 @@ def users_left(radius):
     return (count >= 20).sum()
 
 
+distances_upright = np.hypot(*cloud[upright, :2].T)
 radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
 points = np.array([len(filter_by_distance(cloud[upright], radius)) for radius in radii])
 axes = plots.curves({"points": (radii, points / points[-1]),
@@ -290,14 +291,19 @@ axes = plots.curves({"points": (radii, points / points[-1]),
                      "road users": (radii, [users_left(r) / users_left(80) for r in radii])},
                     across="radius (m)", up="share that is left",
                     title="What a radius saves, and what it loses")
+bumper = 2.6  # metres ahead of the sensor: a radius begins at the sensor, braking at the bumper
 for speed in (30, 50):
     metres_per_second = speed / 3.6
-    stop = 0.5 * metres_per_second + metres_per_second**2 / 14
+    stop = bumper + 0.5 * metres_per_second + metres_per_second**2 / 14
     axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     axes.text(stop + 0.6, 0.04, f"stops from\n{speed} km/h")
+    near = (distances_upright <= stop).mean()
+    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie {1 - near:.0%} of "
+          f"the points, {1 - near**2:.0%} of the work and "
+          f"{1 - users_left(stop) / users_left(80):.0%} of the road users")
 
 # %% [markdown]
-# Points and road users do not come at the same rate. Beyond the second dotted line there are hardly any points left to save, but many road users left to lose: the far ones cost next to nothing, and a fast car needs them most. A radius of 10 m is enough for 30 km/h and no more. And a circle treats walls and cars alike. It cannot tell a house front from a lane. A box can.
+# Points and road users do not come at the same rate. Beyond the second dotted line few points are left to save, but many road users are left to lose: the far ones cost little, and a fast car needs them most. The shorter radius is enough for 30 km/h and no more. And a circle treats walls and cars alike. It cannot tell a house front from a lane. A box can.
 
 # %% [markdown]
 # ## The idea: a region of interest
@@ -433,7 +439,7 @@ axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
 axes.text(0.5, -2.35, "a child here?", ha="center");
 
 # %% [markdown]
-# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside.
+# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; who builds a car measures it to the centimetre.
 #
 # Mind your logic there. "Not (inside in x and y and z)" is "outside in x **or** y **or** z". Someone who asks for outside in x *and* y *and* z throws away nearly everything: whatever shares just one coordinate with our car.
 #
@@ -540,7 +546,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # ## In practice
 #
 # - The region is not a fixed box. It follows the planned path and the lanes of a map, and it grows with the speed, because the stopping distance does.
-# - The order of the filters matters for speed, not for the result. The cheapest that removes most comes first: a distance needs a handful of operations per point, a plane fit hundreds.
+# - Filters that look at each point alone may come in any order: it matters for speed, not for the result. (For a voxel grid or a plane fit it matters for both.) The cheapest that removes most comes first: a distance needs a handful of operations per point, a plane fit hundreds.
 # - Ego boxes come from the drawings of the car and must be checked after every change: a bicycle on the rack is a new ego return.
 # - What a filter removes is gone for all who come after it. Safety systems keep the raw scan and watch for things that appear at the edge of the region.
 #

@@ -108,9 +108,9 @@ for number in range(1, 5):
     print(f"label {number}: {how_many} points, {verdict:33}", labels)
 
 # %% [markdown]
-# Look for the cluster of two points: it is still there. When cluster 2 went, cluster 3 became the new 2. The loop then moved on to 3 and never looked back. Of any two small neighbours, the second survives.
+# Look for the cluster of two points: it is still there. When cluster 2 went, cluster 3 became the new 2. The loop then moved on to 3 and never looked back. Of two consecutive small labels, the second survives.
 #
-# It is among the most frequent mistakes in this exercise, and a nasty one: on a test cloud with a single small cluster all is well.
+# It is a nasty mistake: on a test cloud with a single small cluster all is well.
 #
 # ## The idea: one number for "belongs to nothing"
 #
@@ -377,7 +377,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # - Count first, then decide for all points at once. Renumbering inside a loop skips clusters.
 # - Points fall with the square of the distance: a minimum size is a maximum distance.
 #
-# **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and spray in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
+# **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and fog in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
 #
 # **Next:** 10 · Clustering in real time
 

@@ -64,7 +64,7 @@ plots.boxes(corners, cloud=first.cloud[first.scan.objects > 0], limits=street, r
 # %% [markdown]
 # ## The naive idea: an obstacle is a square metre with something in it
 #
-# *Things have edges; squares of a map have not.*
+# *Things have edges; map squares do not.*
 #
 # Why cluster at all? Divide the street into squares of a metre and call each one occupied that holds a return above the ground level. It takes four lines, it is as fast as can be, and maps of this kind drive vacuum cleaners.
 
@@ -497,7 +497,7 @@ def match_boxes(previous, current, max_distance):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `while table.size and table.min() <= max_distance:` find row and column, store the column in the answer at the row, and set `table[row, :]` and `table[:, column]` to `np.inf`, so that neither is taken again. Or let `scipy.optimize.linear_sum_assignment` find the best pairs, and throw away those that are too far apart.
+# `while table.size and table.min() <= max_distance:` find row and column, store the column in the answer at the row, and set `table[row, :]` and `table[:, column]` to `np.inf`, so that neither is taken again. Or let `scipy.optimize.linear_sum_assignment` find the best pairs: first write a huge number where a distance is too large (else a pair that may not be takes the place of one that may), and leave out the pairs that have it.
 # </details>
 
 # %% [markdown]
@@ -547,7 +547,7 @@ for name in names[-1]:
     axes.plot(*np.array(rows)[:, :2].T, ".-", color="black", linewidth=1, markersize=3)
 
 # %% [markdown]
-# Parked cars trail half a metre per frame: that is us, driving. Who moves with us has a short trail, who comes towards us a long one. A trail that bends or starts anew tells of a box that grew, shrank or merged with another.
+# Parked cars trail half a metre per frame: that is us, driving. Objects moving with us leave a short trail, those coming towards us a long one. A trail that bends or starts anew tells of a box that grew, shrank or merged with another.
 #
 # How far may a partner be? At least as far as things move between two frames, relative to us: $v\,\Delta t$. And not as far as the next obstacle, or a name jumps to somebody else. Both kinds of mistake can be counted. A thing that carries another name than the last time has *switched*; for that we need the truth. A name that moves by more than 2 m in a tenth of a second, faster than 72 km/h, has *jumped*. The dotted line is our own way in that time.
 
@@ -751,7 +751,7 @@ for (title, settings), axes in zip(wrong.items(), rows):
 # - Trackers do not compare with where a thing *was* but with where it should be *now*: a Kalman filter holds position and speed, and bridges a few frames without a match.
 # - Matching takes the best sum of all pairs (the Hungarian method), and often overlap or shape instead of distance.
 # - The own motion is taken out first: in coordinates of the street parked cars stand still, and `max_distance` can be small.
-# - Learned detectors box whole cars from half of their returns and tell cars from people. What you built still runs beside them in many cars: it needs no training and sees things that no training set contains.
+# - Learned detectors box whole cars from half of their returns and tell cars from people. What you built needs no training, and sees things that no training set contains.
 #
 # ## If you want more
 #
@@ -762,11 +762,11 @@ for (title, settings), axes in zip(wrong.items(), rows):
 #
 # ## Summary
 #
-# - A detector is a chain: cheap filters first, careful steps last, and every step bears an empty cloud.
+# - A detector is a chain: cheap filters first, careful steps last, and every step copes with an empty cloud.
 # - Precision, recall and identity switches against truth turn opinions about parameters into curves.
 # - A box gets its meaning from the frame before: match one to one, nearest first, not too far.
 #
-# **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker that uses nothing else: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
+# **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker, on top of a learned detector: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
 #
 # **That was the last lesson.** Congratulations: you wrote a LiDAR pipeline from the first mask to the last name.
 
