@@ -379,7 +379,7 @@ check(ransac_line)
 #
 # *Too narrow a band loses the wall's own points; too wide a band lets every line win.*
 #
-# Change one slider at a time. How many rounds until the line stays the same for every seed? At which tolerance does it begin to wobble?
+# Change one slider at a time. With 10 rounds, then with 100: how many of ten seeds give a line that misses the wall? At which tolerance does the line begin to wobble?
 
 # %%
 @interact(rounds=IntSlider(value=10, min=1, max=100, description="rounds", continuous_update=False),
@@ -393,7 +393,7 @@ def show_ransac(rounds, tolerance, seed):
     plt.show()
 
 # %% [markdown]
-# The same without sliders: three tolerances, fifty rounds each. The middle one fits: the wall's points were moved by up to 0.6 m in x and in y, so they lie within 0.85 m of the true line.
+# The same without sliders: three tolerances, fifty rounds each. The middle one fits best: the wall's points were moved by up to 0.6 m in x and in y, so they lie within 0.85 m of the true line. The line that was found goes through two of them, so it is not quite the true one.
 
 # %%
 figure, row = plt.subplots(1, 3, figsize=(8.5, 3.1), layout="compressed")

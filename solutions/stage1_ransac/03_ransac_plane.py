@@ -346,7 +346,7 @@ for tolerance, axes in zip((0.03, 0.2, 0.8), panels):
                      title=f"tolerance {tolerance} m: {(~near).sum():,} points are left")
 
 # %% [markdown]
-# At 0.03 m the noise of the scanner, 2 cm, throws road points out. At 0.8 m the cars lose their lower halves, and the plane tilts to catch more of them. Between 0.1 and 0.3 m there is a wide range in which little changes.
+# At 0.03 m road points are thrown out, and not by noise: a road has a crown and kerbs, which leave the best plane by several centimetres. At 0.8 m the cars lose their lower halves, and the plane tilts to catch more of them. In between, each centimetre more brings a little more road and takes a little more of wheels and feet.
 
 # %% [markdown]
 # ## Refit: let all inliers speak
@@ -428,7 +428,8 @@ for seed in seeds:
     found, near = ransac_plane(street, 50, 0.2, int(seed))
     before.append(slope_of(found))
     after.append(slope_of(fit_plane(street[near])))
-print(f"spread of the slope: {np.std(before):.2f} % before, {np.std(after):.2f} % after refitting")
+print(f"slope: {np.mean(before):.2f} ± {np.std(before):.2f} % before, "
+      f"{np.mean(after):.2f} ± {np.std(after):.2f} % after refitting, {100 * ROAD.slope:.2f} % as built")
 plots.curves({"as built": (seeds[[0, -1]], [100 * ROAD.slope] * 2)},
              {"three points": (seeds, before), "all inliers": (seeds, after)},
              across="seed", up="slope of the road (%)", title="Refitting calms the plane");
@@ -437,6 +438,8 @@ plots.curves({"as built": (seeds[[0, -1]], [100 * ROAD.slope] * 2)},
 check(fit_plane)
 
 # %% [markdown]
+# Look where the squares lie. Refitting takes away the scatter, but not the whole error: nearly all of them are a little below "as built". The road has a crown and kerbs, and the best plane through those has not quite the slope of the road. An estimate can be precise and still be off, always to the same side: it is *biased*.
+#
 # ## How many iterations?
 #
 # *The number depends on the share of inliers, not on the number of points.*
@@ -492,7 +495,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# With `good = inlier_ratio ** sample_size`: 1 if it is 1, `math.inf` if it is 0, else `math.ceil(math.log(1 - ...) / math.log(1 - ...))`.
+# With `good = inlier_ratio ** sample_size`: 1 if it is 1, `math.inf` if it is 0, else `math.ceil(math.log(1 - ...) / math.log1p(-good))`, and at least 1. `math.log1p(x)` is the logarithm of 1 + x, also where `good` is so small that `1 - good` is rounded to 1.
 # </details>
 
 # %% [markdown]

@@ -259,7 +259,8 @@ for label in np.argsort(-sizes, kind="stable")[:12]:
                        dict(zip(objects[mine].tolist(), kinds[mine])).items())
     print(f"cluster {label:2d}: {sizes[label]:4d} points, "
           f"{length:4.1f} x {width:3.1f} x {height:3.1f} m   {things}")
-print(f"clusters of fewer than ten points: {np.sum(sizes[1:] < 10)}")
+print(f"{labels.max()} clusters of {len(np.unique(objects[objects > 0]))} things; "
+      f"{np.sum(sizes[1:] < 10)} clusters have fewer than ten points")
 
 # %% [markdown]
 # Cars, people and walls, found without knowing what a car is. But some clusters hold more than one thing, and there are crumbs. The next section explains the first; lesson 09 sweeps up the second.
@@ -280,7 +281,7 @@ plots.kept_and_removed(obstacles, labels == longest, limits=street,
                        title="The longest chain (kept), and all the rest");
 
 # %% [markdown]
-# That is the blessing: no shape and no size had to be foreseen. Now the curse: a single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
+# That is the blessing: no shape and no size had to be foreseen. And the curse, in the list above: a cluster may hold several things that touch. A single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
 #
 # ## Play: how close is close?
 #
@@ -378,7 +379,7 @@ print(f"{len(cloud):,} points would take about {foreseen[-1]:.0f} s: "
 # | labels counted from 0 | the first obstacle, drawn as pale crosses, passes for noise |
 # | counter raised for every point | as many clusters as points |
 # | distance over all four columns | nothing here, where intensities end at 1; confetti on recordings where they end at 255 |
-# | labelled when taken out of the queue | the same picture, in minutes: points queue over and over |
+# | labelled when taken out of the queue | the same picture, much later or practically never: points queue over and over |
 # | the function calls itself for each friend | no picture but a `RecursionError`, at the first wall |
 
 # %%

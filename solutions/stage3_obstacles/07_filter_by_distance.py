@@ -392,15 +392,17 @@ check(crop_region)
 choices = {"circle of 10 m": lambda rows: filter_by_distance(rows, 10),
            "circle of 30 m": lambda rows: filter_by_distance(rows, 30),
            "region of interest": lambda rows: crop_region(rows, *region)}
-ahead = returns[(returns[:, 0] > 0) & (np.abs(returns[:, 1] - 0.5) < 5.5)]
+ahead = returns[returns[:, 0] > 0]
+in_street = np.abs(ahead[:, 1] - 0.5) < 5.5
 walls = cloud[upright & (truth["classes"] == names.index("wall"))]
-print(f"{'':20}   points   walls   road users ahead of us in the street")
+print(f"{'':20}   points   walls   road users ahead: in the street, and with the pavements")
 for name, keep in choices.items():
-    _, count = np.unique(keep(ahead)[:, 3], return_counts=True)
-    print(f"{name:20} {len(keep(cloud[upright])):8,} {len(keep(walls)):7,} {(count >= 20).sum():7}")
+    users = [(np.unique(keep(rows)[:, 3], return_counts=True)[1] >= 20).sum()
+             for rows in (ahead[in_street], ahead)]
+    print(f"{name:20} {len(keep(cloud[upright])):8,} {len(keep(walls)):7,} {users[0]:7} {users[1]:7}")
 
 # %% [markdown]
-# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements. Somebody who steps off the pavement will be in the box only when they are on the road: that choice is yours, and it should be a conscious one.
+# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements, and who walks there: the last column. Somebody who steps off the pavement will be in the box only when they are on the road: that choice is yours, and it should be a conscious one.
 
 # %% [markdown]
 # ## Who is standing so close?
@@ -530,7 +532,7 @@ report("without the sensor itself", remove_ego_returns(free, (-0.1, -0.1, -0.1),
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, with corners 41 % too far away |
 # | `x**2 + y**2 <= r` | a disc that is much too small: 3.2 m for 10 |
 # | `cloud[:, 0] <= r` | half a street: everything behind us stays |
-# | `any` where `all` belongs | a cross: two endless strips in place of a box |
+# | `any` where `all` belongs | nearly everything stays, since most heights are inside; in the picture, which leaves out the heights, a cross of two endless strips |
 
 # %%
 x, y = thin[:, 0], thin[:, 1]

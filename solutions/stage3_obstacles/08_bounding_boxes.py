@@ -232,7 +232,7 @@ plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, labe
 #
 # *A box that cannot turn must grow.*
 #
-# Here is the turning car of label 10, put straight and then turned by as much as you like. Its box follows. At which angle is the box largest?
+# Here is the turning car of label 10, put straight and then turned by as much as you like. Its box follows. At which angle is the box largest? (Turned points are no new scan: of a car that really stood like that, the scanner would see other parts.)
 
 # %%
 row = np.flatnonzero(truth["box_identities"] == 10)[0]
@@ -247,7 +247,8 @@ def turned(points, angle):
                             x * np.sin(angle) + y * np.cos(angle), z])
 
 
-straight = turned(cloud[labels == 10, :3] - centre, -yaw)  # the middle of the car is the origin
+# The middle of the car is the origin, and the sides that were seen face us.
+straight = turned(cloud[labels == 10, :3] - centre, -(yaw + np.pi))
 outline = np.array([[x, y, 0.0] for x in (-length / 2, length / 2)
                     for y in (-width / 2, width / 2)])
 ahead = np.array([8.0, 0.0, 0.0])  # where we put it

@@ -203,7 +203,7 @@ check(filter_clusters)
 thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (objects == 0) | (objects >= 10_000))
 
 
-@interact(minimum=IntSlider(value=100, min=1, max=600, step=5, description="min points",
+@interact(minimum=IntSlider(value=100, min=5, max=600, step=5, description="min points",
                             continuous_update=False))
 def show_minimum(minimum):
     kept = filter_clusters(cluster_labels, minimum)
@@ -265,7 +265,7 @@ axes.set_xticks([5, 10, 20, 40, 80], ["5", "10", "20", "40", "80"]); axes.minort
 plt.setp(axes.lines, markersize=4);
 
 # %% [markdown]
-# The line is a ceiling for people: those in plain view lie on it, those below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
+# People in plain view lie near the line, some a little above it; those far below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
 #
 # Now find the place where the line falls below the dotted one, at 100 points. A person farther away than that has fewer points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? A car at 50 km/h rolls on for a second before its driver brakes, and then brakes at about 7 m/s².
 

@@ -360,7 +360,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # </details>
 
 # %% [markdown]
-# **Look before you check.** Every point should lie inside the box of its obstacle, and the boxes should turn. Some parked cars look a little crooked; there is more about that below.
+# **Look before you check.** Every point should lie inside the box of its obstacle, and the boxes should turn. Most parked cars look crooked; there is more about that below.
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
@@ -555,11 +555,11 @@ for name, values in followed.items():
 #
 # | what was written | what you see |
 # |---|---|
-# | turned by +yaw both times, or a transposed matrix | the box stands mirrored, far from its car |
+# | turned by +yaw both times | the box stands far from its car, turned about the sensor by twice the yaw |
 # | yaw in degrees passed to `np.cos` | boxes at any angle but the right one |
-# | divided by the standard deviation (z-score) | every cluster is "turned" by 45° |
+# | divided by the standard deviation (z-score) | every cluster is "turned" by 45°; and where z was set to 0 before, an error: 0 / 0 |
 # | not centred | the first axis points from the sensor to the car |
-# | columns left in ascending order | no harm to the box, but the "heading" is the width |
+# | columns left in ascending order | the "heading" is the width; and where z was set to 0 before, the first axis is the vertical, and every yaw is 0 |
 # | determinant -1 | the box is right, but it is no rotation: SciPy refuses to make quaternion or Euler angles of it |
 # | size taken in 3-D, flattened afterwards | points outside: see above |
 

@@ -95,7 +95,7 @@ plots.boxes(squares, cloud=first.cloud[first.scan.objects > 0], limits=street,
 # | drop invalid returns | 01 | NaN and (0, 0, 0) | an obstacle inside the sensor |
 # | keep the region of interest | 07 | whatever we cannot hit | time for house fronts |
 # | remove the own car | 07 | returns from our roof | full braking, for ever |
-# | remove the road | 06 or 03 | nearly half of all returns | all is one cluster |
+# | remove the road | 06 or 03 | more than a third of all returns | all is one cluster |
 # | thin with a voxel grid | 06 | nine of ten points that are left | seconds per frame |
 # | cluster | 05 or 10 | nothing: it adds labels | points, but no things |
 # | remove small clusters | 09 | raindrops, specks of road | ghosts |
@@ -378,7 +378,7 @@ plots.curves({name: (overlaps, [getattr(result, name) for result in results])
              up="share", title="How good the detector is depends on what you call a hit");
 
 # %% [markdown]
-# The more overlap you ask for, the less is found; at 1 nothing ever is. A scanner sees the near side of a car, and a box around that side is a slice of the true one. In the next picture look at the cars 20 m ahead: only their backs have boxes, and each such slice counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw. So we count from 0.3.
+# The more overlap you ask for, the less is found; at 1 nothing ever is. A scanner sees the near side of a car, and a box around that side is a slice of the true one. In the next picture look at the cars 20 m ahead: only their backs have boxes, and each such slice counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw. And a box along principal axes leans (lesson 11), which costs overlap, too: with smallest rectangles the curve falls later. So we count from 0.3.
 #
 # ## Play: calibrate it
 #
@@ -391,7 +391,7 @@ above_road = shown.cloud[shown.scan.objects > 0][::4]
 
 @interact(threshold=FloatSlider(value=0.5, min=0.2, max=2.0, step=0.1, description="threshold",
                                 continuous_update=False),
-          minimum_size=IntSlider(value=10, min=1, max=100, step=5, description="min points",
+          minimum_size=IntSlider(value=10, min=5, max=100, step=5, description="min points",
                                  continuous_update=False))
 def show_settings(threshold, minimum_size):
     boxes = detect_obstacles(shown.cloud, threshold=threshold, min_num_points=minimum_size)
@@ -427,7 +427,7 @@ for axes, name, values in ((panels[0], "threshold", thresholds), (panels[1], "mi
 # %% [markdown]
 # Each curve has its own lesson. Below 0.4 m torn cars cost precision and recall alike. Above it neighbours merge, so recall falls; but pieces merge, too, so precision rises, and $F_1$ hardly changes. A flat top is good news: the exact value does not matter. The minimum size trades precision against recall, as in lesson 09.
 #
-# But do not obey the right-hand curve. On this carriageway everything that counts is a car, so $F_1$ asks for a minimum that no walker survives: a person 10 m away has about 30 points after thinning, and nobody is there to be missed. And all these curves are of one street. Check any choice on a stream that you did not tune on.
+# But do not obey the right-hand curve. On this carriageway everything that counts is a car, so $F_1$ asks for a minimum that no walker survives: a person 10 m away has about 20 points after thinning, and nobody is there to be missed. And all these curves are of one street. Check any choice on a stream that you did not tune on.
 #
 # ## A box has no memory
 #
