@@ -127,7 +127,7 @@ _TIPS = (
     (
         "TypeError",
         r"can't multiply sequence by non-int|unsupported operand type\(s\) for .: 'list'|"
-        r"list indices must be integers",
+        r"'[<>]=?' not supported between instances of 'list'|list indices must be integers",
         "",
         "This is a list. Lists do not calculate and take no masks: wrap it in np.array(...).",
     ),
