@@ -202,6 +202,13 @@ def drop_invalid(cloud):
     finite = np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
     return cloud[finite & ~((x == 0) & (y == 0) & (z == 0))]
 
+# %% wrong: takes all but the last column for coordinates
+# loses only: takes_three_columns, test_three_columns_cleaned
+# says: Of the same rows without their intensity, others are left
+def drop_invalid(cloud):
+    xyz = cloud[:, :-1]
+    return cloud[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)]
+
 # %% wrong: stacks what is left
 # loses only: takes_an_empty_scan
 # says: need at least one array

@@ -63,6 +63,12 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
         )
 
 
+def assert_measures_level(horizontal_distance: Callable) -> None:
+    """Points level with the sensor are measured right; their height and intensity come next."""
+    with needs("points level with the sensor are measured right"):
+        assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
+
+
 def assert_measures(horizontal_distance: Callable) -> None:
     """A street is measured right; where not, no other property can be looked at."""
     with needs("the distances of points high and low are right"):
@@ -88,8 +94,7 @@ def measures_distance(horizontal_distance: Callable) -> None:
     hint="Of the coordinates use x and y only, the columns 0 and 1.",
 )
 def ignores_height(horizontal_distance: Callable) -> None:
-    with needs("points level with the sensor are measured right"):
-        assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
+    assert_measures_level(horizontal_distance)
     assert_distances(horizontal_distance(_STREET.copy()), _STREET, _DISTANCES)
 
 
@@ -101,8 +106,7 @@ def ignores_height(horizontal_distance: Callable) -> None:
     hint="The last column is no length: use the columns 0 and 1 only.",
 )
 def ignores_intensity(horizontal_distance: Callable) -> None:
-    with needs("points level with the sensor are measured right"):
-        assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
+    assert_measures_level(horizontal_distance)
     assert_distances(horizontal_distance(_BRIGHT.copy()), _BRIGHT, _DISTANCES)
 
 
@@ -420,12 +424,20 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     weight=1,
     title="Takes three columns as well as four",
     why="Some files hold no intensity.",
-    hint="cloud[:, :3] are the coordinates, whether or not a column follows.",
+    hint="cloud[:, :3] are the coordinates, whether or not a column follows; cloud[:, :-1] are "
+    "them only where one does.",
 )
 def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
     assert_works(drop_invalid)
-    cloud = _GOOD[:, :3]
-    assert_rows(drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above")
+    cloud, _ = _mixed(_ORIGIN, _NANS)
+    four = as_array(drop_invalid(cloud.copy()), columns=4)
+    three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
+    if not np.array_equal(three, four[:, :3], equal_nan=True):
+        raise CheckFailed(
+            "Of the same rows without their intensity, others are left.",
+            yours=f"{len(three)} of {len(cloud)} rows",
+            expected=f"the same {len(four)} as with intensity",
+        )
 
 
 @visible(

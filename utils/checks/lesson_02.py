@@ -972,7 +972,7 @@ def survives_equal_points(ransac_line: Callable) -> None:
 @visible(
     "ransac_line",
     weight=1,
-    title="Comes back when all points are equal",
+    title="Answers when all points are equal",
     why="A blocked scanner reports one point and nothing else.",
     hint="Where no round had a line, the answer is what you began with: None and all False.",
 )
