@@ -128,6 +128,12 @@ def test_wrong_rows_are_named(answer, words):
         assert_rows(answer, CLOUD, KEEP)
 
 
+def test_one_row_is_no_rows():
+    with pytest.raises(CheckFailed) as caught:
+        assert_rows(CLOUD[:2], CLOUD, np.array([True, False, False]))
+    assert (caught.value.yours, caught.value.expected) == ("2 rows", "1 row")
+
+
 def test_empty_rows():
     nothing = np.zeros(3, dtype=bool)
     assert_rows(np.empty((0, 4)), CLOUD, nothing)

@@ -335,7 +335,18 @@ def assert_line_distances(
             f"{point_text(points[wrong[0]])}",
             yours=f"{yours[wrong[0]]:.2f} m",
             expected=f"{expected[wrong[0]]:.2f} m",
+            draw=lambda: _draw_circles(points, line, yours),
         )
+
+
+def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -> None:
+    """Draw a circle about each point, of the distance that was answered."""
+    from matplotlib.patches import Circle
+
+    axes = utils.plots.line_model(points, line, title="Each circle should touch the line")
+    for point, distance in zip(points, distances, strict=True):
+        if np.isfinite(distance):
+            axes.add_patch(Circle(point, abs(float(distance)), fill=False, linewidth=0.8))
 
 
 def assert_measures(point_line_distance: Callable) -> None:
