@@ -343,7 +343,10 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
     """Draw a circle about each point, of the distance that was answered."""
     from matplotlib.patches import Circle
 
-    axes = utils.plots.line_model(points, line, title="Each circle should touch the line")
+    room = [[low - 4, high + 4] for low, high in zip(points.min(0), points.max(0), strict=True)]
+    axes = utils.plots.line_model(
+        points, line, limits=room, title="Each circle should touch the line"
+    )
     for point, distance in zip(points, distances, strict=True):
         if np.isfinite(distance):
             axes.add_patch(Circle(point, abs(float(distance)), fill=False, linewidth=0.8))
