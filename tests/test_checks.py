@@ -128,6 +128,12 @@ def test_wrong_rows_are_named(answer, words):
         assert_rows(answer, CLOUD, KEEP)
 
 
+def test_one_row_is_no_rows():
+    with pytest.raises(CheckFailed) as caught:
+        assert_rows(CLOUD[:2], CLOUD, np.array([True, False, False]))
+    assert (caught.value.yours, caught.value.expected) == ("2 rows", "1 row")
+
+
 def test_empty_rows():
     nothing = np.zeros(3, dtype=bool)
     assert_rows(np.empty((0, 4)), CLOUD, nothing)
@@ -211,6 +217,7 @@ def test_labels_and_arrays_say_what_was_expected():
         (lambda: (lambda nothing: nothing[0])(None), "is None"),
         (lambda: [1.0, 2.0].min(), "np.array"),
         (lambda: [1.0] * 0.5, "np.array"),
+        (lambda: [1.0] <= 0.5, "np.array"),
         (lambda: CLOUD(0), "square brackets"),
         (lambda: len[0], "round ones"),
         (lambda: range(1.5), "whole number"),
@@ -242,6 +249,9 @@ def deep(number):
 def test_a_tip_may_depend_on_the_line():
     words = "only length-1 arrays can be converted to Python scalars"
     assert "np.sqrt" in tip_for("TypeError", words, "`return math.sqrt(x)`")
+    call = "line_through() missing 1 required positional argument: 'q'"
+    assert "first line" in tip_for("TypeError", call)
+    assert "one value" in tip_for("TypeError", call, "`line = line_through(points[chosen])`")
     truth = "The truth value of an array with more than one element is ambiguous. Use a.any()"
     assert "parentheses of its own" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")

@@ -39,6 +39,13 @@ _TIPS = (
     (
         "TypeError",
         r"missing \d+ required positional|takes (from )?\d+ .*positional",
+        r"\(",
+        "This line gives a function more or fewer values than it takes. An array of two points is "
+        "one value: f(points[i], points[j]), or f(*pair) to hand over its rows one by one.",
+    ),
+    (
+        "TypeError",
+        r"missing \d+ required positional|takes (from )?\d+ .*positional",
         "",
         "A function is called with more or fewer values than its first line has. Keep the first "
         "line of yours, defaults included, as given.",
@@ -120,7 +127,7 @@ _TIPS = (
     (
         "TypeError",
         r"can't multiply sequence by non-int|unsupported operand type\(s\) for .: 'list'|"
-        r"list indices must be integers",
+        r"'[<>]=?' not supported between instances of 'list'|list indices must be integers",
         "",
         "This is a list. Lists do not calculate and take no masks: wrap it in np.array(...).",
     ),
@@ -204,8 +211,8 @@ _TIPS = (
         r"zero-size array|need at least one array|arg(min|max) of an empty|empty sequence|"
         r"empty iterable",
         "",
-        "Here there is nothing to take the smallest or largest of: a cloud, or one cluster of "
-        "it, can be empty.",
+        "Here there is nothing to take the smallest or largest of, or to stack: a cloud, or one "
+        "cluster of it, can be empty.",
     ),
     (
         "ValueError",
