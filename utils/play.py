@@ -24,6 +24,7 @@ from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
 from utils.films.filming import SIZE, Sight, record, scene_of, watch
+from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
 
@@ -54,7 +55,9 @@ class Programme:
         scene.add_rays(sight.cloud)
         if self.on_highway:
             scene.add_road(HIGHWAY_SENSOR).add_ego_car(*HIGHWAY_EGO)
-            scene.add_cars([box.corners for box in sight.true_boxes if box.kind == "car"])
+            cars = [box.corners for box in sight.true_boxes if box.kind == "car"]
+            # Blue ones would hide the boxes that were found.
+            scene.add_cars(cars, colour=BLUE if sight.found is None else PALE)
         else:
             scene.add_ego_car()
         return scene.switch(**dict(self.switches))
