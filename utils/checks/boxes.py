@@ -410,6 +410,7 @@ def _rectangle(box: np.ndarray, points: np.ndarray, name: str) -> np.ndarray:
             f"{name} does not stand on a rectangle.",
             yours=brief(box[:, :2]),
             expected="four corners with right angles, each with one above it",
+            hint="Turn about z only. Then each corner of the roof has the x and y of one below it.",
             draw=lambda: _draw(points, box),
         )
     return rectangle
