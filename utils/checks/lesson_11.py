@@ -326,7 +326,7 @@ def returns_an_array(principal_axes: Callable) -> None:
 # Blocks that stand away from the origin, but exactly in the direction of one of their own axes:
 # number `along`. To whoever does not centre them that axis becomes the first.
 _BLOCKS = tuple(
-    (_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, along],)
+    frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, along],))
     for sides, degrees, along in zip(_SIDES, (25, 110, 155), (2, 1, 2), strict=True)
 )
 
@@ -709,7 +709,7 @@ def _each(change: Callable) -> Callable:
 
 _TWO_HEADINGS = ((20, 65), (35, 10), (75, 55))
 _STREETS = tuple(
-    (np.vstack([_street(*headings), [[30.0, 20.0, 4.0]]]), np.append(_LABELS, 0))
+    frozen((np.vstack([_street(*headings), [[30.0, 20.0, 4.0]]]), np.append(_LABELS, 0)))
     for headings in _TWO_HEADINGS
 )
 
