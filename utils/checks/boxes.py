@@ -134,7 +134,7 @@ def _about_corners(
     view = "side" if np.abs(nearest - place).argmax() == 2 else "above"
 
     def draw() -> None:
-        _draw(points, mine, right, [place], view, "the circle should hold a corner of yours")
+        _draw(points, mine, right, [place], view, "The circle should hold a corner of yours")
 
     ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (mine, right)])
     if same_corners(mine, corners_between(*ends[0])):
@@ -278,7 +278,9 @@ def assert_headings(
                 given=given,
                 yours=f"a side at {yours % 90:.0f}° against the x axis",
                 expected=f"a side at {heading % 90:.0f}°",
-                draw=lambda box=box, points=points: _draw(points, box),
+                draw=lambda box=box, points=points: _draw(
+                    points, box, title="The box, and the points of its cluster"
+                ),
             )
 
 
@@ -314,29 +316,6 @@ def assert_snug(
                 expected=f"about {smallest:.1f} square metres",
                 draw=lambda box=box, points=points: _draw(points, box),
             )
-
-
-def assert_turned_boxes(
-    answer: object,
-    cloud: np.ndarray,
-    cluster_labels: np.ndarray,
-    smallest_areas: Sequence[float] | None = None,
-) -> None:
-    """Each box stands upright on a turned rectangle and holds all points of its cluster.
-
-    Parameters
-    ----------
-    answer : object
-    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
-    cluster_labels : numpy.ndarray of int, shape (n,)
-    smallest_areas : sequence of float, optional
-        As in `assert_snug`. Without it boxes may be loose.
-    """
-    assert_upright(answer, cloud, cluster_labels)
-    assert_holds(answer, cloud, cluster_labels)
-    assert_heights(answer, cloud, cluster_labels)
-    if smallest_areas is not None:
-        assert_snug(answer, cloud, cluster_labels, smallest_areas)
 
 
 def footprint(box: np.ndarray) -> np.ndarray | None:
