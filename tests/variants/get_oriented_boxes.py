@@ -258,7 +258,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: arctan2 with x and y swapped
 # loses: turns_with_the_cluster, test_any_heading
 # says: is not turned with its cluster
-# claims: x and y have changed places
+# claims: built for minus the heading
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -267,6 +267,40 @@ def get_oriented_boxes(cloud, cluster_labels):
         _, axes = np.linalg.eigh(q.T @ q)
         yaw = np.arctan2(axes[0, 1], axes[1, 1])
         local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(turned(corners, yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: a row of the axes taken for a column
+# loses: turns_with_the_cluster, test_any_heading
+# says: is not turned with its cluster
+# claims: built for minus the heading
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        q = points[:, :2] - points[:, :2].mean(axis=0)
+        _, axes = np.linalg.eigh(q.T @ q)
+        yaw = np.arctan2(axes[1, 0], axes[1, 1])
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(turned(corners, yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: all points for every label
+# loses: contains_all_points, test_fresh_street
+# says: the points of one label
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        q = cloud[:, :2] - cloud[:, :2].mean(axis=0)
+        _, axes = np.linalg.eigh(q.T @ q)
+        yaw = np.arctan2(axes[1, 1], axes[0, 1])
+        local = turned(cloud, -yaw)
         low, high = local.min(axis=0), local.max(axis=0)
         corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
                             for k in range(8)])

@@ -227,15 +227,17 @@ def assert_holds(
                 given=given,
                 yours=f"{_area(rectangle):.1f} square metres",
                 expected=f"less than {max(across**2, 0.1):.1f} square metres",
+                hint="Minimum and maximum belong to the points of one label, after their turn by "
+                "minus yaw.",
                 draw=lambda box=box, points=points: _draw(points, box),
             )
         outside = _outside(points[:, :2], rectangle)
         if outside.max() <= _SLACK:
             continue
-        farthest = points[outside.argmax()]
+        farthest, missed = points[outside.argmax()], np.count_nonzero(outside > _SLACK)
         raise CheckFailed(
-            f"{name} does not contain all of its points: {np.count_nonzero(outside > _SLACK)} of "
-            f"{len(points)} are outside.",
+            f"{name} does not contain all of its points: {missed} of {len(points)} "
+            f"{'is' if missed == 1 else 'are'} outside.",
             given=given,
             yours=f"{point_text(farthest)} is {outside.max():.2f} m outside",
             expected="every point of the cluster inside",

@@ -763,10 +763,10 @@ mistakes(
         "After minimum and maximum turn the corners by plus yaw.",
     ),
     Mistake(
-        "The boxes are built for minus the heading: the two turns stand the wrong way round, or "
-        "x and y have changed places in np.arctan2(y, x).",
+        "The boxes are built for minus the heading.",
         _each(_mirrored),
-        "First the points by minus yaw, then the corners by plus yaw; arctan2 takes y first.",
+        "Are the points turned by minus yaw first, and the corners by plus yaw after that? Does "
+        "np.arctan2 get y first, then x, of one axis, a column?",
     ),
     Mistake(
         "Label 0 gets a box, too. It is no obstacle.",
