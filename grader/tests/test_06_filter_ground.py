@@ -179,7 +179,7 @@ def assert_counted(student, cloud, size):
 
 @hidden(
     "voxel_grid",
-    weight=6,
+    weight=8,
     title="Right on a quarter of the course's own scan",
     hint="Print how many points are left for cells of 1 m: too many means that points of one "
     "cell were not merged.",
@@ -191,7 +191,7 @@ def test_voxels_of_course_cloud(student, seed):
 
 @hidden(
     "voxel_grid",
-    weight=6,
+    weight=8,
     title="Right on a quarter of a street that you have not seen",
     hint="Nothing about one particular cloud may stand in the function.",
 )

@@ -55,7 +55,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: rounds towards zero
 # loses only: floors_below_zero, test_voxels_all_around
-# says: different cells were merged
+# says: fewer rows than
 # claims: rounded towards zero
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
@@ -140,7 +140,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: cells in the plane only
 # loses: cuts_in_three_directions, test_voxels_of_fresh_street, test_voxels_of_course_cloud
-# says: different cells were merged
+# says: fewer rows than
 # claims: z is left out
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
@@ -153,7 +153,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: intensity takes part in the cell
 # loses only: ignores_the_intensity, test_voxels_of_bright_points
-# says: the same cell were not merged
+# says: more rows than
 # claims: The intensity takes part
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
@@ -179,7 +179,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: forgets the size
 # loses: one_point_per_cell, follows_the_size, test_voxel_sizes
-# says: different cells were merged
+# says: fewer rows than
 # claims: voxel_size is left out
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
@@ -192,7 +192,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: multiplies with the size
 # loses: one_point_per_cell, follows_the_size, test_voxel_sizes
-# says: different cells were merged
+# says: fewer rows than
 # claims: are multiplied
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
@@ -319,7 +319,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 
 # %% wrong: merges nothing
 # loses: one_point_per_cell, averages_each_cell, test_voxels_of_course_cloud
-# says: were not merged
+# says: more rows than
 # claims: Nothing is merged
 def voxel_grid(cloud, voxel_size=0.2):
     return cloud

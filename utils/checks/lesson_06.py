@@ -22,7 +22,7 @@ from utils.checks.vocabulary import (
     brief,
     frozen,
     needs,
-    point_text,
+    points_text,
 )
 
 # Road at -1.73 m, a kerb, a bumper, a car roof and a sign; then a column of intensity.
@@ -306,13 +306,11 @@ def assert_cells(answer: object, cloud: np.ndarray, number: int, size: float) ->
     """
     yours = _xyz(answer, cloud)
     if len(yours) != number:
-        few = len(yours) < number
         raise CheckFailed(
-            f"There are too {'few' if few else 'many'} rows: points of "
-            + ("different cells were merged." if few else "the same cell were not merged."),
+            f"There are {'fewer' if len(yours) < number else 'more'} rows than occupied cells.",
             given=_call(cloud, size),
             yours=_rows(len(yours)),
-            expected=f"{_rows(number)}, one for each occupied cell",
+            expected=_rows(number),
         )
     return yours
 
@@ -367,7 +365,7 @@ def _call(cloud: np.ndarray, size: float) -> str | None:
 
 
 def _listed(points: np.ndarray) -> str:
-    return ", ".join(map(point_text, points)) if len(points) <= 8 else _rows(len(points))
+    return points_text(points) if len(points) <= 8 else _rows(len(points))
 
 
 def _rows(number: int) -> str:
@@ -388,7 +386,7 @@ def one_point_per_cell(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=8,
+    weight=12,
     title="The point of a cell is the mean of its points",
     why="A mean of many noisy returns is nearer to the surface than any one of them.",
     hint="Add up the rows of each cell and divide each sum by its own count: counts[:, None] is a "

@@ -99,6 +99,22 @@ def point_text(point: ArrayLike) -> str:
     return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
 
 
+def points_text(points: np.ndarray) -> str:
+    """Some points as text, (x, y, z), (x, y, z), with as few digits as they need.
+
+    Parameters
+    ----------
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+        A fourth column is left out.
+
+    Returns
+    -------
+    str
+    """
+    rounded = (np.round(np.asarray(points, dtype=float)[:, :3], 2) + 0.0).tolist()
+    return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
+
+
 def as_array(
     answer: object,
     columns: int | None = None,
