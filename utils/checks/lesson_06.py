@@ -19,7 +19,6 @@ from utils.checks.vocabulary import (
     assert_places,
     assert_same_set_of_rows,
     assert_untouched,
-    brief,
     frozen,
     needs,
     points_text,
@@ -58,9 +57,14 @@ def assert_standing(answer: object, cloud: np.ndarray, keep: np.ndarray, level: 
         answer,
         cloud,
         keep,
-        given=f"heights {brief(cloud[:, 2])}, ground_level {level:g}" if small else None,
-        show=(lambda places: f"heights {brief(places[:, 2])}") if small else None,
+        given=f"{_heights(cloud)}, ground_level {level:g}" if small else None,
+        show=_heights if small else None,
     )
+
+
+def _heights(points: np.ndarray) -> str:
+    texts = [f"{height:.4g}" for height in points[:, 2].tolist()]
+    return f"heights {', '.join(texts)}" if texts else "no row"
 
 
 def assert_filters(filter_ground: Callable) -> None:
@@ -106,8 +110,8 @@ def keeps_the_default(filter_ground: Callable) -> None:
     assert_filters(filter_ground)
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
-    with_default = f"heights {brief(cloud[:, 2])}, no ground_level"
-    assert_places(filter_ground(cloud.copy()), cloud, keep, given=with_default)
+    given = f"{_heights(cloud)}, no ground_level"
+    assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights)
 
 
 @visible(
@@ -189,7 +193,7 @@ def leaves_its_input(filter_ground: Callable) -> None:
 @noted(
     "filter_ground",
     title="A point at the very ground level stays",
-    why='The docstring says z >= ground_level, "at or above". No scan of this lesson has a point '
+    why='The docstring says z >= ground_level, "at or above". The scan of this lesson has no point '
     "just there, but a cloud rounded to centimetres has many.",
 )
 def keeps_the_tie(filter_ground: Callable) -> None:
