@@ -85,7 +85,9 @@ _OURS = frozen(np.array([True, False, True, False, False, True, False]))
 _DIAGONAL = frozen(np.outer([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 0.1]))
 
 
-def assert_near(answer: object, cloud: np.ndarray, distance: float, near: np.ndarray) -> None:
+def assert_near(
+    answer: object, cloud: np.ndarray, distance: float, near: np.ndarray, view: str = "above"
+) -> None:
     """The places of ``cloud[near]`` are left: those whose horizontal distance is small enough.
 
     Parameters
@@ -94,10 +96,12 @@ def assert_near(answer: object, cloud: np.ndarray, distance: float, near: np.nda
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     distance : float
     near : numpy.ndarray of bool, shape (n,)
+    view : {"above", "side"}
+        Where the picture looks from.
     """
-    _assert_left(
-        answer, cloud, near, f"distance {distance:g}", lambda axes: _circle(axes, distance)
-    )
+    outline = _circle if view == "above" else _reach
+    settings = f"distance {distance:g}"
+    _assert_left(answer, cloud, near, settings, view, lambda axes: outline(axes, distance))
 
 
 def assert_boxed(
@@ -106,6 +110,7 @@ def assert_boxed(
     minimum: Sequence[float],
     maximum: Sequence[float],
     keep: np.ndarray,
+    view: str = "above",
 ) -> None:
     """The places of ``cloud[keep]`` are left: those inside a box, or those not inside.
 
@@ -115,19 +120,28 @@ def assert_boxed(
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     minimum, maximum : three floats each
     keep : numpy.ndarray of bool, shape (n,)
+    view : {"above", "side"}
+        Where the picture looks from.
     """
+    across = [0, 1] if view == "above" else [0, 2]
+    low, high = np.array(minimum)[across], np.array(maximum)[across]
     corners = "minimum {}, maximum {}".format(*map(points_text, ([minimum], [maximum])))
-    _assert_left(answer, cloud, keep, corners, lambda axes: _rectangle(axes, minimum, maximum))
+    _assert_left(answer, cloud, keep, corners, view, lambda axes: _rectangle(axes, low, high))
 
 
 def _assert_left(
-    answer: object, cloud: np.ndarray, keep: np.ndarray, settings: str, outline: Callable
+    answer: object,
+    cloud: np.ndarray,
+    keep: np.ndarray,
+    settings: str,
+    view: str,
+    outline: Callable,
 ) -> None:
     """`assert_places`, with the border in the picture, and small clouds in words."""
     small = len(cloud) <= 8
     given = f"points {points_text(cloud)}, {settings}" if small else None
     try:
-        assert_places(answer, cloud, keep, "above", given, points_text if small else None)
+        assert_places(answer, cloud, keep, view, given, points_text if small else None)
     except CheckFailed as failure:
         if difference := failure.draw:
             failure.draw = lambda: outline(difference())
@@ -138,18 +152,27 @@ def _circle(axes: Axes, distance: float) -> None:
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((0, 0), distance, fill=False, edgecolor="black", linestyle="--"))
-    reach = 1.05 * distance
-    for limits, change in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
-        change(min(limits[0], -reach), max(limits[1], reach))
+    _show(axes, (-distance, -distance), (distance, distance))
 
 
-def _rectangle(axes: Axes, minimum: Sequence[float], maximum: Sequence[float]) -> None:
+def _reach(axes: Axes, distance: float) -> None:
+    for x in (-distance, distance):
+        axes.axvline(x, color="black", linestyle="--")
+
+
+def _rectangle(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
     from matplotlib.patches import Rectangle
 
-    length, width = maximum[0] - minimum[0], maximum[1] - minimum[1]
-    axes.add_patch(
-        Rectangle(minimum[:2], length, width, fill=False, edgecolor="black", linestyle="--")
-    )
+    axes.add_patch(Rectangle(low, *(high - low), fill=False, edgecolor="black", linestyle="--"))
+    _show(axes, low, high)
+
+
+def _show(axes: Axes, low: Sequence[float], high: Sequence[float]) -> None:
+    """Widen the limits to where all of a border can be seen."""
+    margin = 0.05 * np.subtract(high, low)
+    (left, bottom), (right, top) = low - margin, high + margin
+    axes.set_xlim(min(axes.get_xlim()[0], left), max(axes.get_xlim()[1], right))
+    axes.set_ylim(min(axes.get_ylim()[0], bottom), max(axes.get_ylim()[1], top))
 
 
 def assert_measures(filter_by_distance: Callable) -> None:
@@ -230,11 +253,11 @@ def ignores_height(filter_by_distance: Callable) -> None:
             [11.0, 1.0, 0.0, 0.1],
             [6.0, 2.0, 9.0, 0.1],
             [4.0, 3.0, -12.0, 0.1],
-            [1.0, 12.0, -0.2, 0.1],
+            [13.0, 2.0, -0.2, 0.1],
         ]
     )
     near = np.array([False, True, True, False])
-    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
 @visible(
@@ -428,7 +451,8 @@ def cuts_below_and_above(crop_region: Callable) -> None:
     cloud = np.array([[1.0, 2.0, -2.5], [1.0, 2.0, -1.0], [1.0, 2.0, 1.5]])
     cloud = np.column_stack([cloud, np.full(3, 0.4)])
     keep = np.array([False, True, False])
-    assert_boxed(crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, _MINIMUM, _MAXIMUM, keep)
+    answer = crop_region(cloud.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
 
 @visible(
@@ -602,7 +626,7 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
     cloud = np.array([[0.5, 0.0, 2.0], [0.5, 0.0, -0.7], [0.5, 0.0, -1.6]])
     cloud = np.column_stack([cloud, np.full(3, 0.4)])
     keep = np.array([True, False, True])
-    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, keep)
+    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, keep, "side")
 
 
 @visible(
