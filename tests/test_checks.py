@@ -21,7 +21,11 @@ from utils.checks.tips import tip_for
 from utils.checks.vocabulary import (
     as_array,
     as_labels,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
     assert_partition,
+    assert_places,
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
@@ -140,6 +144,53 @@ def test_empty_rows():
     assert_rows([], CLOUD, nothing)
     with pytest.raises(CheckFailed):
         assert_rows(np.empty((0, 3)), CLOUD, nothing)
+
+
+@pytest.mark.parametrize(
+    "answer, lost",
+    [
+        (CLOUD[KEEP], ()),
+        (CLOUD[KEEP].tolist(), ()),
+        (CLOUD[KEEP][::-1], (assert_order,)),
+        (CLOUD[KEEP][:, :3], (assert_all_columns,)),
+        (CLOUD[KEEP] * [1, 1, 1, 2], (assert_all_columns,)),
+        (CLOUD, (assert_places, assert_order, assert_all_columns)),
+        (CLOUD[[1, 1]], (assert_places, assert_order, assert_all_columns)),
+        (KEEP, (assert_places, assert_order, assert_all_columns)),
+    ],
+)
+def test_places_order_and_columns_are_three_things(answer, lost):
+    for look in (assert_places, assert_order, assert_all_columns):
+        if look in lost:
+            with pytest.raises(CheckFailed):
+                look(answer, CLOUD, KEEP)
+        else:
+            look(answer, CLOUD, KEEP)
+
+
+def test_nothing_left_is_a_table_all_the_same():
+    for nothing in ([], np.empty((0, 4)), np.empty((0, 3))):
+        assert_nothing_left(nothing, CLOUD, 3)
+    for something, words in (
+        (CLOUD[:1], "Nothing should be left"),
+        (np.empty((0, 3)), "columns"),
+        (None, "None"),
+    ):
+        with pytest.raises(CheckFailed, match=words):
+            assert_nothing_left(something, CLOUD, 4)
+
+
+def test_a_tie_that_is_left_free_is_a_note(capsys):
+    def filter_ground(cloud, ground_level=-1.2):
+        return cloud[cloud[:, 2] > ground_level]
+
+    def filter_by_distance(cloud, distance=10.0):
+        return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) < distance]
+
+    for function, words in ((filter_ground, "at or above"), (filter_by_distance, "at most")):
+        check(function)
+        shown = capsys.readouterr().out
+        assert shown.count("[note]") == 1 and words in shown
 
 
 def test_sets_of_rows():

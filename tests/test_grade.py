@@ -127,7 +127,7 @@ def test_scores_reach_the_gradebook(course, sandbox):
     expected = scores_by_verdict(judged)
     assert entered(course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
-    assert 0 < expected["half", LESSON.stage, LESSON.name] < 20
+    assert 20 <= expected["half", LESSON.stage, LESSON.name] < 30
     assert expected["untouched", LESSON.stage, LESSON.name] == 0
     assert expected["broken", LESSON.stage, LESSON.name] == 0
 
@@ -294,7 +294,7 @@ def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
     import nbformat
     from nbgrader.utils import determine_grade
 
-    for text, score in ((answer(), 20.0), (answer("filter_ground"), 0.0)):
+    for text, score in ((answer(), 10.0), (answer("filter_ground"), 0.0)):
         whole = nbformat.reads(text, as_version=4)
         whole.cells = [
             cell
@@ -312,7 +312,7 @@ def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
             timeout=120,
             resources={"metadata": {"path": str(LESSON.released.parent)}},
         ).execute()
-        assert determine_grade(whole.cells[-1]) == (score, 20.0)
+        assert determine_grade(whole.cells[-1]) == (score, 10.0)
 
 
 def test_submissions_are_found_and_others_ignored(course):

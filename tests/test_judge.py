@@ -287,7 +287,7 @@ def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
         "utf-8",
     )
     verdict = judge(path, 1, sandbox)
-    assert [result.score for result in verdict.exercises] == [0, 10]
+    assert [result.score for result in verdict.exercises] == [0, 20]
     assert "not valid Python" in verdict.problems[0]
     assert "does not define it" in verdict.exercises[0].tests[0].message
 

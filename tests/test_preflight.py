@@ -316,7 +316,7 @@ def test_two_versions_are_told_to_who_loses_points(sandbox):
     notebook["cells"].append(code("def voxel_grid(cloud, size): return 3"))
     handed_in = HandedIn("06_filter_ground.ipynb", json.dumps(notebook).encode())
     verdict = judge_handed_in(handed_in, 1, sandbox, LESSON)
-    assert verdict.score == 20
+    assert verdict.score == 10
     said = r"voxel_grid is written 3 times, in code cells 1, \d+ and \d+\. The last one counts"
     assert re.search(said, " ".join(verdict.problems))
     assert "The last one counts" in " ".join(verdict.problems)

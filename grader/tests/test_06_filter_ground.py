@@ -1,11 +1,30 @@
-"""Hidden tests of lesson 06. Titles and hints are shown to students; the code is not."""
+"""Hidden tests of lesson 06. Titles and hints are shown to students; the code is not.
+
+Each looks at one property: no point lies at the ground level or at the border of a cell, most
+look at places only, and only `test_voxels_all_around` has cells on both sides of zero.
+"""
 
 import numpy as np
 import pytest
 
 from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
-from utils.checks.vocabulary import assert_rows, assert_same_set_of_rows
+from utils.checks.lesson_06 import (
+    assert_cells,
+    assert_centroids,
+    assert_filters,
+    assert_standing,
+    assert_thins,
+)
+from utils.checks.vocabulary import (
+    as_array,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
+    assert_same_set_of_rows,
+    assert_untouched,
+    needs,
+)
 
 
 @visible_checks("filter_ground", "voxel_grid")
@@ -19,11 +38,14 @@ def kept_by_hand(cloud, level):
     return np.array([z > level for z in cloud[:, 2].tolist()], dtype=bool)
 
 
-def assert_ground_removed(student, cloud, *level):
-    cloud = cloud[np.abs(cloud[:, 2] - (level or (-1.2,))[0]) > 1e-4]
-    assert_rows(
-        student.filter_ground(cloud.copy(), *level), cloud, kept_by_hand(cloud, *(level or (-1.2,)))
-    )
+def without_ties(cloud, level):
+    return cloud[np.abs(cloud[:, 2] - level) > 1e-4]
+
+
+def assert_ground_removed(student, cloud, level=-1.2):
+    cloud = without_ties(cloud, level)
+    answer = student.filter_ground(cloud.copy(order="A"), level)
+    assert_standing(answer, cloud, kept_by_hand(cloud, level), level)
 
 
 @hidden(
@@ -61,70 +83,196 @@ def test_other_levels(student, seed):
 @hidden(
     "filter_ground",
     weight=2,
-    title="Right with three columns and for any order of points",
-    hint="Only column 2 decides; all columns and the order of rows stay.",
+    title="Every row keeps its intensity, bright or not",
+    hint="Only column 2 decides; all columns stay.",
 )
-def test_columns_and_order(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 500)
-    assert_ground_removed(student, cloud[:, :3])
-    assert_ground_removed(student, cloud[np.argsort(cloud[:, 1])])
+def test_columns(student, seed):
+    cloud = without_ties(samples.patch_of_course_cloud(seed, 500) * [1, 1, 1, 255], -1.2)
+    assert_all_columns(student.filter_ground(cloud.copy(), -1.2), cloud, kept_by_hand(cloud, -1.2))
 
 
 @hidden(
     "filter_ground",
     weight=2,
-    title="Right for single precision, one point and no result",
+    title="The order of the rows stays, whatever it was",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def test_order(student, seed):
+    patch = without_ties(samples.patch_of_course_cloud(seed, 500), -1.2)
+    for cloud in (patch, patch[np.argsort(-patch[:, 1])]):
+        answer = student.filter_ground(cloud.copy(), -1.2)
+        assert_order(answer, cloud, kept_by_hand(cloud, -1.2))
+
+
+@hidden(
+    "filter_ground",
+    weight=1,
+    title="Right for three columns, single precision and rows that occur twice",
     hint="The same two lines serve every case: no special case is needed.",
 )
-def test_small_and_single(student, seed):
+def test_kinds_of_clouds(student, seed):
+    assert_filters(student.filter_ground)
     cloud = samples.patch_of_course_cloud(seed, 300)
+    assert_ground_removed(student, cloud[:, :3])
     assert_ground_removed(student, cloud.astype(np.float32))
     assert_ground_removed(student, np.asfortranarray(cloud))
-    assert_ground_removed(student, cloud[:1])
-    assert_ground_removed(student, cloud, 50.0)
+    assert_ground_removed(student, np.repeat(cloud[:60], 3, axis=0))
+
+
+@hidden(
+    "filter_ground",
+    weight=1,
+    title="Right for one point and where nothing is left",
+    hint="The same two lines serve every case: no special case is needed.",
+)
+def test_small(student, seed):
+    assert_filters(student.filter_ground)
+    cloud = samples.patch_of_course_cloud(seed, 300)
+    columns = as_array(student.filter_ground(cloud.copy(), -1.2)).shape[-1]
+    low = cloud - [0, 0, 60, 0]
+    assert_nothing_left(student.filter_ground(low.copy(), -1.2), low, columns)
+    assert_ground_removed(student, cloud[:1] + [0, 0, 60, 0])
+
+
+@hidden(
+    "filter_ground",
+    weight=2,
+    title="Never writes into the array that it is given",
+    hint="Work on a copy, or index with a mask.",
+)
+def test_input(student, seed):
+    assert_filters(student.filter_ground)
+    assert_untouched(student.filter_ground, samples.patch_of_course_cloud(seed, 200), -1.2)
+
+
+def clear_of_borders(cloud, size):
+    """Rows that lie away from the borders of cells."""
+    offset = cloud[:, :3] / size % 1.0
+    return cloud[((offset > 1e-3) & (offset < 1 - 1e-3)).all(axis=1)]
+
+
+def one_corner(cloud, seed):
+    """Rows of one quarter of a scan, below the sensor: none is on the other side of zero."""
+    along, across = np.random.default_rng(seed).choice([-1, 1], 2)
+    x, y, z = cloud[:, :3].T
+    return cloud[(along * x > 0) & (across * y > 0) & (z < 0)]
+
+
+def evenly_lit(cloud):
+    """The cloud, with the same intensity everywhere."""
+    return np.column_stack([cloud[:, :3], np.full(len(cloud), 0.5)])
+
+
+def assert_thinned(student, cloud, size):
+    """Compare with plain Python, away from the borders of cells."""
+    cloud = clear_of_borders(cloud, size)
+    answer = student.voxel_grid(cloud.copy(order="A"), size)
+    assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)
+
+
+def assert_counted(student, cloud, size):
+    """Compare the number of cells alone."""
+    cloud = clear_of_borders(cloud, size)
+    answer = student.voxel_grid(cloud.copy(order="A"), size)
+    assert_cells(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
 
 
 @hidden(
     "voxel_grid",
-    weight=4,
-    title="Right on the course's own scan",
+    weight=8,
+    title="Right on a quarter of the course's own scan",
     hint="Print how many points are left for cells of 1 m: too many means that points of one "
     "cell were not merged.",
 )
 def test_voxels_of_course_cloud(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 3000)
-    assert_centroids(student, cloud, 0.2)
+    cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed)
+    assert_thinned(student, evenly_lit(cloud), 0.2)
+
+
+@hidden(
+    "voxel_grid",
+    weight=8,
+    title="Right on a quarter of a street that you have not seen",
+    hint="Nothing about one particular cloud may stand in the function.",
+)
+def test_voxels_of_fresh_street(student, seed):
+    cloud = one_corner(samples.obstacles_of_street(seed, 9000), seed)
+    assert_thinned(student, evenly_lit(cloud), 0.2)
 
 
 @hidden(
     "voxel_grid",
     weight=3,
-    title="Right for cells you have not seen, on a fresh street",
+    title="As many points as cells, for sizes that you have not seen",
     hint="The size comes from the parameter voxel_size and from nowhere else.",
 )
 @pytest.mark.parametrize("size", [0.35, 1.1])
-def test_voxels_of_fresh_street(student, seed, size):
-    cloud = samples.obstacles_of_street(seed, 3000)
-    assert_centroids(student, cloud, size)
+def test_voxel_sizes(student, seed, size):
+    cloud = one_corner(samples.obstacles_of_street(seed, 9000), seed)
+    assert_counted(student, evenly_lit(cloud), size)
+
+
+@hidden(
+    "voxel_grid",
+    weight=3,
+    title="As many points as cells all around the sensor, above and below it",
+    hint="Rounding towards zero glues the cells on both sides of the sensor together: np.floor.",
+)
+def test_voxels_all_around(student, seed):
+    assert_counted(student, evenly_lit(samples.obstacles_of_street(seed, 6000)), 0.2)
 
 
 @hidden(
     "voxel_grid",
     weight=2,
-    title="Averages every column, intensity too",
+    title="Averages the intensity as it averages the coordinates",
     hint="Sum whole rows, not only the coordinates, and divide each by its own count.",
 )
-def test_voxels_average_every_column(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 400)
-    assert_centroids(student, cloud, 5.0)
-    assert_centroids(student, cloud[:, :3], 5.0)
-    assert_centroids(student, cloud[:1], 0.2)
+def test_voxels_average_the_intensity(student, seed):
+    # So dim that all intensities are in one cell, for whoever takes them for a place.
+    cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
+    cloud = clear_of_borders(cloud, 0.2)
+    expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)
+    with needs("there is one point per occupied cell, the mean of its points"):
+        assert_centroids(answer, cloud, expected, 0.2)
+    assert_same_set_of_rows(answer, expected)
 
 
-def assert_centroids(student, cloud, size):
-    """Compare with plain Python, away from the borders of cells."""
-    offset = cloud[:, :3] / size % 1.0
-    cloud = cloud[((offset > 1e-3) & (offset < 1 - 1e-3)).all(axis=1)]
-    assert_same_set_of_rows(
-        student.voxel_grid(cloud.copy(), size), samples.voxel_centroids(cloud, size)
-    )
+@hidden(
+    "voxel_grid",
+    weight=3,
+    title="The same cells whatever the intensities",
+    hint="Compute the cells from cloud[:, :3] alone.",
+)
+def test_voxels_of_bright_points(student, seed):
+    assert_thins(student.voxel_grid)
+    cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed)
+    assert_counted(student, cloud, 0.2)
+    assert_counted(student, cloud * [1, 1, 1, 255], 0.2)
+
+
+@hidden(
+    "voxel_grid",
+    weight=2,
+    title="Right for three columns, single precision, one point, and many points in one cell",
+    hint="The same lines serve every case; only an empty cloud needs one of its own.",
+)
+def test_voxels_of_other_clouds(student, seed):
+    assert_thins(student.voxel_grid)
+    cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 6000), seed))
+    assert_counted(student, cloud[:, :3], 0.2)
+    assert_counted(student, np.asfortranarray(cloud), 0.2)
+    assert_counted(student, cloud.astype(np.float32), 0.2)
+    assert_counted(student, cloud[:1], 0.2)
+    assert_counted(student, np.repeat(cloud[:40], 50, axis=0), 0.2)
+
+
+@hidden(
+    "voxel_grid",
+    weight=2,
+    title="Never writes into the array that it is given",
+    hint="Work on a copy: no `/=` on cloud.",
+)
+def test_voxels_input(student, seed):
+    assert_thins(student.voxel_grid)
+    assert_untouched(student.voxel_grid, samples.patch_of_course_cloud(seed, 200), 0.2)

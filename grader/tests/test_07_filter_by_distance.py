@@ -1,4 +1,8 @@
-"""Hidden tests of lesson 07. Titles and hints are shown to students; the code is not."""
+"""Hidden tests of lesson 07. Titles and hints are shown to students; the code is not.
+
+Each looks at one property. No point lies on a border, but in the tests of faces; and where it is
+not the property, no height and no intensity is large enough to matter.
+"""
 
 import copy
 import math
@@ -8,7 +12,20 @@ import pytest
 
 from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
-from utils.checks.lesson_07 import assert_boxed, assert_near
+from utils.checks.lesson_07 import (
+    assert_boxed,
+    assert_crops,
+    assert_frees,
+    assert_measures,
+    assert_near,
+)
+from utils.checks.vocabulary import (
+    as_array,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
+    assert_untouched,
+)
 
 MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.
 
@@ -23,13 +40,29 @@ def distances_by_hand(cloud):
     return np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
 
 
-def assert_distance_filtered(student, cloud, *distance):
-    """Compare with plain Python; both answers, some rows and not all, must be asked for."""
-    radius = (distance or (10.0,))[0]
+def clear_of_circle(cloud, distance):
+    """(rows that lie clear of a circle, whether each is within)."""
     true_distance = distances_by_hand(cloud)
-    clear = np.abs(true_distance - radius) > MARGIN
-    cloud, near = cloud[clear], true_distance[clear] < radius
-    assert_near(student.filter_by_distance(cloud.copy(order="A"), *distance), cloud, radius, near)
+    clear = np.abs(true_distance - distance) > MARGIN
+    return cloud[clear], true_distance[clear] < distance
+
+
+def assert_distance_filtered(student, cloud, distance=10.0):
+    """Compare with plain Python."""
+    cloud, near = clear_of_circle(cloud, distance)
+    answer = student.filter_by_distance(cloud.copy(order="A"), distance)
+    assert_near(answer, cloud, distance, near)
+
+
+def without_corners(cloud, distance):
+    """Rows within a circle or not, in whatever way one measures in the plane."""
+    x, y = np.abs(cloud[:, :2]).T
+    return cloud[(x + y < distance - MARGIN) | (np.maximum(x, y) > distance + MARGIN)]
+
+
+def pressed_flat(cloud):
+    """The cloud without what could be taken for a part of the distance."""
+    return cloud * [1, 1, 0.01, 0.01]
 
 
 @hidden(
@@ -45,11 +78,11 @@ def test_course_cloud(student):
 @hidden(
     "filter_by_distance",
     weight=4,
-    title="Right on a street you have not seen",
+    title="Right on a street you have not seen, pressed flat",
     hint="Nothing about one particular cloud may stand in the function.",
 )
 def test_fresh_street(student, seed):
-    assert_distance_filtered(student, samples.fresh_street(seed)[::5], 12.5)
+    assert_distance_filtered(student, pressed_flat(samples.fresh_street(seed)[::5]))
 
 
 @hidden(
@@ -59,70 +92,132 @@ def test_fresh_street(student, seed):
     hint="The distance comes from the parameter distance and from nowhere else.",
 )
 def test_other_distances(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 1000)
-    for distance in np.random.default_rng(seed).uniform(4.0, 20.0, 4):
-        assert_distance_filtered(student, cloud, float(distance))
+    cloud = pressed_flat(samples.patch_of_course_cloud(seed, 1000))
+    for distance in np.random.default_rng(seed).uniform(6.0, 20.0, 4).tolist():
+        assert_distance_filtered(student, without_corners(cloud, distance), distance)
 
 
 @hidden(
     "filter_by_distance",
     weight=3,
-    title="The same whatever the heights and the intensities",
-    hint="Only columns 0 and 1 decide. Height and intensity stay, but are not counted.",
+    title="The same whatever the heights",
+    hint="Only columns 0 and 1 decide. The height stays, but is not counted.",
 )
-def test_height_and_intensity(student, seed):
-    rng = np.random.default_rng(seed)
-    cloud = samples.patch_of_course_cloud(seed, 600).copy()
-    cloud[:, 2] = rng.uniform(-30, 30, len(cloud))
-    assert_distance_filtered(student, cloud)
-    cloud[:, 2] = rng.uniform(-1, 1, len(cloud))
-    cloud[:, 3] = rng.integers(0, 256, len(cloud))
-    assert_distance_filtered(student, cloud)
+def test_heights(student, seed):
+    cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0, 0.01]
+    cloud[:, 2] = np.random.default_rng(seed).uniform(-30, 30, len(cloud))
+    assert_distance_filtered(student, without_corners(cloud, 10.0))
+
+
+@hidden(
+    "filter_by_distance",
+    weight=3,
+    title="The same whatever the intensities",
+    hint="Only columns 0 and 1 decide. The intensity stays, but is not counted.",
+)
+def test_intensities(student, seed):
+    cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0.01, 0]
+    cloud[:, 3] = np.random.default_rng(seed).integers(0, 256, len(cloud))
+    assert_distance_filtered(student, without_corners(cloud, 10.0))
 
 
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="Turning the cloud about the sensor or mixing its rows changes nothing",
-    hint="A circle is the same from all sides; the order of rows stays as it came.",
+    title="Turning the cloud about the sensor changes nothing",
+    hint="A circle is the same from all sides.",
 )
-def test_turned_and_mixed(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 500)
+def test_turned(student, seed):
+    cloud = pressed_flat(samples.patch_of_course_cloud(seed, 500))
     for angle in np.random.default_rng(seed).uniform(0, 2 * math.pi, 3):
         turned = cloud.copy()
         turned[:, 0] = math.cos(angle) * cloud[:, 0] - math.sin(angle) * cloud[:, 1]
         turned[:, 1] = math.sin(angle) * cloud[:, 0] + math.cos(angle) * cloud[:, 1]
         assert_distance_filtered(student, turned)
-    assert_distance_filtered(student, cloud[np.argsort(cloud[:, 2])])
 
 
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="Right for three columns, single precision, one point and no result",
+    title="Every row keeps its intensity, bright or not",
+    hint="Index the cloud itself: all columns stay.",
+)
+def test_columns(student, seed):
+    cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 500)), 10.0)
+    cloud, near = clear_of_circle(cloud, 10.0)
+    assert_all_columns(student.filter_by_distance(cloud.copy(), 10.0), cloud, near)
+
+
+@hidden(
+    "filter_by_distance",
+    weight=2,
+    title="The order of the rows stays, whatever it was",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def test_order(student, seed):
+    cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 500)), 10.0)
+    cloud, near = clear_of_circle(cloud, 10.0)
+    for order in (np.arange(len(cloud)), np.argsort(-cloud[:, 1])):
+        answer = student.filter_by_distance(cloud[order], 10.0)
+        assert_order(answer, cloud[order], near[order])
+
+
+@hidden(
+    "filter_by_distance",
+    weight=1,
+    title="Right for three columns, single precision and rows that occur twice",
     hint="The same two lines serve every case: no special case is needed.",
 )
-def test_small_and_single(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 300)
+def test_kinds_of_clouds(student, seed):
+    assert_measures(student.filter_by_distance)
+    cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 300)), 10.0)
     assert_distance_filtered(student, cloud[:, :3])
     assert_distance_filtered(student, cloud.astype(np.float32))
     assert_distance_filtered(student, np.asfortranarray(cloud))
     assert_distance_filtered(student, np.repeat(cloud[:40], 3, axis=0))
-    assert_distance_filtered(student, np.array([[3.0, 4.0, 20.0, 0.5]]), 6.0)
-    assert_distance_filtered(student, cloud, 0.5)
+
+
+@hidden(
+    "filter_by_distance",
+    weight=1,
+    title="Right for one point and where nothing is left",
+    hint="The same two lines serve every case: no special case is needed.",
+)
+def test_small(student, seed):
+    assert_measures(student.filter_by_distance)
+    cloud = pressed_flat(samples.patch_of_course_cloud(seed, 300))
+    columns = as_array(student.filter_by_distance(cloud.copy(), 10.0)).shape[-1]
+    far = cloud + [100, 0, 0, 0]
+    assert_nothing_left(student.filter_by_distance(far.copy(), 10.0), far, columns)
+    assert_distance_filtered(student, np.array([[3.0, 4.0, 0.1, 0.5]]))
+
+
+@hidden(
+    "filter_by_distance",
+    weight=2,
+    title="Never writes into the array that it is given",
+    hint="Work on a copy, or index with a mask.",
+)
+def test_input(student, seed):
+    assert_measures(student.filter_by_distance)
+    assert_untouched(student.filter_by_distance, samples.patch_of_course_cloud(seed, 200), 10.0)
 
 
 REGION = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
+# From below the road to above the trees: here no height decides.
+TALL_REGION = (-10.0, -5.0, -60.0), (30.0, 6.0, 60.0)
 
 
-def boxes_of(seed):
+def boxes_of(seed, tall):
     """Boxes that nobody has seen, around places where there are points."""
     rng = np.random.default_rng(seed)
     for _ in range(3):
         middle = rng.uniform((-6, -6, -1.5), (8, 6, -0.5))
         half = rng.uniform((2, 2, 0.4), (6, 5, 1.2))
-        yield (middle - half).tolist(), (middle + half).tolist()
+        if tall:
+            half[2] = 60.0
+        yield tuple((middle - half).tolist()), tuple((middle + half).tolist())
 
 
 @samples.remembered
@@ -145,12 +240,44 @@ def clear_of(cloud, minimum, maximum):
     return cloud[distance > MARGIN], depth[distance > MARGIN] > 0
 
 
-def assert_box_filtered(student, exercise, cloud, minimum, maximum):
-    cloud, keep = clear_of(cloud, minimum, maximum)
+def ask(student, exercise, cloud, minimum, maximum):
     corners = copy.copy(minimum), copy.copy(maximum)
-    keep = keep if exercise == "crop_region" else ~keep
-    answer = getattr(student, exercise)(cloud.copy(order="A"), *corners)
-    assert_boxed(answer, cloud, minimum, maximum, keep)
+    return getattr(student, exercise)(cloud.copy(order="A"), *corners)
+
+
+def assert_box_filtered(student, exercise, cloud, minimum, maximum):
+    cloud, inside = clear_of(cloud, minimum, maximum)
+    keep = inside if exercise == "crop_region" else ~inside
+    assert_boxed(ask(student, exercise, cloud, minimum, maximum), cloud, minimum, maximum, keep)
+
+
+def clear_cut(cloud, minimum, maximum):
+    """Rows that are in a box with all coordinates or with none, and whether each is inside."""
+    cloud, inside = clear_of(cloud, minimum, maximum)
+    outside = (cloud[:, :3] < np.array(minimum)) | (cloud[:, :3] > np.array(maximum))
+    clear = inside | outside.all(axis=1)
+    return cloud[clear], inside[clear]
+
+
+def on_a_lattice(seed):
+    """(points on multiples of half a metre, a box with faces there, who is in it, faces included).
+
+    Halves have no error of rounding, whatever one computes with them.
+    """
+    rng = np.random.default_rng(seed)
+    cloud = np.unique(np.column_stack([rng.integers(-8, 9, (400, 3)) / 2, np.ones(400)]), axis=0)
+    cloud = rng.permutation(cloud)
+    minimum = tuple((rng.integers(-7, -2, 3) / 2).tolist())
+    maximum = tuple((rng.integers(2, 8, 3) / 2).tolist())
+    return cloud, (minimum, maximum), gaps_by_hand(cloud, minimum, maximum)[:, 1] >= 0
+
+
+def other_clouds(cloud):
+    """The same with three columns, of other types and layouts, and with rows that occur twice."""
+    yield cloud[:, :3]
+    yield cloud.astype(np.float32)
+    yield np.asfortranarray(cloud)
+    yield np.repeat(cloud[:100], 3, axis=0)
 
 
 def scan_around_the_car(seed):
@@ -163,13 +290,16 @@ def scan_around_the_car(seed):
 
 @hidden(
     "crop_region",
-    weight=3,
+    weight=4,
     title="Right on the course's own scan and on a fresh street",
     hint="Compare with the picture in the notebook: nothing may stick out of the rectangle.",
 )
 def test_crop_streets(student, seed):
-    assert_box_filtered(student, "crop_region", samples.patch_of_course_cloud(seed, 3000), *REGION)
-    assert_box_filtered(student, "crop_region", samples.obstacles_of_street(seed, 3000), *REGION)
+    for cloud in (
+        samples.patch_of_course_cloud(seed, 3000),
+        samples.obstacles_of_street(seed, 3000),
+    ):
+        assert_box_filtered(student, "crop_region", cloud, *TALL_REGION)
 
 
 @hidden(
@@ -180,22 +310,96 @@ def test_crop_streets(student, seed):
 )
 def test_crop_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
-    for minimum, maximum in boxes_of(seed):
+    for minimum, maximum in boxes_of(seed, tall=True):
         assert_box_filtered(student, "crop_region", cloud, minimum, maximum)
 
 
 @hidden(
     "crop_region",
     weight=2,
-    title="Right for three columns, single precision, one point, high intensities",
-    hint="Compare the first three columns; the fourth is no coordinate.",
+    title="Right where height decides",
+    hint="All three coordinates have to be inside, z too.",
+)
+def test_crop_heights(student, seed):
+    cloud = samples.patch_of_course_cloud(seed, 1500)
+    for low, high in np.sort(np.random.default_rng(seed).uniform(-2, 1, (3, 2)), axis=1).tolist():
+        assert_box_filtered(student, "crop_region", cloud, (-60, -60, low), (60, 60, high + 0.1))
+
+
+@hidden(
+    "crop_region",
+    weight=2,
+    title="Points on the faces are inside",
+    hint="The box is closed: minimum <= point <= maximum.",
+)
+def test_crop_faces(student, seed):
+    assert_crops(student.crop_region)
+    cloud, box, inside = on_a_lattice(seed)
+    assert_boxed(ask(student, "crop_region", cloud, *box), cloud, *box, inside)
+
+
+@hidden(
+    "crop_region",
+    weight=2,
+    title="Every row keeps its place and its intensity, bright or not",
+    hint="Compare the first three columns; the fourth is no coordinate, and stays.",
+)
+def test_crop_columns(student, seed):
+    cloud = samples.patch_of_course_cloud(seed, 500) * [1, 1, 1, 255]
+    cloud, inside = clear_cut(cloud, *REGION)
+    assert_all_columns(ask(student, "crop_region", cloud, *REGION), cloud, inside)
+
+
+@hidden(
+    "crop_region",
+    weight=1,
+    title="The order of the rows stays, whatever it was",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def test_crop_order(student, seed):
+    cloud = samples.patch_of_course_cloud(seed, 500)
+    cloud, inside = clear_cut(cloud[np.argsort(-cloud[:, 1])], *REGION)
+    assert_order(ask(student, "crop_region", cloud, *REGION), cloud, inside)
+
+
+@hidden(
+    "crop_region",
+    weight=1,
+    title="Right for three columns, single precision and rows that occur twice",
+    hint="The same lines serve every case: no special case is needed.",
+)
+def test_crop_kinds_of_clouds(student, seed):
+    assert_crops(student.crop_region)
+    cloud, _ = clear_cut(samples.patch_of_course_cloud(seed, 300), *REGION)
+    for other in other_clouds(cloud):
+        assert_box_filtered(student, "crop_region", other, *REGION)
+
+
+@hidden(
+    "crop_region",
+    weight=1,
+    title="Right for one point and where nothing is left",
+    hint="The same lines serve every case: no special case is needed.",
 )
 def test_crop_small(student, seed):
+    assert_crops(student.crop_region)
     cloud = samples.patch_of_course_cloud(seed, 300)
-    bright = cloud * [1, 1, 1, 255]
-    for variant in (cloud[:, :3], cloud.astype(np.float32), np.asfortranarray(cloud), bright):
-        assert_box_filtered(student, "crop_region", variant, *REGION)
-    assert_box_filtered(student, "crop_region", np.array([[1.0, 2.0, 0.5]]), *REGION)
+    columns = as_array(ask(student, "crop_region", cloud, *REGION)).shape[-1]
+    far = cloud + [200, 200, 200, 0]
+    assert_nothing_left(ask(student, "crop_region", far, *REGION), far, columns)
+    assert_box_filtered(student, "crop_region", np.array([[1.0, 2.0, 0.5, 0.1]]), *REGION)
+
+
+@hidden(
+    "crop_region",
+    weight=1,
+    title="Never writes into the arrays that it is given",
+    hint="Work on a copy, or index with a mask.",
+)
+def test_crop_input(student, seed):
+    assert_crops(student.crop_region)
+    cloud = samples.patch_of_course_cloud(seed, 200)
+    assert_untouched(student.crop_region, cloud, *map(np.array, REGION))
 
 
 @hidden(
@@ -221,28 +425,94 @@ def test_remove_from_streets(student, seed, street):
 )
 def test_remove_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
-    for minimum, maximum in boxes_of(seed + 1):
+    for minimum, maximum in boxes_of(seed + 1, tall=True):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
 
 
 @hidden(
     "remove_ego_returns",
     weight=2,
-    title="Right for three columns, single precision, duplicates, high intensities",
-    hint="Compare the first three columns; the fourth is no coordinate. Order and duplicates stay.",
+    title="Right where height decides",
+    hint="What is above or below the box is no part of it.",
+)
+def test_remove_heights(student, seed):
+    assert_frees(student.remove_ego_returns)
+    cloud = samples.patch_of_course_cloud(seed, 1500)
+    for minimum, maximum in boxes_of(seed + 2, tall=False):
+        assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
+
+
+@hidden(
+    "remove_ego_returns",
+    weight=2,
+    title="Points on the faces are inside",
+    hint="The box is closed: minimum <= point <= maximum is our own car.",
+)
+def test_remove_faces(student, seed):
+    assert_frees(student.remove_ego_returns)
+    cloud, box, inside = on_a_lattice(seed)
+    assert_boxed(ask(student, "remove_ego_returns", cloud, *box), cloud, *box, ~inside)
+
+
+@hidden(
+    "remove_ego_returns",
+    weight=2,
+    title="Every row keeps its intensity, bright or not",
+    hint="Compare the first three columns; the fourth is no coordinate, and stays.",
+)
+def test_remove_columns(student, seed):
+    cloud, inside = clear_cut(scan_around_the_car(seed) * [1, 1, 1, 255], *EGO_BOX)
+    assert_all_columns(ask(student, "remove_ego_returns", cloud, *EGO_BOX), cloud, ~inside)
+
+
+@hidden(
+    "remove_ego_returns",
+    weight=1,
+    title="The order of the rows stays, whatever it was",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def test_remove_order(student, seed):
+    cloud = scan_around_the_car(seed)
+    cloud, inside = clear_cut(cloud[np.argsort(-cloud[:, 1])], *EGO_BOX)
+    assert_order(ask(student, "remove_ego_returns", cloud, *EGO_BOX), cloud, ~inside)
+
+
+@hidden(
+    "remove_ego_returns",
+    weight=1,
+    title="Right for three columns, single precision and rows that occur twice",
+    hint="The same lines serve every case; what occurs twice stays twice.",
+)
+def test_remove_kinds_of_clouds(student, seed):
+    assert_frees(student.remove_ego_returns)
+    cloud, _ = clear_cut(scan_around_the_car(seed), *EGO_BOX)
+    for other in other_clouds(cloud):
+        assert_box_filtered(student, "remove_ego_returns", other, *EGO_BOX)
+
+
+@hidden(
+    "remove_ego_returns",
+    weight=1,
+    title="Right for one point and where nothing is left",
+    hint="The same lines serve every case: no special case is needed.",
 )
 def test_remove_small(student, seed):
-    box = (-5.0, -4.0, -1.5), (8.0, 5.0, 0.5)
-    cloud = samples.patch_of_course_cloud(seed, 300)
-    bright = cloud * [1, 1, 1, 255]
-    for variant in (
-        cloud[:, :3],
-        cloud.astype(np.float32),
-        np.asfortranarray(cloud),
-        bright,
-        np.repeat(cloud[:40], 3, axis=0),
-    ):
-        assert_box_filtered(student, "remove_ego_returns", variant, *box)
-    assert_box_filtered(
-        student, "remove_ego_returns", np.array([[0.0, 0.0, 0.0], [9.0, 1.0, 0.2]]), *box
-    )
+    assert_frees(student.remove_ego_returns)
+    cloud = scan_around_the_car(seed)
+    columns = as_array(ask(student, "remove_ego_returns", cloud, *EGO_BOX)).shape[-1]
+    low, high = map(np.array, EGO_BOX)
+    ours = np.random.default_rng(seed).uniform([*low + 0.05, 0], [*high - 0.05, 1], (50, 4))
+    assert_nothing_left(ask(student, "remove_ego_returns", ours, *EGO_BOX), ours, columns)
+    assert_box_filtered(student, "remove_ego_returns", np.array([[9.0, 8.0, 2.2, 0.1]]), *EGO_BOX)
+
+
+@hidden(
+    "remove_ego_returns",
+    weight=1,
+    title="Never writes into the arrays that it is given",
+    hint="Work on a copy, or index with a mask.",
+)
+def test_remove_input(student, seed):
+    assert_frees(student.remove_ego_returns)
+    cloud = samples.patch_of_course_cloud(seed, 200)
+    assert_untouched(student.remove_ego_returns, cloud, *map(np.array, EGO_BOX))

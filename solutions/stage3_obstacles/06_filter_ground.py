@@ -17,7 +17,7 @@
 # - take the road out of a scan with a single comparison, and say when that is not enough,
 # - thin a cloud to a tenth of its points without losing a pedestrian.
 #
-# **You write** `filter_ground` (20 points) and `voxel_grid` (10 points). **Time:** about 45 minutes. **You need** NumPy arrays and boolean masks (lesson 01).
+# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **Time:** about 45 minutes. **You need** NumPy arrays and boolean masks (lesson 01).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -97,7 +97,7 @@ print(is_bright)
 print(sample[is_bright])
 
 # %% [markdown]
-# ## Exercise 1 · `filter_ground` (20 points)
+# ## Exercise 1 · `filter_ground` (10 points)
 #
 # Keep the rows at or above `ground_level`. The cloud may have three columns or four, and it may be empty.
 
@@ -150,7 +150,7 @@ plots.from_above(obstacles, limits=street, title="From above", axes=above)
 plots.from_side(filter_ground(near), level=-1.2, limits=((-15, 40), (-3, 3)),
                 title="From the side", axes=beside);
 
-# %% nbgrader={"grade": true, "grade_id": "test_filter_ground", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
+# %% nbgrader={"grade": true, "grade_id": "test_filter_ground", "locked": true, "points": 10, "schema_version": 3, "solution": false, "task": false}
 check(filter_ground)
 
 # %% [markdown]
@@ -275,7 +275,7 @@ print("different rows:\n", different)
 print("row by row:", which.ravel(), "  how many of each:", how_many)
 
 # %% [markdown]
-# ## Exercise 2 · `voxel_grid` (10 points)
+# ## Exercise 2 · `voxel_grid` (20 points)
 #
 # Return one centroid per occupied cell, in any order.
 
@@ -355,7 +355,7 @@ for kind, members in {**chosen, "car": returns_of("car", 50)}.items():
 # %% [markdown]
 # The grid is no gift to everybody: what is near keeps fewer points than by skipping, but plenty. What it saves there goes to what is far: compare the last cars. A centroid stands for a piece of surface, and a surface far away has as many pieces as one nearby.
 
-# %% nbgrader={"grade": true, "grade_id": "test_voxel_grid", "locked": true, "points": 10, "schema_version": 3, "solution": false, "task": false}
+# %% nbgrader={"grade": true, "grade_id": "test_voxel_grid", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(voxel_grid)
 
 # %% [markdown]

@@ -102,7 +102,7 @@ def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
     """In words of its own, by one function of the lesson."""
     source = TELLS.format(name="filter_ground", body=body)
     verdict = hand_in({"filter_ground": source})
-    assert verdict.status == "judged" and len(hidden_words(verdict)) == 9
+    assert verdict.status == "judged" and len(hidden_words(verdict)) == 17
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
     # About visible checks the student's words may be shown: their questions are in the notebook.

@@ -43,77 +43,138 @@ def crop_region(cloud, minimum, maximum):
     return np.delete(cloud, np.flatnonzero(outside.any(axis=1)), axis=0)
 
 # %% wrong: any instead of all
-# loses: keeps_what_is_inside, test_crop_streets
-# says: One coordinate within the box is enough here
+# loses only: cuts_on_four_sides, cuts_below_and_above, test_crop_streets, test_crop_other_boxes, test_crop_heights, test_crop_faces
+# says: .all(axis=1), not .any
+# claims: One coordinate inside the box is enough
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).any(axis=1)]
 
 # %% wrong: forgets the height
-# loses: keeps_what_is_inside, test_crop_other_boxes
-# says: Only x and y are compared
+# loses only: cuts_below_and_above, test_crop_heights, test_crop_faces
+# says: cloud[:, :3]
+# claims: Only x and y are compared
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :2] >= minimum[:2]) & (cloud[:, :2] <= maximum[:2])).all(axis=1)]
 
 # %% wrong: only the upper corner
 # loses: keeps_what_is_inside, test_crop_streets
-# says: Only maximum is compared.
+# says: Join both
+# claims: Only maximum is compared
 def crop_region(cloud, minimum, maximum):
     return cloud[(cloud[:, :3] <= maximum).all(axis=1)]
 
+# %% wrong: only the lower corner
+# loses: keeps_what_is_inside, test_crop_streets
+# says: Join both
+# claims: Only minimum is compared
+def crop_region(cloud, minimum, maximum):
+    return cloud[(cloud[:, :3] >= minimum).all(axis=1)]
+
 # %% wrong: keeps the outside
 # loses: keeps_what_is_inside, test_crop_streets
-# says: the mask is the wrong way round
+# says: without ~
+# claims: the other way round
 def crop_region(cloud, minimum, maximum):
     return cloud[~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
 # %% wrong: open box
-# loses: faces_are_inside
+# loses only: counts_the_faces, test_crop_faces
 # says: missing
+# claims: Points on the faces go
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] > minimum) & (cloud[:, :3] < maximum)).all(axis=1)]
 
 # %% wrong: the region is written into the function
-# loses: follows_the_corners, test_crop_other_boxes
-# says: Use the parameters minimum and maximum
+# loses only: follows_the_corners, test_crop_other_boxes, test_crop_heights, test_crop_faces
+# says: Compare with minimum and maximum
+# claims: The lesson's own region
 def crop_region(cloud, minimum, maximum):
     minimum, maximum = (-10, -5, -2), (30, 6, 1)
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
 # %% wrong: counts the intensity as a coordinate
 # loses: keeps_what_is_inside, test_crop_streets
-# says: (n, 4) minus (3,) does not
+# says: One side has x, y, z
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud >= minimum) & (cloud <= maximum)).all(axis=1)]
 
 # %% wrong: and instead of &
 # loses: keeps_what_is_inside, test_crop_streets
-# says: For arrays use a mask with & and |
+# says: Combine masks with & and |
 def crop_region(cloud, minimum, maximum):
     xyz = cloud[:, :3]
     return cloud[(xyz >= minimum).all(axis=1) and (xyz <= maximum).all(axis=1)]
 
-# %% wrong: cuts off the intensity
+# %% wrong: & without parentheses
 # loses: keeps_what_is_inside, test_crop_streets
-# says: expected 4 columns
+# says: parentheses
+def crop_region(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    return cloud[(xyz >= minimum & xyz <= maximum).all(axis=1)]
+
+# %% wrong: all of the columns
+# loses: keeps_what_is_inside, test_crop_streets
+# says: one value for each column
+def crop_region(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    return cloud[((xyz >= minimum) & (xyz <= maximum)).all(axis=0)]
+
+# %% wrong: cuts off the intensity
+# loses only: crops_all_columns, test_crop_columns
+# says: does not have the columns of the cloud
 def crop_region(cloud, minimum, maximum):
     cloud = cloud[:, :3]
     return cloud[((cloud >= minimum) & (cloud <= maximum)).all(axis=1)]
 
+# %% wrong: adds to the corners as tuples
+# loses only: takes_any_corners, test_crop_input
+# says: can only concatenate
+def crop_region(cloud, minimum, maximum):
+    more = cloud.shape[1] - 3
+    low, high = minimum + (-np.inf,) * more, maximum + (np.inf,) * more
+    return cloud[((cloud >= low) & (cloud <= high)).all(axis=1)]
+
 # %% wrong: parameters renamed
-# loses: follows_the_corners
-# says: A parameter was renamed
+# loses only: names_the_corners
+# says: another name
 def crop_region(cloud, low, high):
     return cloud[((cloud[:, :3] >= low) & (cloud[:, :3] <= high)).all(axis=1)]
 
+# %% wrong: sorted by x
+# loses only: crops_in_order, test_crop_order
+# says: another order
+def crop_region(cloud, minimum, maximum):
+    kept = cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
+    return kept[np.argsort(kept[:, 0])]
+
+# %% wrong: takes four columns only
+# loses only: crops_three_columns, test_crop_kinds_of_clouds
+# says: names than there are values
+def crop_region(cloud, minimum, maximum):
+    x, y, z, intensity = cloud.T
+    xyz = np.column_stack([x, y, z])
+    return cloud[((xyz >= minimum) & (xyz <= maximum)).all(axis=1)]
+
 # %% wrong: moves points to the border instead of removing them
-# loses: keeps_what_is_inside, crops_every_shape, test_crop_streets
+# loses: keeps_what_is_inside, crops_the_smallest, test_crop_streets
 # says: values changed
+# claims: moved to the border
 def crop_region(cloud, minimum, maximum):
     cloud[:, :3] = np.clip(cloud[:, :3], minimum, maximum)
     return cloud
 
+# %% wrong: works on its input
+# loses only: crops_a_copy, test_crop_input
+# says: changed its input
+def crop_region(cloud, minimum, maximum):
+    inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    kept = cloud[inside]
+    cloud[~inside] = 0
+    return kept
+
 # %% wrong: returns the cloud as it is
-# loses: keeps_what_is_inside, faces_are_inside, crops_every_shape, test_crop_small
+# loses: keeps_what_is_inside, counts_the_faces, crops_the_smallest, test_crop_small
 # says: too many
+# claims: Nothing is removed
 def crop_region(cloud, minimum, maximum):
     return cloud

@@ -49,99 +49,185 @@ def filter_by_distance(cloud, distance=10.0):
     return cloud.take(np.flatnonzero(d <= distance), axis=0)
 
 # %% wrong: distance as a 3-D norm
-# loses: ignores_height, test_height_and_intensity, test_course_cloud
-# says: The height is counted in: that is the 3-D distance.
+# loses only: ignores_height, test_heights, test_course_cloud
+# says: rows missing
+# claims: The height is counted in
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.linalg.norm(cloud[:, :3], axis=1) <= distance]
 
 # %% wrong: distance as a 4-D norm
-# loses: ignores_height, ignores_intensity, test_height_and_intensity
-# says: Height and intensity are counted in: that is the length of the row.
+# loses only: ignores_height, ignores_intensity, test_heights, test_intensities, test_course_cloud
+# says: columns 0 and 1 only
+# claims: Height and intensity are counted in
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.linalg.norm(cloud, axis=1) <= distance]
 
 # %% wrong: a square instead of a circle
-# loses: keeps_what_is_near, test_turned_and_mixed, test_course_cloud
-# says: This is a square, not a circle
+# loses only: draws_a_circle, test_turned, test_course_cloud, test_fresh_street
+# says: (8, 8, -0.5)
+# claims: that is a square, not a circle
 def filter_by_distance(cloud, distance=10.0):
     return cloud[(np.abs(cloud[:, 0]) <= distance) & (np.abs(cloud[:, 1]) <= distance)]
 
 # %% wrong: squared and plain distance confused
 # loses: keeps_what_is_near, test_course_cloud
-# says: The squared distance is compared with the plain one.
+# says: rows missing
+# claims: a root is missing
 def filter_by_distance(cloud, distance=10.0):
     return cloud[cloud[:, 0] ** 2 + cloud[:, 1] ** 2 <= distance]
 
+# %% wrong: the square on the wrong side
+# loses: keeps_what_is_near, test_course_cloud
+# says: too many
+# claims: square of `distance`
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= distance**2]
+
+# %% wrong: x and y added
+# loses only: draws_a_circle, test_turned, test_course_cloud, test_fresh_street
+# says: missing
+# claims: x and y are added up
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[np.abs(cloud[:, 0]) + np.abs(cloud[:, 1]) <= distance]
+
 # %% wrong: only x, without its sign in mind
-# loses: keeps_what_is_near, test_fresh_street
-# says: Only x is compared.
+# loses: keeps_what_is_near, looks_all_around, test_fresh_street
+# says: too many
+# claims: Only x is compared, with its sign
 def filter_by_distance(cloud, distance=10.0):
     return cloud[cloud[:, 0] <= distance]
 
+# %% wrong: only x, on both sides
+# loses: keeps_what_is_near, test_fresh_street
+# says: too many
+# claims: everything beside us stays
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[np.abs(cloud[:, 0]) <= distance]
+
+# %% wrong: x and y with their signs
+# loses: looks_all_around, draws_a_circle, test_fresh_street
+# says: too many
+# claims: with their signs
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[(cloud[:, 0] <= distance) & (cloud[:, 1] <= distance)]
+
+# %% wrong: one distance for all
+# loses: keeps_what_is_near, test_fresh_street
+# says: axis=1
+# claims: There is one distance for the whole cloud
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[np.linalg.norm(cloud[:, :2]) <= distance]
+
+# %% wrong: math on whole columns
+# loses: keeps_what_is_near, test_fresh_street
+# says: np.sqrt
+def filter_by_distance(cloud, distance=10.0):
+    import math
+    return cloud[math.sqrt(cloud[:, 0] ** 2 + cloud[:, 1] ** 2) <= distance]
+
+# %% wrong: a power that is none
+# loses: keeps_what_is_near, test_fresh_street
+# says: x**2 is the square
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[np.sqrt(cloud[:, 0] ^ 2 + cloud[:, 1] ^ 2) <= distance]
+
 # %% wrong: ten metres written into the function
-# loses: follows_the_distance, test_other_distances
-# says: comes from the parameter
+# loses only: follows_the_distance, test_other_distances
+# says: Compare with `distance`
+# claims: A fixed distance of 10 m
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= 10]
 
 # %% wrong: parameters renamed
-# loses: follows_the_distance
-# says: A parameter was renamed
+# loses only: keeps_the_names
+# says: another name
 def filter_by_distance(points, max_distance=10.0):
     return points[np.hypot(points[:, 0], points[:, 1]) <= max_distance]
 
 # %% wrong: default changed
-# loses: follows_the_distance, test_course_cloud
+# loses only: keeps_the_default
 # says: too many
 def filter_by_distance(cloud, distance=20.0):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= distance]
 
 # %% wrong: keeps the far points
 # loses: keeps_what_is_near, test_course_cloud
-# says: the comparison is the wrong way round
+# says: which comparison
+# claims: the other way round
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > distance]
 
 # %% wrong: intensity is cut off
-# loses: keeps_what_is_near, test_course_cloud
-# says: expected 4 columns
+# loses only: keeps_the_columns, test_columns
+# says: does not have the columns of the cloud
 def filter_by_distance(cloud, distance=10.0):
     cloud = cloud[:, :3]
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= distance]
 
+# %% wrong: takes four columns only
+# loses only: takes_three_columns, test_kinds_of_clouds
+# says: names than there are values
+def filter_by_distance(cloud, distance=10.0):
+    x, y, z, intensity = cloud.T
+    return cloud[np.hypot(x, y) <= distance]
+
 # %% wrong: returns the distances
 # loses: keeps_what_is_near, test_course_cloud
-# says: expected 4 columns
+# says: Index the whole cloud
+# claims: are the distances
 def filter_by_distance(cloud, distance=10.0):
     d = np.hypot(cloud[:, 0], cloud[:, 1])
     return d[d <= distance]
 
+# %% wrong: returns the mask
+# loses: keeps_what_is_near, test_course_cloud
+# says: This is a mask
+def filter_by_distance(cloud, distance=10.0):
+    return np.hypot(cloud[:, 0], cloud[:, 1]) <= distance
+
+# %% wrong: the mask where columns are chosen
+# loses: keeps_what_is_near, test_course_cloud
+# says: Points are rows: cloud[mask]
+def filter_by_distance(cloud, distance=10.0):
+    mask = np.hypot(cloud[:, 0], cloud[:, 1]) <= distance
+    return cloud[:, mask]
+
 # %% wrong: zeroes what is far in place
 # loses: keeps_what_is_near, leaves_its_input, test_course_cloud
 # says: values changed
+# claims: Far rows are set to 0
 def filter_by_distance(cloud, distance=10.0):
     cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > distance] = 0
     return cloud
 
+# %% wrong: measures into its input
+# loses only: leaves_its_input, test_input
+# says: changed its input
+def filter_by_distance(cloud, distance=10.0):
+    kept = cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= distance]
+    cloud[:, 2] = 0
+    return kept
+
 # %% wrong: sorts by distance
-# loses: keeps_what_is_near, test_turned_and_mixed
+# loses only: keeps_the_order, test_order
 # says: another order
 def filter_by_distance(cloud, distance=10.0):
     d = np.hypot(cloud[:, 0], cloud[:, 1])
     order = np.argsort(d)
     return cloud[order[d[order] <= distance]]
 
-# %% wrong: fails on an empty cloud
-# loses: takes_every_shape, test_small_and_single
+# %% wrong: fails where nothing is left
+# loses only: takes_the_smallest, test_small
 # says: can be empty
 def filter_by_distance(cloud, distance=10.0):
     d = np.hypot(cloud[:, 0], cloud[:, 1])
-    if d.min() > distance:
-        return None
-    return cloud[d <= distance]
+    near = cloud[d <= distance]
+    print("nearest", near[:, 0].min())
+    return near
 
 # %% wrong: returns the cloud as it is
-# loses: keeps_what_is_near, takes_every_shape, leaves_its_input, test_small_and_single
+# loses: keeps_what_is_near, takes_the_smallest, leaves_its_input, test_small
 # says: too many
+# claims: Nothing is removed
 def filter_by_distance(cloud, distance=10.0):
     return cloud

@@ -53,67 +53,122 @@ def filter_ground(cloud, ground_level=-1.2):
 # %% wrong: keeps the road instead
 # loses: keeps_what_stands_above, test_course_cloud, test_fresh_street
 # says: missing
+# claims: the other way round
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] < ground_level]
 
 # %% wrong: the level is written into the function
-# loses: follows_the_level, test_other_levels
-# says: comes from the parameter
+# loses only: follows_the_level, test_other_levels
+# says: Compare with ground_level
+# claims: A fixed level of -1.2
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] >= -1.2]
+
+# %% wrong: the zero of a map
+# loses: keeps_what_stands_above, follows_the_level, test_course_cloud
+# says: missing
+# claims: A fixed level of 0
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[cloud[:, 2] > 0]
 
 # %% wrong: looks at y instead of z
 # loses: keeps_what_stands_above, test_course_cloud
 # says: too many
+# claims: Column 1
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 1] >= ground_level]
 
 # %% wrong: parameters renamed
-# loses: follows_the_level
-# says: A parameter was renamed
+# loses only: keeps_the_names
+# says: another name
 def filter_ground(points, level=-1.2):
     return points[points[:, 2] >= level]
 
 # %% wrong: default changed to the lab sheet's example
-# loses: follows_the_level, test_course_cloud
+# loses only: keeps_the_default
 # says: missing
 def filter_ground(cloud, ground_level=1.0):
     return cloud[cloud[:, 2] >= ground_level]
 
 # %% wrong: intensity is cut off
-# loses: keeps_what_stands_above, test_course_cloud
-# says: expected 4 columns
+# loses only: keeps_the_columns, test_columns
+# says: does not have the columns of the cloud
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] >= ground_level][:, :3]
 
+# %% wrong: takes four columns only
+# loses only: takes_three_columns, test_kinds_of_clouds
+# says: names than there are values
+def filter_ground(cloud, ground_level=-1.2):
+    x, y, z, intensity = cloud.T
+    return cloud[z >= ground_level]
+
+# %% wrong: nothing for nothing
+# loses only: takes_the_smallest, test_small
+# says: returned None
+def filter_ground(cloud, ground_level=-1.2):
+    kept = cloud[cloud[:, 2] >= ground_level]
+    if len(kept) > 0:
+        return kept
+
 # %% wrong: changes its input
-# loses: leaves_its_input
+# loses only: leaves_its_input, test_input
 # says: changed its input
 def filter_ground(cloud, ground_level=-1.2):
     kept = cloud[cloud[:, 2] >= ground_level].copy()
     cloud[cloud[:, 2] < ground_level] = 0.0
     return kept
 
+# %% wrong: sets the road to zero
+# loses: keeps_what_stands_above, test_course_cloud
+# says: holds only the rows
+# claims: are set to 0
+def filter_ground(cloud, ground_level=-1.2):
+    cloud[cloud[:, 2] < ground_level] = 0.0
+    return cloud
+
 # %% wrong: returns the mask
 # loses: keeps_what_stands_above, test_course_cloud
-# says: expected 4 columns
+# says: This is a mask
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[:, 2] >= ground_level
 
-# %% wrong: absolute height
+# %% wrong: the mask where columns are chosen
 # loses: keeps_what_stands_above, test_course_cloud
+# says: Points are rows: cloud[mask]
+def filter_ground(cloud, ground_level=-1.2):
+    mask = cloud[:, 2] >= ground_level
+    return cloud[:, mask]
+
+# %% wrong: returns the heights
+# loses: keeps_what_stands_above, test_course_cloud
+# says: Index the whole cloud
+# claims: are the heights
+def filter_ground(cloud, ground_level=-1.2):
+    z = cloud[:, 2]
+    return z[z >= ground_level]
+
+# %% wrong: heights without their sign
+# loses: keeps_what_stands_above, follows_the_level, test_course_cloud
 # says: too many
+# claims: without their sign
+def filter_ground(cloud, ground_level=-1.2):
+    return cloud[np.abs(cloud[:, 2]) >= ground_level]
+
+# %% wrong: absolute height and absolute level
+# loses: keeps_what_stands_above, test_course_cloud
+# says: missing
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[np.abs(cloud[:, 2]) <= np.abs(ground_level)]
 
 # %% wrong: forgets to return
-# loses: keeps_what_stands_above, test_course_cloud, takes_every_shape
+# loses: keeps_what_stands_above, test_course_cloud, takes_the_smallest
 # says: returned None
 def filter_ground(cloud, ground_level=-1.2):
     kept = cloud[cloud[:, 2] >= ground_level]
 
 # %% wrong: sorts by height
-# loses: keeps_what_stands_above, test_columns_and_order
+# loses only: keeps_the_order, test_order
 # says: another order
 def filter_ground(cloud, ground_level=-1.2):
     kept = cloud[cloud[:, 2] >= ground_level]
@@ -121,12 +176,13 @@ def filter_ground(cloud, ground_level=-1.2):
 
 # %% wrong: stub left in place
 # loses: keeps_what_stands_above, test_course_cloud, leaves_its_input
-# says: still raises NotImplementedError
+# says: is not started
 def filter_ground(cloud, ground_level=-1.2):
     raise NotImplementedError
 
 # %% wrong: returns the cloud as it is
-# loses: keeps_what_stands_above, takes_every_shape, leaves_its_input, test_course_cloud
+# loses: keeps_what_stands_above, takes_the_smallest, leaves_its_input, test_course_cloud
 # says: too many
+# claims: Nothing is removed
 def filter_ground(cloud, ground_level=-1.2):
     return cloud

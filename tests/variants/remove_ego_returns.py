@@ -43,21 +43,24 @@ def remove_ego_returns(cloud, minimum, maximum):
                  | (z < minimum[2]) | (z > maximum[2])]
 
 # %% wrong: outside in all three coordinates
-# loses: removes_our_own, keeps_what_shares_a_coordinate, test_remove_from_streets
-# says: Only rows that are outside in x and in y and in z are left
+# loses only: keeps_ahead_and_beside, keeps_above_and_below, test_remove_from_streets, test_remove_other_boxes, test_remove_heights, test_remove_faces
+# says: .any(axis=1)
+# claims: in x and in y and in z
 def remove_ego_returns(cloud, minimum, maximum):
     xyz = cloud[:, :3]
     return cloud[((xyz < minimum) | (xyz > maximum)).all(axis=1)]
 
 # %% wrong: keeps our own car
 # loses: removes_our_own, test_remove_from_streets
-# says: These are the rows inside the box
+# says: ~inside
+# claims: the other way round
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
 # %% wrong: a column of air above the car goes, too
-# loses: keeps_what_shares_a_coordinate, test_remove_other_boxes
-# says: what is above or below the box is no part of it
+# loses only: keeps_above_and_below, test_remove_from_streets, test_remove_heights, test_remove_faces
+# says: missing
+# claims: above or below the box
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[~((cloud[:, :2] >= minimum[:2]) & (cloud[:, :2] <= maximum[:2])).all(axis=1)]
 
@@ -68,15 +71,24 @@ def remove_ego_returns(cloud, minimum, maximum):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > 3.0]
 
 # %% wrong: an ego box written into the function
-# loses: follows_the_ego_box, test_remove_other_boxes
-# says: All six numbers come from minimum and maximum
+# loses only: follows_the_ego_box, removes_the_faces, test_remove_other_boxes, test_remove_heights, test_remove_faces
+# says: by their names
+# claims: The lesson's own box
 def remove_ego_returns(cloud, minimum, maximum):
     minimum, maximum = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
     return cloud[~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
+# %% wrong: open box
+# loses only: removes_the_faces, test_remove_faces
+# says: too many
+# claims: Points on the faces stay
+def remove_ego_returns(cloud, minimum, maximum):
+    return cloud[~((cloud[:, :3] > minimum) & (cloud[:, :3] < maximum)).all(axis=1)]
+
 # %% wrong: removes the rows with both corners swapped
 # loses: removes_our_own, test_remove_from_streets
 # says: too many
+# claims: Nothing is removed
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[~((cloud[:, :3] >= maximum) & (cloud[:, :3] <= minimum)).all(axis=1)]
 
@@ -87,28 +99,66 @@ def remove_ego_returns(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] < minimum) & (cloud[:, :3] > maximum)).any(axis=1)]
 
 # %% wrong: zeroes our own returns instead of removing them
-# loses: removes_our_own, removes_from_every_shape, test_remove_from_streets
+# loses: removes_our_own, frees_the_smallest, test_remove_from_streets
 # says: values changed
+# claims: are set to 0
 def remove_ego_returns(cloud, minimum, maximum):
     cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)] = 0
     return cloud
 
 # %% wrong: cuts off the intensity
-# loses: removes_our_own, test_remove_from_streets
-# says: expected 4 columns
+# loses only: leaves_all_columns, test_remove_columns
+# says: does not have the columns of the cloud
 def remove_ego_returns(cloud, minimum, maximum):
     xyz = cloud[:, :3]
     return xyz[~((xyz >= minimum) & (xyz <= maximum)).all(axis=1)]
 
 # %% wrong: removes duplicates, too
-# loses: removes_our_own, test_remove_small
+# loses only: leaves_the_order, test_remove_order, test_remove_kinds_of_clouds, test_remove_from_streets
 # says: another order
 def remove_ego_returns(cloud, minimum, maximum):
     inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
     return np.unique(cloud[~inside], axis=0)
 
+# %% wrong: returns the mask
+# loses: removes_our_own, test_remove_from_streets
+# says: This is a mask
+def remove_ego_returns(cloud, minimum, maximum):
+    return ~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+
+# %% wrong: not instead of ~
+# loses: removes_our_own, test_remove_from_streets
+# says: truth value
+def remove_ego_returns(cloud, minimum, maximum):
+    inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    return cloud[not inside]
+
+# %% wrong: parameters renamed
+# loses only: names_the_ego_box
+# says: another name
+def remove_ego_returns(cloud, low, high):
+    return cloud[~((cloud[:, :3] >= low) & (cloud[:, :3] <= high)).all(axis=1)]
+
+# %% wrong: works on its input
+# loses only: frees_a_copy, test_remove_input
+# says: changed its input
+def remove_ego_returns(cloud, minimum, maximum):
+    inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    kept = cloud[~inside]
+    cloud[inside] = 0
+    return kept
+
+# %% wrong: fails where nothing is left
+# loses only: frees_the_smallest, test_remove_small
+# says: can be empty
+def remove_ego_returns(cloud, minimum, maximum):
+    kept = cloud[~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
+    print("lowest", kept[:, 2].min())
+    return kept
+
 # %% wrong: returns the cloud as it is
-# loses: removes_our_own, keeps_what_shares_a_coordinate, removes_from_every_shape
+# loses: removes_our_own, frees_the_smallest, frees_a_copy
 # says: too many
+# claims: Nothing is removed
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud

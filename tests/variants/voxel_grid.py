@@ -54,8 +54,9 @@ def voxel_grid(cloud, voxel_size=0.2):
                     dtype=np.float32).reshape(len(means), cloud.shape[1])
 
 # %% wrong: rounds towards zero
-# loses: floors_below_zero, test_voxels_of_course_cloud
-# says: rows, expected
+# loses only: floors_below_zero, test_voxels_all_around
+# says: fewer rows than
+# claims: rounded towards zero
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -66,8 +67,9 @@ def voxel_grid(cloud, voxel_size=0.2):
     return sums / count[:, None]
 
 # %% wrong: rounds to the nearest
-# loses: one_point_per_cell, test_voxels_of_course_cloud
-# says: Three points share one cell
+# loses: begins_at_multiples, test_voxels_of_course_cloud
+# says: np.floor, not np.round
+# claims: rounded to the nearest
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -77,23 +79,69 @@ def voxel_grid(cloud, voxel_size=0.2):
     np.add.at(sums, which.ravel(), cloud)
     return sums / count[:, None]
 
+# %% wrong: counts cells from the corner of the cloud
+# loses: begins_at_multiples, test_voxels_of_course_cloud
+# says: Take no minimum off
+# claims: lowest corner of the cloud
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor((cloud[:, :3] - cloud[:, :3].min(axis=0)) / voxel_size)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
 # %% wrong: the first point of each cell instead of the mean
-# loses: one_point_per_cell, test_voxels_average_every_column
-# says: should not be there
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: not the mean of the points
+# claims: The first point of each cell
 def voxel_grid(cloud, voxel_size=0.2):
     cells = np.floor(cloud[:, :3] / voxel_size)
     return cloud[np.unique(cells, axis=0, return_index=True)[1]]
 
+# %% wrong: a dictionary that keeps the last point
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: not the mean of the points
+# claims: The last point of each cell
+def voxel_grid(cloud, voxel_size=0.2):
+    cells = {}
+    for row in cloud:
+        cells[tuple(np.floor(row[:3] / voxel_size))] = row
+    return np.array(list(cells.values())).reshape(-1, cloud.shape[1])
+
+# %% wrong: adds with +=
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: adds every row
+# claims: only the last row
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    sums[which.ravel()] += cloud
+    return sums / count[:, None]
+
 # %% wrong: the middle of each cell instead of the mean
-# loses: one_point_per_cell, test_voxels_of_fresh_street
-# says: columns
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: divide by the counts
+# claims: the middles of the cells
 def voxel_grid(cloud, voxel_size=0.2):
     cells = np.unique(np.floor(cloud[:, :3] / voxel_size), axis=0)
     return (cells + 0.5) * voxel_size
 
+# %% wrong: the numbers of the cells
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: divide by the counts
+# claims: the numbers of the cells
+def voxel_grid(cloud, voxel_size=0.2):
+    return np.unique(np.floor(cloud[:, :3] / voxel_size), axis=0)
+
 # %% wrong: cells in the plane only
-# loses: test_voxels_of_fresh_street, test_voxels_of_course_cloud
-# says: rows, expected
+# loses: cuts_in_three_directions, test_voxels_of_fresh_street, test_voxels_of_course_cloud
+# says: fewer rows than
+# claims: z is left out
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -104,20 +152,22 @@ def voxel_grid(cloud, voxel_size=0.2):
     return sums / count[:, None]
 
 # %% wrong: intensity takes part in the cell
-# loses: test_voxels_average_every_column
-# says: rows, expected
+# loses only: ignores_the_intensity, test_voxels_of_bright_points
+# says: more rows than
+# claims: The intensity takes part
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
-    cells = np.floor(cloud / voxel_size * np.array([1, 1, 1, 20])[:cloud.shape[1]]).astype(int)
+    cells = np.floor(cloud / voxel_size).astype(int)
     _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
     sums = np.zeros((len(count), cloud.shape[1]))
     np.add.at(sums, which.ravel(), cloud)
     return sums / count[:, None]
 
 # %% wrong: the size is written into the function
-# loses: follows_the_size, test_voxels_of_fresh_street
-# says: rows, expected
+# loses only: follows_the_size, test_voxel_sizes
+# says: Divide by voxel_size
+# claims: A fixed size of 0.2
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -127,20 +177,111 @@ def voxel_grid(cloud, voxel_size=0.2):
     np.add.at(sums, which.ravel(), cloud)
     return sums / count[:, None]
 
+# %% wrong: forgets the size
+# loses: one_point_per_cell, follows_the_size, test_voxel_sizes
+# says: fewer rows than
+# claims: voxel_size is left out
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3]).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
+# %% wrong: multiplies with the size
+# loses: one_point_per_cell, follows_the_size, test_voxel_sizes
+# says: fewer rows than
+# claims: are multiplied
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] * voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
+# %% wrong: default changed
+# loses only: keeps_the_size
+# says: are not the same
+def voxel_grid(cloud, voxel_size=0.5):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
+# %% wrong: parameters renamed
+# loses only: names_its_parameters
+# says: another name
+def voxel_grid(cloud, size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
+# %% wrong: drops the intensity
+# loses only: averages_the_intensity, test_voxels_average_the_intensity
+# says: do not have the columns
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return (sums / count[:, None])[:, :3]
+
+# %% wrong: intensity of the first point
+# loses only: averages_the_intensity, test_voxels_average_the_intensity
+# says: not the mean of the cell's
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    means = sums / count[:, None]
+    means[:, 3:] = cloud[first, 3:]
+    return means
+
+# %% wrong: takes four columns only
+# loses only: thins_three_columns, test_voxels_of_other_clouds
+# says: raised ValueError
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), 4))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None]
+
 # %% wrong: fails on an empty cloud
-# loses: takes_nothing
+# loses only: thins_the_smallest
 # says: can be empty
 def voxel_grid(cloud, voxel_size=0.2):
     cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
-    cells -= cells.min(axis=0)
+    lowest = cells.min(axis=0)
+    cells -= lowest
     _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
     sums = np.zeros((len(count), cloud.shape[1]))
     np.add.at(sums, which.ravel(), cloud)
     return sums / count[:, None]
 
 # %% wrong: sums without dividing
-# loses: one_point_per_cell, test_voxels_of_course_cloud
-# says: should not be there
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: not the mean of the points
+# claims: not divided by the counts
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -150,8 +291,20 @@ def voxel_grid(cloud, voxel_size=0.2):
     np.add.at(sums, which.ravel(), cloud)
     return sums
 
+# %% wrong: divides by the counts as a row
+# loses: one_point_per_cell, test_voxels_of_course_cloud
+# says: counts[:, None]
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count
+
 # %% wrong: moves its input
-# loses: takes_nothing
+# loses only: leaves_the_cloud, test_voxels_input
 # says: changed its input
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
@@ -163,3 +316,10 @@ def voxel_grid(cloud, voxel_size=0.2):
     np.add.at(sums, which.ravel(), cloud)
     sums[:, :3] *= voxel_size
     return sums / count[:, None]
+
+# %% wrong: merges nothing
+# loses: one_point_per_cell, averages_each_cell, test_voxels_of_course_cloud
+# says: more rows than
+# claims: Nothing is merged
+def voxel_grid(cloud, voxel_size=0.2):
+    return cloud

@@ -1,17 +1,27 @@
 """Visible checks of lesson 06: `filter_ground` and `voxel_grid`."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.core import visible
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
+    TOLERANCE,
     CheckFailed,
+    WrongForm,
     as_array,
-    assert_rows,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
+    assert_places,
     assert_same_set_of_rows,
     assert_untouched,
     frozen,
+    needs,
+    points_text,
 )
 
 # Road at -1.73 m, a kerb, a bumper, a car roof and a sign; then a column of intensity.
@@ -28,17 +38,39 @@ _HEIGHTS = frozen(
         ]
     )
 )
-# Two cells of 1 m: three points in one, one point in the other.
-_CELLS = frozen(
-    np.array(
-        [
-            [0.1, 0.1, 0.1, 0.0],
-            [0.3, 0.5, 0.1, 0.3],
-            [0.8, 0.3, 0.7, 0.9],
-            [1.5, 0.5, 0.5, 0.4],
-        ]
+_STANDING = frozen(np.array([False, True, False, True, True, False, True]))
+
+
+def assert_standing(answer: object, cloud: np.ndarray, keep: np.ndarray, level: float) -> None:
+    """The right points are left; in which order, and with what intensity, is not looked at.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    keep : numpy.ndarray of bool, shape (n,)
+    level : float
+        What else the function was given, in metres, for the message.
+    """
+    small = len(cloud) <= 12
+    assert_places(
+        answer,
+        cloud,
+        keep,
+        given=f"{_heights(cloud)}, ground_level {level:g}" if small else None,
+        show=_heights if small else None,
     )
-)
+
+
+def _heights(points: np.ndarray) -> str:
+    texts = [f"{height:.4g}" for height in points[:, 2].tolist()]
+    return f"heights {', '.join(texts)}" if texts else "no row"
+
+
+def assert_filters(filter_ground: Callable) -> None:
+    """The road goes and what stands above stays; where not, nothing else can be looked at."""
+    with needs("what stands above the ground level is kept, the road is not"):
+        assert_standing(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING, -1.2)
 
 
 @visible(
@@ -50,83 +82,389 @@ _CELLS = frozen(
     "False per point.",
 )
 def keeps_what_stands_above(filter_ground: Callable) -> None:
-    assert_rows(
-        filter_ground(_HEIGHTS.copy(), -1.2),
-        _HEIGHTS,
-        np.array([False, True, False, True, True, False, True]),
-    )
+    assert_standing(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING, -1.2)
 
 
 @visible(
     "filter_ground",
     weight=3,
-    title="Follows ground_level, given by position, by name or left out",
+    title="The parameter decides how high the ground is",
     why="Another car carries its sensor at another height: the level must not be written "
     "into the function.",
-    hint="Use the parameter ground_level in the comparison, and keep its default of -1.2.",
+    hint="Compare with ground_level, by its name, and with no number of your own.",
 )
 def follows_the_level(filter_ground: Callable) -> None:
-    high = np.array([False, False, False, False, True, False, True])
-    assert_rows(filter_ground(_HEIGHTS.copy(), 0.0), _HEIGHTS, high)
-    assert_rows(filter_ground(cloud=_HEIGHTS.copy(), ground_level=0.0), _HEIGHTS, high)
-    assert_rows(
-        filter_ground(_HEIGHTS.copy()),
-        _HEIGHTS,
-        np.array([False, True, False, True, True, False, True]),
-    )
-
-
-@visible(
-    "filter_ground",
-    weight=2,
-    title="Takes three columns as well as four, and an empty cloud",
-    why="Some files hold no intensity, and after other filters nothing may be left.",
-    hint="Index rows with the mask, cloud[mask], and leave the columns alone.",
-)
-def takes_every_shape(filter_ground: Callable) -> None:
-    xyz = _HEIGHTS[:, :3]
-    assert_rows(
-        filter_ground(xyz.copy(), -1.2),
-        xyz,
-        np.array([False, True, False, True, True, False, True]),
-    )
-    for columns in (3, 4):
-        assert_rows(
-            filter_ground(np.empty((0, columns)), -1.2),
-            np.empty((0, columns)),
-            np.zeros(0, dtype=bool),
-        )
+    for level, left in ((0.0, (4, 6)), (-1.65, (1, 2, 3, 4, 6)), (1.0, (6,))):
+        keep = np.isin(np.arange(7), left)
+        assert_standing(filter_ground(_HEIGHTS.copy(), level), _HEIGHTS, keep, level)
 
 
 @visible(
     "filter_ground",
     weight=1,
+    title="The ground level is -1.2 m unless another one is given",
+    why="Later cells call filter_ground(cloud) and rely on it.",
+    hint="Keep the first line of the function as it was given: ground_level=-1.2.",
+)
+def keeps_the_default(filter_ground: Callable) -> None:
+    assert_filters(filter_ground)
+    cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
+    keep = np.array([False, True, True, False])
+    given = f"{_heights(cloud)}, no ground_level"
+    assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights)
+
+
+@visible(
+    "filter_ground",
+    weight=1,
+    title="The parameters keep their names",
+    why="Later lessons call filter_ground(cloud, ground_level=-1.5).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(filter_ground: Callable) -> None:
+    assert_filters(filter_ground)
+    answer = filter_ground(cloud=_HEIGHTS.copy(), ground_level=-1.2)
+    assert_standing(answer, _HEIGHTS, _STANDING, -1.2)
+
+
+@visible(
+    "filter_ground",
+    weight=2,
+    title="Keeps all columns: the intensity stays with its point",
+    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
+    hint="Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
+)
+def keeps_the_columns(filter_ground: Callable) -> None:
+    assert_all_columns(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING)
+
+
+@visible(
+    "filter_ground",
+    weight=2,
+    title="Keeps the order of the rows",
+    why="Whoever knows the true object of each return finds it by its place among the rows.",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def keeps_the_order(filter_ground: Callable) -> None:
+    assert_order(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING)
+
+
+@visible(
+    "filter_ground",
+    weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="Name the column that you compare, cloud[:, 2], and let the others be.",
+)
+def takes_three_columns(filter_ground: Callable) -> None:
+    assert_filters(filter_ground)
+    xyz = _HEIGHTS[:, :3]
+    assert_standing(filter_ground(xyz.copy(), -1.2), xyz, _STANDING, -1.2)
+
+
+@visible(
+    "filter_ground",
+    weight=2,
+    title="Takes no points, one point, and a cloud of which nothing is left",
+    why="After other filters nothing may be left, or a single return.",
+    hint="The same two lines serve every case: an empty mask takes no row.",
+)
+def takes_the_smallest(filter_ground: Callable) -> None:
+    assert_filters(filter_ground)
+    columns = as_array(filter_ground(_HEIGHTS.copy(), -1.2)).shape[1]
+    for cloud in (np.empty((0, 4)), _HEIGHTS[:1], _HEIGHTS[[0, 2, 5]]):
+        assert_nothing_left(filter_ground(cloud.copy(), -1.2), cloud, columns)
+    one = _HEIGHTS[1:2]
+    assert_standing(filter_ground(one.copy(), -1.2), one, np.array([True]), -1.2)
+
+
+@visible(
+    "filter_ground",
+    weight=2,
     title="Leaves its input untouched",
     why="The next step of the pipeline may need the full cloud again.",
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
 def leaves_its_input(filter_ground: Callable) -> None:
-    assert_rows(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _HEIGHTS[:, 2] > -1.2)
+    assert_filters(filter_ground)
     assert_untouched(filter_ground, _HEIGHTS, -1.2)
+
+
+@noted(
+    "filter_ground",
+    title="A point at the very ground level stays",
+    why='The docstring says z >= ground_level, "at or above". The scan of this lesson has no point '
+    "just there, but a cloud rounded to centimetres has many.",
+)
+def keeps_the_tie(filter_ground: Callable) -> None:
+    cloud = np.column_stack([np.ones((3, 2)), [-1.5, -1.25, -1.0]])
+    assert_standing(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
+
+
+def _higher(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
+    return np.array([row for row, value in zip(cloud, values, strict=True) if value - level > 0])
+
+
+mistakes(
+    "filter_ground",
+    Mistake(
+        "It is the other way round: what lies below ground_level stays, and what stands above "
+        "goes.",
+        lambda right, cloud, level: _higher(cloud, -cloud[:, 2], -level),
+        "What stands above the level is to stay: which comparison says that?",
+    ),
+    Mistake(
+        "Column 0, which is x, is compared. The heights are in column 2.",
+        lambda right, cloud, level: _higher(cloud, cloud[:, 0], level),
+    ),
+    Mistake(
+        "Column 1, which is y, is compared. The heights are in column 2.",
+        lambda right, cloud, level: _higher(cloud, cloud[:, 1], level),
+    ),
+    Mistake(
+        "The heights are compared without their sign: what lies deep below the sensor counts as "
+        "high.",
+        lambda right, cloud, level: _higher(cloud, np.abs(cloud[:, 2]), level),
+        "Compare cloud[:, 2] as it is. Below the sensor it is negative, and so is ground_level.",
+    ),
+    Mistake(
+        "A fixed level of -1.2 decides, whatever ground_level is.",
+        lambda right, cloud, level: _higher(cloud, cloud[:, 2], -1.2),
+        "Compare with ground_level.",
+    ),
+    Mistake(
+        "A fixed level of 0 decides, whatever ground_level is; 0 is the height of the sensor.",
+        lambda right, cloud, level: _higher(cloud, cloud[:, 2], 0.0),
+        "Compare with ground_level.",
+    ),
+    Mistake(
+        "What is returned are the heights that are left; it should be the rows.",
+        lambda right, cloud, level: right[:, 2],
+        "Index the whole cloud with the mask: cloud[mask].",
+    ),
+    Mistake(
+        "Rows below the level are set to 0. They should not be there at all.",
+        lambda right, cloud, level: cloud * (cloud[:, [2]] - level > 0),
+        "Index with the mask: cloud[mask] holds only the rows where it is True.",
+    ),
+    Mistake(
+        "Nothing is removed: the cloud comes back as it went in.",
+        lambda right, cloud, level: cloud,
+    ),
+    cases=(
+        (np.array([[5, -3, -1.7], [9, 1, 0.9], [7, -1, -0.8], [-4, 3, -0.2]]), -0.5),
+        (np.array([[0.2, 3, 0.3], [6, 0.1, -1.9], [-8, -2, 0.7], [9, 1, -0.6]]), 0.45),
+        (np.array([[-4, 2, -1.6, 0.3], [5, -2, -1.9, 0.8], [8, 1, -1.3, 0.1]]), -1.45),
+    ),
+    right=lambda cloud, level: _higher(cloud, cloud[:, 2], level),
+)
+
+
+# Cells of 0.2 m, all on the positive side, with 3, 1, 2, 1 and 1 points in them. No point is in the
+# upper half of its cell, and the lowest point of all is the lowest in its cell, so that it is the
+# same cells for whoever rounds or starts to count at a corner of the cloud: what is wrong with
+# that are checks of their own. Within a cell the intensity is the same, for the same reason.
+_CELLS = frozen(
+    np.array(
+        [
+            [0.48, 0.22, 0.29, 0.3],
+            [1.02, 1.03, 1.08, 0.7],
+            [0.42, 0.28, 0.22, 0.3],
+            [0.45, 0.67, 0.26, 0.5],
+            [0.45, 0.25, 0.24, 0.3],
+            [1.06, 1.07, 1.04, 0.7],
+            [3.47, 0.28, 0.25, 0.2],
+            [5.06, 0.24, 2.89, 0.9],
+        ]
+    )
+)
+_CENTROIDS = frozen(
+    np.array(
+        [
+            [0.45, 0.25, 0.25, 0.3],
+            [0.45, 0.67, 0.26, 0.5],
+            [1.04, 1.05, 1.06, 0.7],
+            [3.47, 0.28, 0.25, 0.2],
+            [5.06, 0.24, 2.89, 0.9],
+        ]
+    )
+)
+
+
+def assert_cells(answer: object, cloud: np.ndarray, number: int, size: float) -> np.ndarray:
+    """There are as many rows as occupied cells; what is in them is not looked at.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    number : int
+        Of occupied cells.
+    size : float
+        Side of a cell in metres.
+
+    Returns
+    -------
+    numpy.ndarray, shape (number, 3)
+        x, y and z of the answer.
+    """
+    yours = _xyz(answer, cloud)
+    if len(yours) != number:
+        raise CheckFailed(
+            f"There are {'fewer' if len(yours) < number else 'more'} rows than occupied cells.",
+            given=_call(cloud, size),
+            yours=_rows(len(yours)),
+            expected=_rows(number),
+        )
+    return yours
+
+
+def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, size: float) -> None:
+    """There is the mean of x, y and z of each occupied cell; other columns are not looked at.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    expected : numpy.ndarray, shape (m, 3) or (m, 4)
+        In any order.
+    size : float
+        Side of a cell in metres.
+    """
+    yours, right = assert_cells(answer, cloud, len(expected), size), expected[:, :3]
+    if not _same_rows(yours, right):
+        one = len(right) == 1
+        raise CheckFailed(
+            "This is not the mean of the points of the cell."
+            if one
+            else "The number of rows is right, but not all are the mean of the points of a cell.",
+            given=_call(cloud, size),
+            yours=_listed(yours),
+            expected=_listed(right),
+        )
+
+
+def assert_thins(voxel_grid: Callable) -> None:
+    """There is a point for each cell; where not, no other property can be looked at."""
+    with needs("there is one point per occupied cell"):
+        assert_cells(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
+
+
+def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
+    """x, y and z of an answer; the other columns may be gone."""
+    yours, what = as_array(answer, what="an array of points"), "an array of points"
+    if yours.ndim == 2 and yours.shape[1] == 3:
+        return yours
+    if yours.ndim == 1 and yours.size == cloud.shape[1] and yours.dtype.kind != "b":
+        raise WrongForm(
+            "This is a single row and no table: even one centroid is a row of a table.",
+            yours=f"shape {yours.shape}",
+            expected=f"shape (1, {cloud.shape[1]})",
+        )
+    return as_array(answer, columns=cloud.shape[1], what=what)[:, :3]
+
+
+def _call(cloud: np.ndarray, size: float) -> str | None:
+    return f"points {_listed(cloud)}, cells of {size:g} m" if 0 < len(cloud) <= 8 else None
+
+
+def _listed(points: np.ndarray) -> str:
+    return points_text(points) if len(points) <= 8 else _rows(len(points))
+
+
+def _rows(number: int) -> str:
+    return f"{number} row{'s' if number != 1 else ''}"
 
 
 @visible(
     "voxel_grid",
-    weight=3,
+    weight=4,
     title="One point per occupied cell",
     why="That is the whole purpose: as many points as cells, however dense the scan.",
     hint="floor(xyz / voxel_size) gives three whole numbers per point; np.unique with "
     "axis=0 finds the different ones.",
 )
 def one_point_per_cell(voxel_grid: Callable) -> None:
-    rows = as_array(voxel_grid(_CELLS.copy(), 1.0), columns=4)
-    if len(rows) != 2:
+    assert_cells(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
+
+
+@visible(
+    "voxel_grid",
+    weight=12,
+    title="The point of a cell is the mean of its points",
+    why="A mean of many noisy returns is nearer to the surface than any one of them.",
+    hint="Add up the rows of each cell and divide each sum by its own count: counts[:, None] is a "
+    "column.",
+)
+def averages_each_cell(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    one = _CELLS[[0, 2, 4]]
+    assert_centroids(voxel_grid(one.copy(), 0.2), one, _CENTROIDS[:1], 0.2)
+    assert_centroids(voxel_grid(_CELLS.copy(), 0.2), _CELLS, _CENTROIDS, 0.2)
+
+
+@visible(
+    "voxel_grid",
+    weight=2,
+    title="Averages all columns, the intensity too",
+    why="A number plate shall still be bright after thinning.",
+    hint="Sum whole rows, not only the coordinates: sums has cloud.shape[1] columns.",
+)
+def averages_the_intensity(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    cloud = np.array([[0.02, 0.04, 0.06, 0.02], [0.08, 0.08, 0.02, 0.16], [0.08, 0.06, 0.04, 0.12]])
+    yours = as_array(voxel_grid(cloud.copy(), 0.2))
+    with needs("the point of a cell is the mean of its points"):
+        assert_centroids(yours, cloud, cloud.mean(axis=0, keepdims=True), 0.2)
+    if yours.shape[1] != 4:
         raise CheckFailed(
-            "Three points share one cell and the fourth has its own.",
-            yours=f"{len(rows)} rows",
-            expected="2 rows",
+            "The centroids do not have the columns of the cloud.",
+            yours=f"shape {yours.shape}",
+            expected="shape (1, 4)",
         )
-    assert_same_set_of_rows(rows, np.array([[0.4, 0.3, 0.3, 0.4], [1.5, 0.5, 0.5, 0.4]]))
+    if abs(yours[0, 3] - 0.1) > TOLERANCE:
+        raise CheckFailed(
+            "The intensity is not the mean of the cell's.",
+            given="intensities 0.02, 0.16 and 0.12 in one cell",
+            yours=f"intensity {yours[0, 3]:.2f}",
+            expected="intensity 0.10",
+        )
+
+
+@visible(
+    "voxel_grid",
+    weight=3,
+    title="Intensity has no part in the choice of the cell",
+    why="Two returns from one place are one place, however bright. With intensities up to 255 "
+    "nothing would be thinned.",
+    hint="Compute the cells from cloud[:, :3] alone.",
+)
+def ignores_the_intensity(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    for intensities in ((0.1, 0.9, 0.5, 0.3), (40.0, 255.0, 3.0, 0.0)):
+        cloud = np.column_stack([np.full((4, 3), 0.25), intensities])
+        cloud[2:, 0] = 0.65
+        try:
+            assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
+        except CheckFailed as failure:
+            pairs = "intensities {:g} and {:g} at one place, {:g} and {:g} at another"
+            failure.given = pairs.format(*intensities)
+            raise
+
+
+@visible(
+    "voxel_grid",
+    weight=2,
+    title="Cells are cubes: x, y and z all count",
+    why="A car under a bridge would melt into one point with it.",
+    hint="Three columns make the cell: cloud[:, :3].",
+)
+def cuts_in_three_directions(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    for axis in range(3):
+        cloud = np.full((3, 4), 0.25)
+        cloud[:, axis] = 0.25, 1.05, 3.45
+        assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
 @visible(
@@ -135,44 +473,266 @@ def one_point_per_cell(voxel_grid: Callable) -> None:
     title="Cells below zero are cells like any others",
     why="Half of the street has negative coordinates. Rounding towards zero would make the "
     "cells around the sensor twice as wide.",
-    hint="np.floor(-0.3) is -1, but int(-0.3) is 0.",
+    hint="np.floor(-0.3) is -1, but int(-0.3) and .astype(int) give 0.",
 )
 def floors_below_zero(voxel_grid: Callable) -> None:
-    cloud = np.array([[-0.3, 0.5, 0.5], [0.3, 0.5, 0.5], [-1.2, 0.5, 0.5], [-0.9, 0.5, 0.5]])
-    assert_same_set_of_rows(
-        voxel_grid(cloud.copy(), 1.0),
-        np.array([[-0.6, 0.5, 0.5], [0.3, 0.5, 0.5], [-1.2, 0.5, 0.5]]),
-    )
+    assert_thins(voxel_grid)
+    # In the lower half of their cells, where rounding to the nearest does no harm.
+    for axis in range(3):
+        cloud = np.full((4, 4), 0.05)
+        cloud[:, axis] = 0.06, -0.14, -0.36, -0.32
+        assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
 @visible(
     "voxel_grid",
     weight=2,
-    title="Follows voxel_size, given by position, by name or left out",
+    title="Cells begin at multiples of voxel_size",
+    why="A grid that moves with the points gives the same wall other points in every scan.",
+    hint="np.floor(xyz / voxel_size): no np.round, which begins cells half way, and no minimum "
+    "taken off.",
+)
+def begins_at_multiples(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    cloud = np.full((3, 4), 0.08)
+    cloud[:, 0] = 0.14, 0.18, 0.26
+    assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
+
+
+@visible(
+    "voxel_grid",
+    weight=3,
+    title="The parameter decides how large the cells are",
     why="Cell size trades detail for speed, and every pipeline chooses its own.",
-    hint="Divide by voxel_size before np.floor, and keep its default of 0.2.",
+    hint="Divide by voxel_size, by its name, before np.floor.",
 )
 def follows_the_size(voxel_grid: Callable) -> None:
-    cloud = np.array([[0.05, 0.05, 0.05], [0.15, 0.05, 0.05], [0.35, 0.05, 0.05]])
-    two = np.array([[0.10, 0.05, 0.05], [0.35, 0.05, 0.05]])
-    assert_same_set_of_rows(voxel_grid(cloud.copy()), two)
-    assert_same_set_of_rows(voxel_grid(cloud=cloud.copy(), voxel_size=0.2), two)
-    assert_same_set_of_rows(voxel_grid(cloud.copy(), 1.0), cloud.mean(axis=0, keepdims=True))
+    cloud = np.full((4, 4), 0.1)
+    cloud[:, 1] = 0.1, 0.6, 2.1, 10.1
+    for size, number in ((0.25, 4), (1.5, 3), (5.0, 2), (40.0, 1)):
+        assert_cells(voxel_grid(cloud.copy(), size), cloud, number, size)
+
+
+@visible(
+    "voxel_grid",
+    weight=1,
+    title="Cells are 0.2 m wide unless another size is given",
+    why="Later lessons call voxel_grid(points) and rely on it.",
+    hint="Keep the first line of the function as it was given: voxel_size=0.2.",
+)
+def keeps_the_size(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    cloud = np.full((100, 4), 0.05)
+    cloud[:, 0] = np.linspace(0.003, 3.997, 100)
+    with_it = as_array(voxel_grid(cloud.copy(), 0.2))
+    try:
+        assert_cells(voxel_grid(cloud.copy()), cloud, len(with_it), 0.2)
+    except CheckFailed as failure:
+        failure.message = "voxel_grid(cloud) and voxel_grid(cloud, 0.2) are not the same."
+        failure.expected = f"{_rows(len(with_it))}, as with 0.2"
+        raise
+
+
+@visible(
+    "voxel_grid",
+    weight=1,
+    title="The parameters keep their names",
+    why="Later lessons call voxel_grid(points, voxel_size=0.1).",
+    hint="Keep the first line of the function as it was given.",
+)
+def names_its_parameters(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    answer = voxel_grid(cloud=_CELLS.copy(), voxel_size=0.2)
+    assert_cells(answer, _CELLS, len(_CENTROIDS), 0.2)
+
+
+@visible(
+    "voxel_grid",
+    weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="Take the number of columns from the cloud: cloud.shape[1].",
+)
+def thins_three_columns(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    xyz = _CELLS[:, :3]
+    assert_cells(voxel_grid(xyz.copy(), 0.2), xyz, len(_CENTROIDS), 0.2)
 
 
 @visible(
     "voxel_grid",
     weight=2,
-    title="Takes an empty cloud, and leaves its input untouched",
-    why="After other filters nothing may be left, and the next step may need the full cloud.",
+    title="Takes an empty cloud, and one point",
+    why="After other filters nothing may be left, or a single return.",
     hint="Return early when len(cloud) == 0, with the same number of columns.",
 )
-def takes_nothing(voxel_grid: Callable) -> None:
-    assert_untouched(voxel_grid, _CELLS, 0.7)
-    for columns in (3, 4):
-        rows = as_array(voxel_grid(np.empty((0, columns)), 0.2), columns=columns)
-        if len(rows):
-            raise CheckFailed(
-                "An empty cloud has no cells.", yours=f"{len(rows)} rows", expected="0 rows"
-            )
-    assert_same_set_of_rows(voxel_grid(_CELLS[:1].copy(), 1.0), _CELLS[:1])
+def thins_the_smallest(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
+    nothing = np.empty((0, 4))
+    assert_nothing_left(voxel_grid(nothing.copy(), 0.2), nothing, columns)
+    one = _CELLS[:1]
+    assert_cells(voxel_grid(one.copy(), 0.2), one, 1, 0.2)
+
+
+@visible(
+    "voxel_grid",
+    weight=2,
+    title="Leaves its input untouched",
+    why="The next step may need the full cloud again.",
+    hint="No `/=` and no assignment on cloud: they change the caller's array.",
+)
+def leaves_the_cloud(voxel_grid: Callable) -> None:
+    assert_thins(voxel_grid)
+    assert_untouched(voxel_grid, _CELLS, 0.2)
+
+
+def _merged(
+    cloud: np.ndarray,
+    step: float,
+    first: float | np.ndarray = 0.0,
+    columns: int = 3,
+    merge: Callable = np.mean,
+    without: tuple = (),
+) -> np.ndarray:
+    """One row for all that no border parts; borders stand at `first`, `first` ± `step`, ..."""
+    steps = np.array([number for number in range(-60, 61) if number not in without])
+    borders = np.broadcast_to(first, cloud.shape[1])[:, None] + step * steps
+    passed = (cloud[:, :columns, None] >= borders[None, :columns]).sum(axis=2).tolist()
+    groups = [[row for row in range(len(cloud)) if passed[row] == one] for one in passed]
+    return np.array([merge(cloud[g], axis=0) for k, g in enumerate(groups) if g[0] == k])
+
+
+def _same_rows(answer: object, predicted: np.ndarray) -> bool:
+    """Whether an answer holds these rows, in any order."""
+    try:
+        assert_same_set_of_rows(answer, predicted)
+    except CheckFailed:
+        return False
+    return True
+
+
+mistakes(
+    "voxel_grid",
+    Mistake(
+        "The rows of each cell are added up, but the sums are not divided by the counts.",
+        lambda right, cloud, size: _merged(cloud, size, merge=np.sum),
+        "sums / counts[:, None]: the counts as a column, so that each row is divided by its own.",
+    ),
+    Mistake(
+        "Of each cell only the last row is added up, and then divided by the count.",
+        lambda right, cloud, size: _merged(
+            cloud, size, merge=lambda rows, axis: rows[-1] / len(rows)
+        ),
+        "sums[which] += rows writes each place once, however often `which` names it. "
+        "np.add.at(sums, which, rows) adds every row.",
+    ),
+    Mistake(
+        "The first point of each cell stands for the cell; it should be the mean of them all.",
+        lambda right, cloud, size: _merged(cloud, size, merge=lambda rows, axis: rows[0]),
+        "Add up the rows of each cell with np.add.at, and divide by the counts.",
+    ),
+    Mistake(
+        "The last point of each cell stands for the cell; it should be the mean of them all.",
+        lambda right, cloud, size: _merged(cloud, size, merge=lambda rows, axis: rows[-1]),
+        "Add up the rows of each cell with np.add.at, and divide by the counts.",
+    ),
+    Mistake(
+        "What is returned are the middles of the cells; it should be the mean of the points in "
+        "each.",
+        lambda right, cloud, size: (right[:, :3] // size + 0.5) * size,
+        "Add up the rows of each cell with np.add.at, and divide by the counts.",
+    ),
+    Mistake(
+        "What is returned are the numbers of the cells; it should be the mean of the points in "
+        "each.",
+        lambda right, cloud, size: right[:, :3] // size,
+        "Add up the rows of each cell with np.add.at, and divide by the counts.",
+    ),
+    Mistake(
+        "Coordinates are rounded towards zero, so the cells on both sides of zero are one.",
+        lambda right, cloud, size: _merged(cloud, size, without=(0,)),
+        ".astype(int) alone cuts off what is behind the point: np.floor comes first.",
+    ),
+    Mistake(
+        "Coordinates are rounded to the nearest, so every cell begins half a cell too early.",
+        lambda right, cloud, size: _merged(cloud, size, first=size / 2),
+        "np.floor, not np.round.",
+    ),
+    Mistake(
+        "The cells begin at the lowest corner of the cloud; they should begin at multiples of "
+        "voxel_size.",
+        lambda right, cloud, size: _merged(cloud, size, first=cloud.min(axis=0)),
+        "Take no minimum off: np.floor(xyz / voxel_size) may be negative.",
+    ),
+    Mistake(
+        "The cells are columns without floor and roof: z is left out.",
+        lambda right, cloud, size: _merged(cloud, size, columns=2),
+        "Three columns make the cell: cloud[:, :3].",
+    ),
+    Mistake(
+        "The intensity takes part in the cell: points of one place but of different brightness "
+        "are not merged.",
+        lambda right, cloud, size: _merged(cloud, size, columns=4),
+        "Compute the cells from cloud[:, :3] alone.",
+    ),
+    Mistake(
+        "A fixed size of 0.2 m decides, whatever voxel_size is.",
+        lambda right, cloud, size: _merged(cloud, 0.2),
+        "Divide by voxel_size.",
+    ),
+    Mistake(
+        "voxel_size is left out: all cells are 1 m wide.",
+        lambda right, cloud, size: _merged(cloud, 1.0),
+        "Divide by voxel_size before np.floor.",
+    ),
+    Mistake(
+        "The coordinates are multiplied with voxel_size; they should be divided by it.",
+        lambda right, cloud, size: _merged(cloud, 1 / size),
+    ),
+    Mistake(
+        "Nothing is merged: the cloud comes back as it went in.",
+        lambda right, cloud, size: cloud,
+    ),
+    cases=(
+        (
+            np.array(
+                [
+                    [0.30, 0.1, 0.1, 0.1],
+                    [-0.23, 0.1, 0.3, 0.1],
+                    [0.45, 0.2, 0.4, 0.9],
+                    [0.70, 0.1, 0.1, 0.4],
+                    [0.35, 0.1, 0.9, 0.3],
+                    [1.40, 0.3, 0.1, 0.2],
+                ]
+            ),
+            0.5,
+        ),
+        (
+            np.array(
+                [
+                    [1.3, -1.2, 0.4, 0.2],
+                    [2.3, -0.7, 0.3, 4.6],
+                    [1.1, -0.9, 3.4, 0.5],
+                    [3.9, 0.6, 0.2, 0.8],
+                    [1.8, -1.6, 0.9, 2.3],
+                    [2.9, -1.1, 0.1, 0.6],
+                ]
+            ),
+            2.0,
+        ),
+        (
+            np.array(
+                [
+                    [0.11, 0.33, 0.22, 0.1],
+                    [0.07, 0.37, 0.21, 0.2],
+                    [0.14, 0.31, 0.28, 0.9],
+                    [0.33, 0.13, 0.27, 0.2],
+                ]
+            ),
+            0.5,
+        ),
+    ),
+    right=lambda cloud, size: _merged(cloud, size),
+    same=_same_rows,
+)

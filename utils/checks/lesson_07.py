@@ -1,7 +1,7 @@
 """Visible checks of lesson 07: `filter_by_distance`, `crop_region`, `remove_ego_returns`.
 
-`assert_near` and `assert_boxed` compare a filtered cloud with the right one, and recognise the
-usual slips by the rows that they keep.
+Each looks at one property. `assert_near` and `assert_boxed` ask which places are left; the order
+of the rows and their intensity have checks of their own.
 """
 
 from __future__ import annotations
@@ -11,101 +11,84 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from utils.checks.core import visible
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
-    TOLERANCE,
     CheckFailed,
     as_array,
-    assert_rows,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
+    assert_places,
     assert_untouched,
     frozen,
+    needs,
+    points_text,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Near: ahead, behind on the right, left and right. Far: each coordinate below 10 and yet far,
-# ahead, behind, and to the right. In no order that could be guessed.
+# Ahead of us on the left, all low and dim. The near ones are so near, and the far ones so far,
+# that every way to measure in the plane agrees: directions, corners, heights and intensities are
+# checks of their own. In no order that could be guessed.
 _PLACES = frozen(
     np.array(
         [
             [6.0, 0.5, -1.5, 0.20],
-            [-7.0, -6.0, -0.9, 0.90],
-            [8.0, 8.0, -1.0, 0.40],
-            [12.0, 0.3, -1.1, 0.30],
-            [-10.6, 0.2, -0.7, 0.10],
+            [2.0, 15.0, 0.2, 0.80],
+            [3.0, 6.0, -0.9, 0.90],
+            [14.0, 1.0, -1.1, 0.30],
+            [11.0, 11.5, -1.0, 0.40],
             [1.5, 8.0, 0.3, 0.60],
-            [3.0, -9.2, -0.4, 0.50],
-            [1.0, -15.0, 0.2, 0.80],
+            [4.0, 4.0, -0.4, 0.50],
+            [12.0, 4.0, -0.7, 0.10],
         ]
     )
 )
-_NEAR = frozen(np.array([True, True, False, False, False, True, True, False]))
-# A tree top and the road below a bridge are near; a low thing is far.
-_TALL = frozen(
-    np.array(
-        [
-            [11.0, 1.0, 0.0, 0.1],
-            [9.0, 2.0, 7.0, 0.1],
-            [-6.0, 7.0, -8.0, 0.1],
-            [0.5, -10.8, -0.2, 0.1],
-        ]
-    )
-)
-_TALL_NEAR = frozen(np.array([False, True, True, False]))
-# As from a driver that reports intensities from 0 to 255.
-_BRIGHT = frozen(
-    np.array(
-        [
-            [9.0, 0.5, 0.2, 255.0],
-            [2.0, -7.0, 0.2, 40.0],
-            [10.5, 0.5, 0.2, 0.0],
-            [-9.0, 6.0, 0.2, 3.0],
-        ]
-    )
-)
-_BRIGHT_NEAR = frozen(np.array([True, True, False, False]))
+_NEAR = frozen(np.array([True, False, True, False, False, True, True, False]))
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
-# Two rows inside, then one beyond each of the six faces, then two more inside.
+# Inside, or outside in x and in y and in z.
 _ROOM = frozen(
     np.array(
         [
             [1.0, 2.0, -1.0, 0.5],
+            [-12.0, -8.0, -2.5, 0.2],
             [28.0, -4.0, 0.5, 0.1],
-            [-10.5, 2.0, -1.0, 0.2],
-            [31.0, 2.0, -1.0, 0.3],
-            [1.0, -5.5, -1.0, 0.4],
-            [1.0, 6.5, -1.0, 0.6],
-            [1.0, 2.0, -2.5, 0.7],
-            [1.0, 2.0, 1.5, 0.8],
+            [40.0, 9.0, 1.6, 0.3],
+            [33.0, -7.0, -2.4, 0.4],
             [-9.0, 5.5, 0.9, 0.9],
+            [-15.0, 7.0, 1.4, 0.6],
             [12.0, 0.0, -1.9, 0.4],
         ]
     )
 )
-_INSIDE = frozen(np.array([True, True, False, False, False, False, False, False, True, True]))
+_INSIDE = frozen(np.array([True, False, True, False, False, True, False, True]))
 _EGO = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-# Three returns of our own car; then others that share one or two coordinates with it.
+# Returns of our own car, and others that share no coordinate with it.
 _AROUND = frozen(
     np.array(
         [
             [-1.3, 0.4, -0.6, 0.3],
+            [5.0, 3.0, 0.5, 0.4],
             [1.0, -1.0, -0.5, 0.5],
-            [5.0, 1.0, -0.6, 0.4],
-            [1.0, 2.4, -0.7, 0.2],
-            [0.9, 1.0, -0.6, 0.5],
-            [0.5, 0.5, 1.2, 0.1],
-            [-3.0, -8.0, -0.8, 0.9],
-            [12.0, 0.2, 2.0, 0.7],
+            [-2.0, -2.0, 0.3, 0.2],
+            [12.0, 4.2, 2.0, 0.7],
+            [0.9, 1.0, -0.9, 0.5],
+            [-3.0, -8.0, -1.6, 0.9],
         ]
     )
 )
-_OURS = frozen(np.array([True, True, False, False, True, False, False, False]))
+_OURS = frozen(np.array([True, False, True, False, False, True, False]))
+# Each has the same x, y and z: inside of a box of three equal sides in all of them, or in none.
+_DIAGONAL = frozen(np.outer([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 0.1]))
 
 
-def assert_near(answer: object, cloud: np.ndarray, distance: float, near: np.ndarray) -> None:
-    """The answer is ``cloud[near]``: the rows whose horizontal distance is at most `distance`.
+def assert_near(
+    answer: object, cloud: np.ndarray, distance: float, near: np.ndarray, view: str = "above"
+) -> None:
+    """The places of ``cloud[near]`` are left: those whose horizontal distance is small enough.
 
     Parameters
     ----------
@@ -113,27 +96,12 @@ def assert_near(answer: object, cloud: np.ndarray, distance: float, near: np.nda
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     distance : float
     near : numpy.ndarray of bool, shape (n,)
+    view : {"above", "side"}
+        Where the picture looks from.
     """
-    x, y = cloud[:, 0], cloud[:, 1]
-    squared = x**2 + y**2
-    slips = {
-        "These are the far points: the comparison is the wrong way round.": ~near,
-        "The height is counted in: that is the 3-D distance.": squared + cloud[:, 2] ** 2
-        <= distance**2,
-        "Height and intensity are counted in: that is the length of the row.": (cloud**2).sum(
-            axis=1
-        )
-        <= distance**2,
-        "This is a square, not a circle: each coordinate is compared by itself.": (
-            np.abs(x) <= distance
-        )
-        & (np.abs(y) <= distance),
-        "Only x is compared.": x <= distance,
-        "Only x is compared, without its sign.": np.abs(x) <= distance,
-        "x and y are added, not their squares.": np.abs(x) + np.abs(y) <= distance,
-        "The squared distance is compared with the plain one.": squared <= distance,
-    }
-    _assert_rows(answer, cloud, near, slips, lambda axes: _circle(axes, distance))
+    outline = _circle if view == "above" else _reach
+    settings = f"distance {distance:g}"
+    _assert_left(answer, cloud, near, settings, view, lambda axes: outline(axes, distance))
 
 
 def assert_boxed(
@@ -142,8 +110,9 @@ def assert_boxed(
     minimum: Sequence[float],
     maximum: Sequence[float],
     keep: np.ndarray,
+    view: str = "above",
 ) -> None:
-    """The answer is ``cloud[keep]``: the rows inside a box, or those not inside.
+    """The places of ``cloud[keep]`` are left: those inside a box, or those not inside.
 
     Parameters
     ----------
@@ -151,93 +120,85 @@ def assert_boxed(
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     minimum, maximum : three floats each
     keep : numpy.ndarray of bool, shape (n,)
+    view : {"above", "side"}
+        Where the picture looks from.
     """
-    xyz = cloud[:, :3]
-    above, below = xyz >= np.array(minimum), xyz <= np.array(maximum)
-    inside = (above & below).all(axis=1)
-    flat = (above & below)[:, :2].all(axis=1)
-    complement = np.array_equal(keep, ~inside)
-    slips = {
-        "These are the rows outside: the mask is the wrong way round.": ~inside,
-        "Only x and y are compared: z decides, too.": flat,
-        "Only minimum is compared.": above.all(axis=1),
-        "Only maximum is compared.": below.all(axis=1),
-        "One coordinate within the box is enough here: all three must be.": (above & below).any(
-            axis=1
-        ),
-    }
-    if complement:
-        slips = {
-            "These are the rows inside the box: keep the others.": inside,
-            "Only x and y are compared: what is above or below the box is no part of it.": ~flat,
-            "Only rows that are outside in x and in y and in z are left: one of them is enough.": ~(
-                above & below
-            ).any(axis=1),
-        }
-    _assert_rows(answer, cloud, keep, slips, lambda axes: _rectangle(axes, minimum, maximum))
+    across = [0, 1] if view == "above" else [0, 2]
+    low, high = np.array(minimum)[across], np.array(maximum)[across]
+    corners = "minimum {}, maximum {}".format(*map(points_text, ([minimum], [maximum])))
+    _assert_left(answer, cloud, keep, corners, view, lambda axes: _rectangle(axes, low, high))
 
 
-def _assert_rows(
+def _assert_left(
     answer: object,
     cloud: np.ndarray,
     keep: np.ndarray,
-    slips: dict[str, np.ndarray],
+    settings: str,
+    view: str,
     outline: Callable,
 ) -> None:
-    """`assert_rows`, with the name of a slip that keeps just these rows, and a drawn border."""
+    """`assert_places`, with the border in the picture, and small clouds in words."""
+    small = len(cloud) <= 8
+    given = f"points {points_text(cloud)}, {settings}" if small else None
     try:
-        assert_rows(answer, cloud, keep, view="above")
+        assert_places(answer, cloud, keep, view, given, points_text if small else None)
     except CheckFailed as failure:
-        difference = failure.draw
-        draw = difference and (lambda: outline(difference()))
-        name = next(
-            (
-                name
-                for name, rows in slips.items()
-                if not np.array_equal(rows, keep) and _same(answer, cloud[rows])
-            ),
-            "",
-        )
-        raise CheckFailed(
-            f"{failure.message} {name}".strip(),
-            yours=failure.yours,
-            expected=failure.expected,
-            draw=draw,
-            tip=failure.tip,
-        ) from None
-
-
-def _same(answer: object, rows: np.ndarray) -> bool:
-    try:
-        array = as_array(answer)
-    except CheckFailed:
-        return False
-    return array.shape == rows.shape and np.allclose(array, rows, rtol=0, atol=TOLERANCE)
+        if difference := failure.draw:
+            failure.draw = lambda: outline(difference())
+        raise
 
 
 def _circle(axes: Axes, distance: float) -> None:
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((0, 0), distance, fill=False, edgecolor="black", linestyle="--"))
-    reach = 1.05 * distance
-    for limits, change in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
-        change(min(limits[0], -reach), max(limits[1], reach))
+    _show(axes, (-distance, -distance), (distance, distance))
 
 
-def _rectangle(axes: Axes, minimum: Sequence[float], maximum: Sequence[float]) -> None:
+def _reach(axes: Axes, distance: float) -> None:
+    for x in (-distance, distance):
+        axes.axvline(x, color="black", linestyle="--")
+
+
+def _rectangle(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
     from matplotlib.patches import Rectangle
 
-    length, width = maximum[0] - minimum[0], maximum[1] - minimum[1]
-    axes.add_patch(
-        Rectangle(minimum[:2], length, width, fill=False, edgecolor="black", linestyle="--")
-    )
+    axes.add_patch(Rectangle(low, *(high - low), fill=False, edgecolor="black", linestyle="--"))
+    _show(axes, low, high)
+
+
+def _show(axes: Axes, low: Sequence[float], high: Sequence[float]) -> None:
+    """Widen the limits to where all of a border can be seen."""
+    margin = 0.05 * np.subtract(high, low)
+    (left, bottom), (right, top) = low - margin, high + margin
+    axes.set_xlim(min(axes.get_xlim()[0], left), max(axes.get_xlim()[1], right))
+    axes.set_ylim(min(axes.get_ylim()[0], bottom), max(axes.get_ylim()[1], top))
+
+
+def assert_measures(filter_by_distance: Callable) -> None:
+    """What is near stays and what is far goes; where not, nothing else can be looked at."""
+    with needs("what is near is kept, what is far is not"):
+        assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
+
+
+def assert_crops(crop_region: Callable) -> None:
+    """What is inside stays, the rest goes; where not, no other property can be looked at."""
+    with needs("what is inside the box is kept, what is outside is not"):
+        answer = crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM)
+        assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
+
+
+def assert_frees(remove_ego_returns: Callable) -> None:
+    """What is inside goes, the rest stays; where not, no other property can be looked at."""
+    with needs("what is inside the box is removed, what is outside is not"):
+        assert_boxed(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, *_EGO, ~_OURS)
 
 
 @visible(
     "filter_by_distance",
     weight=4,
-    title="Keeps what is near and drops what is far, in every direction",
-    why="A car behind us is as real as one ahead, and a far wall only costs time.",
+    title="Keeps what is near and drops what is far",
+    why="A far wall only costs time.",
     hint="Square x and y, add, take the root: one distance per point. Keep where it is at "
     "most `distance`.",
 )
@@ -248,87 +209,261 @@ def keeps_what_is_near(filter_by_distance: Callable) -> None:
 @visible(
     "filter_by_distance",
     weight=3,
+    title="Looks all around: ahead, behind, left and right",
+    why="A car behind us is as real as one ahead.",
+    hint="Behind us x is negative, on the right y is. Squares know no sign.",
+)
+def looks_all_around(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    cloud = np.array(
+        [[-6.0, 2.0], [-14.0, 1.0], [-3.0, -6.0], [3.0, -13.0], [2.0, -7.0], [-11.0, -12.0]]
+    )
+    cloud = np.column_stack([cloud, np.tile([-0.5, 0.3], (6, 1))])
+    near = np.array([True, False, True, False, True, False])
+    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+
+
+@visible(
+    "filter_by_distance",
+    weight=3,
+    title="The border is a circle",
+    why="In a square the corners are 41 % farther away than the sides.",
+    hint="Pythagoras: neither the larger of x and y nor their sum is a distance.",
+)
+def draws_a_circle(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    cloud = np.array([[8.0, 8.0], [6.5, 6.5], [9.5, 5.0], [9.0, 3.0]])
+    cloud = np.column_stack([cloud, np.tile([-0.5, 0.3], (4, 1))])
+    near = np.array([False, True, False, True])
+    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+
+
+@visible(
+    "filter_by_distance",
+    weight=4,
     title="Height does not count",
     why="A child in front of a lorry is far below its sensor: the straight line to it is "
     "longer than the way to it.",
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
 def ignores_height(filter_by_distance: Callable) -> None:
-    assert_near(filter_by_distance(_TALL.copy(), 10.0), _TALL, 10.0, _TALL_NEAR)
-
-
-@visible(
-    "filter_by_distance",
-    weight=2,
-    title="Intensity does not count",
-    why="Another driver reports intensities up to 255, and every bright car would vanish.",
-    hint="A norm over whole rows counts column 3, too. Use columns 0 and 1 only.",
-)
-def ignores_intensity(filter_by_distance: Callable) -> None:
-    assert_near(filter_by_distance(_BRIGHT.copy(), 10.0), _BRIGHT, 10.0, _BRIGHT_NEAR)
+    assert_measures(filter_by_distance)
+    cloud = np.array(
+        [
+            [11.0, 1.0, 0.0, 0.1],
+            [6.0, 2.0, 9.0, 0.1],
+            [4.0, 3.0, -12.0, 0.1],
+            [13.0, 2.0, -0.2, 0.1],
+        ]
+    )
+    near = np.array([False, True, True, False])
+    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
 @visible(
     "filter_by_distance",
     weight=3,
-    title="Follows distance, given by position, by name or left out",
+    title="Intensity does not count",
+    why="Another driver reports intensities up to 255, and every bright car would vanish.",
+    hint="A norm over whole rows counts column 3, too. Use columns 0 and 1 only.",
+)
+def ignores_intensity(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    cloud = np.array(
+        [
+            [6.0, 0.5, 0.2, 255.0],
+            [12.0, 0.5, 0.2, 0.0],
+            [2.0, 7.0, 0.2, 40.0],
+            [11.0, 6.0, 0.2, 3.0],
+        ]
+    )
+    near = np.array([True, False, True, False])
+    try:
+        assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+    except CheckFailed as failure:
+        if failure.given:
+            failure.given += ", intensities 255, 0, 40, 3"
+        raise
+
+
+@visible(
+    "filter_by_distance",
+    weight=3,
+    title="The parameter decides how far is too far",
     why="A fast car must look farther than a slow one.",
-    hint="Use the parameter distance in the comparison, and keep its default of 10.0.",
+    hint="Compare with distance, by its name, and with no number of your own.",
 )
 def follows_the_distance(filter_by_distance: Callable) -> None:
-    close = np.array([True, False, False, False, False, True, False, False])
-    assert_near(filter_by_distance(_PLACES.copy(), 8.5), _PLACES, 8.5, close)
-    assert_near(filter_by_distance(cloud=_PLACES.copy(), distance=8.5), _PLACES, 8.5, close)
-    assert_near(filter_by_distance(_PLACES.copy()), _PLACES, 10.0, _NEAR)
+    cloud = np.array([[x, 0.2, -0.5, 0.3] for x in (9.0, 3.0, 30.0, 6.3, 12.0)])
+    for distance in (5.0, 7.5, 11.0, 20.0):
+        near = cloud[:, 0] < distance
+        assert_near(filter_by_distance(cloud.copy(), distance), cloud, distance, near)
+
+
+@visible(
+    "filter_by_distance",
+    weight=1,
+    title="The distance is 10 m unless another one is given",
+    why="Later cells call filter_by_distance(cloud) and rely on it.",
+    hint="Keep the first line of the function as it was given: distance=10.0.",
+)
+def keeps_the_default(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
+    near = np.array([True, False, True, False])
+    given = f"points {points_text(cloud)}, no distance"
+    assert_places(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
+
+
+@visible(
+    "filter_by_distance",
+    weight=1,
+    title="The parameters keep their names",
+    why="Others may call filter_by_distance(cloud, distance=25).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    answer = filter_by_distance(cloud=_PLACES.copy(), distance=10.0)
+    assert_near(answer, _PLACES, 10.0, _NEAR)
 
 
 @visible(
     "filter_by_distance",
     weight=2,
-    title="Takes three columns as well as four, and an empty cloud",
-    why="Some files hold no intensity, and after other filters nothing may be left.",
-    hint="Index rows with the mask, cloud[mask], and leave the columns alone.",
+    title="Keeps all columns: the intensity stays with its point",
+    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
+    hint="Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
 )
-def takes_every_shape(filter_by_distance: Callable) -> None:
-    xyz = _PLACES[:, :3]
-    assert_near(filter_by_distance(xyz.copy(), 10.0), xyz, 10.0, _NEAR)
-    for columns in (3, 4):
-        nothing = np.empty((0, columns))
-        assert_near(filter_by_distance(nothing.copy(), 10.0), nothing, 10.0, np.zeros(0, bool))
+def keeps_the_columns(filter_by_distance: Callable) -> None:
+    assert_all_columns(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, _NEAR)
+
+
+@visible(
+    "filter_by_distance",
+    weight=2,
+    title="Keeps the order of the rows",
+    why="Whoever knows the true object of each return finds it by its place among the rows.",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def keeps_the_order(filter_by_distance: Callable) -> None:
+    assert_order(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, _NEAR)
 
 
 @visible(
     "filter_by_distance",
     weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="Name the columns that you need, cloud[:, 0] and cloud[:, 1], and let the others be.",
+)
+def takes_three_columns(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    xyz = _PLACES[:, :3]
+    assert_near(filter_by_distance(xyz.copy(), 10.0), xyz, 10.0, _NEAR)
+
+
+@visible(
+    "filter_by_distance",
+    weight=2,
+    title="Takes no points, one point, and a cloud of which nothing is left",
+    why="After other filters nothing may be left, or a single return.",
+    hint="The same two lines serve every case: an empty mask takes no row.",
+)
+def takes_the_smallest(filter_by_distance: Callable) -> None:
+    assert_measures(filter_by_distance)
+    columns = as_array(filter_by_distance(_PLACES.copy(), 10.0)).shape[1]
+    for cloud in (np.empty((0, 4)), _PLACES[1:2], _PLACES[[1, 3, 4]]):
+        assert_nothing_left(filter_by_distance(cloud.copy(), 10.0), cloud, columns)
+    one = _PLACES[:1]
+    assert_near(filter_by_distance(one.copy(), 10.0), one, 10.0, np.array([True]))
+
+
+@visible(
+    "filter_by_distance",
+    weight=2,
     title="Leaves its input untouched",
     why="The next step of the pipeline may need the full cloud again.",
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
 def leaves_its_input(filter_by_distance: Callable) -> None:
-    assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
+    assert_measures(filter_by_distance)
     assert_untouched(filter_by_distance, _PLACES, 10.0)
+
+
+@noted(
+    "filter_by_distance",
+    title="A point at the very distance stays",
+    why='The docstring says <=, "at most". In a scan no point lies on the border to the last '
+    "digit; in a made-up example one does.",
+)
+def keeps_the_tie(filter_by_distance: Callable) -> None:
+    cloud = np.array([[3.0, 4.0, -0.5, 0.1], [6.0, 1.0, -0.5, 0.1], [1.0, 2.0, -0.5, 0.1]])
+    near = np.array([True, False, True])
+    assert_near(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
 @visible(
     "crop_region",
     weight=4,
-    title="Keeps what is inside the box, seen from all six sides",
-    why="One side forgotten, and the region of interest reaches to the horizon.",
+    title="Keeps what is inside the box and drops what is outside",
+    why="Without it the region of interest reaches to the horizon.",
     hint="Compare the first three columns with minimum and with maximum, join the tables "
     "with &, then .all(axis=1).",
 )
 def keeps_what_is_inside(crop_region: Callable) -> None:
-    assert_boxed(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
+    answer = crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @visible(
     "crop_region",
-    weight=1,
+    weight=3,
+    title="What is outside in x or in y alone goes, too",
+    why="One side forgotten, and all houses of the street come in.",
+    hint="A row is inside when all three coordinates are: .all(axis=1).",
+)
+def cuts_on_four_sides(crop_region: Callable) -> None:
+    assert_crops(crop_region)
+    cloud = np.array(
+        [
+            [-11.0, 2.0, -1.0],
+            [31.0, 2.0, -1.0],
+            [1.0, 2.0, -1.0],
+            [1.0, -6.0, -1.0],
+            [1.0, 7.0, -1.0],
+        ]
+    )
+    cloud = np.column_stack([cloud, np.full(5, 0.4)])
+    keep = np.array([False, False, True, False, False])
+    assert_boxed(crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, _MINIMUM, _MAXIMUM, keep)
+
+
+@visible(
+    "crop_region",
+    weight=2,
+    title="What is below the floor or above the roof of the box goes, too",
+    why="A bridge over the street is no obstacle.",
+    hint="Compare all three coordinates, cloud[:, :3], not only x and y.",
+)
+def cuts_below_and_above(crop_region: Callable) -> None:
+    assert_crops(crop_region)
+    cloud = np.array([[1.0, 2.0, -2.5], [1.0, 2.0, -1.0], [1.0, 2.0, 1.5]])
+    cloud = np.column_stack([cloud, np.full(3, 0.4)])
+    keep = np.array([False, True, False])
+    answer = crop_region(cloud.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
+
+
+@visible(
+    "crop_region",
+    weight=2,
     title="The faces belong to the box",
     why="Two boxes side by side shall leave no gap between them.",
     hint="Use >= and <=, not > and <.",
 )
-def faces_are_inside(crop_region: Callable) -> None:
+def counts_the_faces(crop_region: Callable) -> None:
+    assert_crops(crop_region)
     edge = np.array(
         [
             [-10.0, 0.0, 0.0],
@@ -337,68 +472,124 @@ def faces_are_inside(crop_region: Callable) -> None:
             [0.0, 6.0, 0.0],
             [0.0, 0.0, -2.0],
             [0.0, 0.0, 1.0],
-            [40.0, 0.0, 0.0],
         ]
     )
-    assert_boxed(
-        crop_region(edge.copy(), _MINIMUM, _MAXIMUM),
-        edge,
-        _MINIMUM,
-        _MAXIMUM,
-        np.array([True] * 6 + [False]),
-    )
+    edge = np.column_stack([edge, np.full(6, 0.4)])
+    answer = crop_region(edge.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, edge, _MINIMUM, _MAXIMUM, np.full(6, True))
 
 
 @visible(
     "crop_region",
-    weight=2,
-    title="Follows minimum and maximum, by name, as lists and as arrays",
+    weight=3,
+    title="The parameters decide where the box is",
     why="The region changes with the road and with the speed.",
-    hint="Use the parameters minimum and maximum. Comparing an array with a tuple or a "
-    "list of three numbers works without more ado.",
+    hint="Compare with minimum and maximum, by their names, and with no number of your own.",
 )
 def follows_the_corners(crop_region: Callable) -> None:
-    small = np.array([True] + [False] * 8 + [True])
-    low, high = [0.0, -1.0, -1.95], [13.0, 3.0, 0.0]
-    assert_boxed(
-        crop_region(cloud=_ROOM.copy(), minimum=list(low), maximum=list(high)),
-        _ROOM,
-        low,
-        high,
-        small,
-    )
-    assert_boxed(crop_region(_ROOM.copy(), np.array(low), np.array(high)), _ROOM, low, high, small)
+    for low, high in ((1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)):
+        corners = (low, low, low), (high, high, high)
+        keep = (_DIAGONAL[:, 0] > low) & (_DIAGONAL[:, 0] < high)
+        assert_boxed(crop_region(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep)
+
+
+@visible(
+    "crop_region",
+    weight=1,
+    title="The corners may be tuples, lists or arrays",
+    why="A box comes from a configuration file, from a map or from another array.",
+    hint="An array compares itself with a tuple or a list of three numbers without more ado.",
+)
+def takes_any_corners(crop_region: Callable) -> None:
+    assert_crops(crop_region)
+    for kind in (list, np.array):
+        answer = crop_region(_ROOM.copy(), kind(_MINIMUM), kind(_MAXIMUM))
+        assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
+
+
+@visible(
+    "crop_region",
+    weight=1,
+    title="The parameters keep their names",
+    why="Others may call crop_region(cloud, minimum=..., maximum=...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def names_the_corners(crop_region: Callable) -> None:
+    assert_crops(crop_region)
+    answer = crop_region(cloud=_ROOM.copy(), minimum=_MINIMUM, maximum=_MAXIMUM)
+    assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @visible(
     "crop_region",
     weight=2,
-    title="Takes three or four columns and an empty cloud; leaves its input untouched",
-    why="Some files hold no intensity, and after other filters nothing may be left.",
+    title="Keeps all columns: the intensity stays with its point",
+    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
     hint="Compare cloud[:, :3], but index cloud itself.",
 )
-def crops_every_shape(crop_region: Callable) -> None:
+def crops_all_columns(crop_region: Callable) -> None:
+    assert_all_columns(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _INSIDE)
+
+
+@visible(
+    "crop_region",
+    weight=1,
+    title="Keeps the order of the rows",
+    why="Whoever knows the true object of each return finds it by its place among the rows.",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def crops_in_order(crop_region: Callable) -> None:
+    assert_order(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _INSIDE)
+
+
+@visible(
+    "crop_region",
+    weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="cloud[:, :3] is there in both.",
+)
+def crops_three_columns(crop_region: Callable) -> None:
+    assert_crops(crop_region)
     room = _ROOM[:, :3]
     answer = crop_region(room.copy(), _MINIMUM, _MAXIMUM)
     assert_boxed(answer, room, _MINIMUM, _MAXIMUM, _INSIDE)
-    assert_untouched(crop_region, room, _MINIMUM, _MAXIMUM)
-    for columns in (3, 4):
-        nothing = np.empty((0, columns))
-        assert_boxed(
-            crop_region(nothing.copy(), _MINIMUM, _MAXIMUM),
-            nothing,
-            _MINIMUM,
-            _MAXIMUM,
-            np.zeros(0, bool),
-        )
+
+
+@visible(
+    "crop_region",
+    weight=2,
+    title="Takes no points, one point, and a cloud of which nothing is left",
+    why="After other filters nothing may be left, or a single return.",
+    hint="The same lines serve every case: an empty mask takes no row.",
+)
+def crops_the_smallest(crop_region: Callable) -> None:
+    assert_crops(crop_region)
+    columns = as_array(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM)).shape[1]
+    for cloud in (np.empty((0, 4)), _ROOM[1:2], _ROOM[[1, 3, 4]]):
+        assert_nothing_left(crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, columns)
+    one = _ROOM[:1]
+    answer = crop_region(one.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, one, _MINIMUM, _MAXIMUM, np.array([True]))
+
+
+@visible(
+    "crop_region",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next step of the pipeline may need the full cloud again.",
+    hint="cloud[mask] is already a new array. Do not assign into cloud.",
+)
+def crops_a_copy(crop_region: Callable) -> None:
+    assert_crops(crop_region)
+    assert_untouched(crop_region, _ROOM, _MINIMUM, _MAXIMUM)
 
 
 @visible(
     "remove_ego_returns",
     weight=4,
-    title="Removes what is inside the box, and nothing else",
-    why="A return of our own mirror is an obstacle that never goes away; a child beside "
-    "the door must stay.",
+    title="Removes what is inside the box, and keeps what is outside",
+    why="A return of our own mirror is an obstacle that never goes away.",
     hint="Find the rows inside as in crop_region, then keep the others: ~inside.",
 )
 def removes_our_own(remove_ego_returns: Callable) -> None:
@@ -407,63 +598,456 @@ def removes_our_own(remove_ego_returns: Callable) -> None:
 
 @visible(
     "remove_ego_returns",
-    weight=2,
-    title="What shares only x, y or z with our car stays",
+    weight=3,
+    title="What shares y or x with our car stays",
     why="The car ahead of us shares y and z with us. It is the last one to lose.",
     hint="A row is outside when one coordinate is outside: not (a and b and c) is "
     "(not a) or (not b) or (not c).",
 )
-def keeps_what_shares_a_coordinate(remove_ego_returns: Callable) -> None:
+def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
     cloud = np.array(
+        [[0.5, 0.0, -0.7], [9.0, 0.0, -0.7], [-4.0, 0.0, -0.7], [0.5, 6.0, -0.7], [0.5, -3.0, -0.7]]
+    )
+    cloud = np.column_stack([cloud, np.full(5, 0.4)])
+    keep = np.array([False, True, True, True, True])
+    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, keep)
+
+
+@visible(
+    "remove_ego_returns",
+    weight=2,
+    title="What is above or below the box stays",
+    why="A sign above the bonnet, a kerb under the bumper: neither is our car.",
+    hint="Compare all three coordinates, cloud[:, :3], not only x and y.",
+)
+def keeps_above_and_below(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
+    cloud = np.array([[0.5, 0.0, 2.0], [0.5, 0.0, -0.7], [0.5, 0.0, -1.6]])
+    cloud = np.column_stack([cloud, np.full(3, 0.4)])
+    keep = np.array([True, False, True])
+    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, keep, "side")
+
+
+@visible(
+    "remove_ego_returns",
+    weight=2,
+    title="The faces belong to the box",
+    why="What crop_region keeps of a box, this removes: together they are the whole cloud.",
+    hint="Inside is >= minimum and <= maximum, as in crop_region; outside is < or >.",
+)
+def removes_the_faces(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
+    box = (-1.5, -1.75, -1.0), (2.5, 1.75, -0.5)
+    edge = np.array(
         [
-            [0.5, 0.0, -0.7],
-            [9.0, 0.0, -0.7],
-            [0.5, 6.0, -0.7],
-            [0.5, 0.0, 2.0],
-            [9.0, 6.0, -0.7],
-            [9.0, 0.0, 2.0],
-            [0.5, 6.0, 2.0],
-            [9.0, 6.0, 2.0],
+            [-1.5, 0.0, -0.75],
+            [2.5, 0.0, -0.75],
+            [0.0, -1.75, -0.75],
+            [0.0, 1.75, -0.75],
+            [0.0, 0.0, -1.0],
+            [0.0, 0.0, -0.5],
+            [7.0, 6.0, 0.5],
         ]
     )
-    assert_boxed(
-        remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, np.array([False] + [True] * 7)
-    )
+    edge = np.column_stack([edge, np.full(7, 0.4)])
+    assert_boxed(remove_ego_returns(edge.copy(), *box), edge, *box, np.arange(7) == 6)
 
 
 @visible(
     "remove_ego_returns",
-    weight=2,
-    title="Follows minimum and maximum, by name, as lists and as arrays",
+    weight=3,
+    title="The parameters decide where the box is",
     why="A lorry is not a small car, and a roof rack is a part of ours.",
-    hint="Use the parameters minimum and maximum.",
+    hint="Compare with minimum and maximum, by their names, and with no number of your own.",
 )
 def follows_the_ego_box(remove_ego_returns: Callable) -> None:
-    low, high = [0.8, 0.5, -1.0], [6.0, 3.0, -0.4]
-    left = np.array([True, True, False, False, False, True, True, True])
-    assert_boxed(
-        remove_ego_returns(cloud=_AROUND.copy(), minimum=list(low), maximum=list(high)),
-        _AROUND,
-        low,
-        high,
-        left,
-    )
-    assert_boxed(
-        remove_ego_returns(_AROUND.copy(), np.array(low), np.array(high)), _AROUND, low, high, left
-    )
+    assert_frees(remove_ego_returns)
+    for low, high in ((1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)):
+        corners = (low, low, low), (high, high, high)
+        keep = (_DIAGONAL[:, 0] < low) | (_DIAGONAL[:, 0] > high)
+        assert_boxed(remove_ego_returns(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep)
+
+
+@visible(
+    "remove_ego_returns",
+    weight=1,
+    title="The corners may be tuples, lists or arrays",
+    why="A box comes from a configuration file, from a drawing or from another array.",
+    hint="An array compares itself with a tuple or a list of three numbers without more ado.",
+)
+def takes_any_ego_box(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
+    for kind in (list, np.array):
+        answer = remove_ego_returns(_AROUND.copy(), kind(_EGO[0]), kind(_EGO[1]))
+        assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
+
+
+@visible(
+    "remove_ego_returns",
+    weight=1,
+    title="The parameters keep their names",
+    why="Others may call remove_ego_returns(cloud, minimum=..., maximum=...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def names_the_ego_box(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
+    answer = remove_ego_returns(cloud=_AROUND.copy(), minimum=_EGO[0], maximum=_EGO[1])
+    assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
 
 
 @visible(
     "remove_ego_returns",
     weight=2,
-    title="Takes three or four columns and an empty cloud; leaves its input untouched",
-    why="Some files hold no intensity, and after other filters nothing may be left.",
+    title="Keeps all columns: the intensity stays with its point",
+    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
     hint="Compare cloud[:, :3], but index cloud itself.",
 )
-def removes_from_every_shape(remove_ego_returns: Callable) -> None:
+def leaves_all_columns(remove_ego_returns: Callable) -> None:
+    assert_all_columns(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, ~_OURS)
+
+
+@visible(
+    "remove_ego_returns",
+    weight=1,
+    title="Keeps the order of the rows",
+    why="Whoever knows the true object of each return finds it by its place among the rows.",
+    hint="A mask keeps the order by itself: sort nothing.",
+)
+def leaves_the_order(remove_ego_returns: Callable) -> None:
+    assert_order(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, ~_OURS)
+
+
+@visible(
+    "remove_ego_returns",
+    weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="cloud[:, :3] is there in both.",
+)
+def frees_three_columns(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
     around = _AROUND[:, :3]
     assert_boxed(remove_ego_returns(around.copy(), *_EGO), around, *_EGO, ~_OURS)
-    assert_untouched(remove_ego_returns, around, *_EGO)
-    for columns in (3, 4):
-        nothing = np.empty((0, columns))
-        assert_boxed(remove_ego_returns(nothing.copy(), *_EGO), nothing, *_EGO, np.zeros(0, bool))
+
+
+@visible(
+    "remove_ego_returns",
+    weight=2,
+    title="Takes no points, one point, and a cloud of which nothing is left",
+    why="After other filters nothing may be left, or a single return.",
+    hint="The same lines serve every case: an empty mask takes no row.",
+)
+def frees_the_smallest(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
+    columns = as_array(remove_ego_returns(_AROUND.copy(), *_EGO)).shape[1]
+    for cloud in (np.empty((0, 4)), _AROUND[:1], _AROUND[[0, 2, 5]]):
+        assert_nothing_left(remove_ego_returns(cloud.copy(), *_EGO), cloud, columns)
+    one = _AROUND[1:2]
+    assert_boxed(remove_ego_returns(one.copy(), *_EGO), one, *_EGO, np.array([True]))
+
+
+@visible(
+    "remove_ego_returns",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next step of the pipeline may need the full cloud again.",
+    hint="cloud[mask] is already a new array. Do not assign into cloud.",
+)
+def frees_a_copy(remove_ego_returns: Callable) -> None:
+    assert_frees(remove_ego_returns)
+    assert_untouched(remove_ego_returns, _AROUND, *_EGO)
+
+
+def _at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:
+    return np.delete(cloud, np.flatnonzero(values - limit > 0), axis=0)
+
+
+def _length(cloud: np.ndarray) -> np.ndarray:
+    return np.abs(cloud[:, :2] @ [1, 1j])  # as complex numbers
+
+
+mistakes(
+    "filter_by_distance",
+    Mistake(
+        "It is the other way round: what is far stays, and what is near goes.",
+        lambda right, cloud, distance: _at_most(cloud, -_length(cloud), -distance),
+        'Near is "at most distance": which comparison says that?',
+    ),
+    Mistake(
+        "The height is counted in: that is the straight line in space, not the way on the road.",
+        lambda right, cloud, distance: _at_most(
+            right, (right[:, :3] ** 2).sum(axis=1), distance**2
+        ),
+        "Use columns 0 and 1 only. Column 2 is the height.",
+    ),
+    Mistake(
+        "Height and intensity are counted in: that is the length of the whole row.",
+        lambda right, cloud, distance: _at_most(right, (right**2).sum(axis=1), distance**2),
+        "Use columns 0 and 1 only.",
+    ),
+    Mistake(
+        "The squared distance is compared with the plain one: a root is missing, or a square on "
+        "the other side.",
+        lambda right, cloud, distance: _at_most(right, _length(right) ** 2, distance),
+        "np.sqrt(x**2 + y**2) or np.hypot(x, y) is the distance.",
+    ),
+    Mistake(
+        "The distance is compared with the square of `distance`.",
+        lambda right, cloud, distance: _at_most(cloud, _length(cloud), distance**2),
+        "Compare plain with plain, or squared with squared.",
+    ),
+    Mistake(
+        "x and y are compared each by itself: that is a square, not a circle.",
+        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, :2]).max(axis=1), distance),
+        "Combine x and y to one distance first: np.hypot(x, y).",
+    ),
+    Mistake(
+        "x and y are compared each by itself, and with their signs: everything behind us on the "
+        "right counts as near.",
+        lambda right, cloud, distance: _at_most(cloud, cloud[:, :2].max(axis=1), distance),
+        "Combine x and y to one distance first: np.hypot(x, y).",
+    ),
+    Mistake(
+        "x and y are added up as lengths, |x| + |y|: it takes squares and a root.",
+        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, :2]).sum(axis=1), distance),
+        "Square x and y, add, take the root: np.hypot(x, y).",
+    ),
+    Mistake(
+        "Only x is compared, with its sign: everything behind us stays.",
+        lambda right, cloud, distance: _at_most(cloud, cloud[:, 0], distance),
+        "Combine x and y to one distance first: np.hypot(x, y).",
+    ),
+    Mistake(
+        "Only x is compared: everything beside us stays, however far.",
+        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, 0]), distance),
+        "Combine x and y to one distance first: np.hypot(x, y).",
+    ),
+    Mistake(
+        "A fixed distance of 10 m decides, whatever `distance` is.",
+        lambda right, cloud, distance: _at_most(cloud, _length(cloud), 10.0),
+        "Compare with `distance`.",
+    ),
+    Mistake(
+        "There is one distance for the whole cloud: an axis=1 is missing.",
+        lambda right, cloud, distance: cloud[None][: int(np.linalg.norm(cloud[:, :2]) < distance)],
+        "np.linalg.norm(..., axis=1) gives one number for each row.",
+    ),
+    Mistake(
+        "What is returned are the distances that are left; it should be the rows.",
+        lambda right, cloud, distance: _length(right),
+        "Index the whole cloud with the mask: cloud[mask].",
+    ),
+    Mistake(
+        "Far rows are set to 0. They should not be there at all.",
+        lambda right, cloud, distance: cloud * (_length(cloud) < distance)[:, None],
+        "Index with the mask: cloud[mask] holds only the rows where it is True.",
+    ),
+    Mistake(
+        "Nothing is removed: the cloud comes back as it went in.",
+        lambda right, cloud, distance: cloud,
+    ),
+    cases=(
+        (
+            np.array(
+                [
+                    [12.0, 3.0, 0.1, 0.1],
+                    [1.0, 1.5, 0.5, 0.1],
+                    [2.0, 2.1, 0.3, 0.2],
+                    [2.8, 2.6, 0.2, 0.1],
+                    [-1.1, -2.0, 2.5, 0.1],
+                    [1.5, 1.0, 0.2, 9.0],
+                    [-7.0, 1.0, 0.1, 0.1],
+                    [0.8, 0.9, 0.1, 0.1],
+                    [1.0, -6.0, 0.1, 0.3],
+                ]
+            ),
+            3.0,
+        ),
+        (
+            np.array(
+                [
+                    [4.0, 4.5, 0.2, 0.3],
+                    [3.0, 3.5, 0.3, 0.2],
+                    [-30.0, -2.0, 0.1, 0.2],
+                    [1.0, 3.0, -4.5, 0.1],
+                    [2.0, -1.2, 0.1, 7.0],
+                    [1.0, 1.2, 0.1, 0.4],
+                    [2.0, -13.0, 0.4, 0.2],
+                    [26.0, 2.0, 0.1, 0.1],
+                    [-3.0, 40.0, 0.2, 0.6],
+                ]
+            ),
+            5.0,
+        ),
+        (np.array([[3.0, 2.0, 0.1, 0.1], [-2.0, 5.0, 11.0, 0.1], [1.0, 2.0, 0.1, 14.0]]), 12.0),
+    ),
+    right=lambda cloud, distance: _at_most(cloud, _length(cloud), distance),
+)
+
+
+def _depth(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
+    """How far each coordinate lies inside a box, (n, 3); outside it is negative."""
+    middle, half = np.add(minimum, maximum) / 2, np.subtract(maximum, minimum) / 2
+    return half - np.abs(cloud[:, :3] - middle)
+
+
+def _cropped(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
+    return _at_most(cloud, -_depth(cloud, minimum, maximum).min(axis=1), 0)
+
+
+def _freed(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
+    return cloud[_depth(cloud, minimum, maximum).min(axis=1) < 0]
+
+
+# Inside; outside in one, in two, in three coordinates, on either side; on a face.
+_BOXES = tuple(
+    (frozen(cloud), minimum, maximum)
+    for cloud, minimum, maximum in (
+        (
+            [
+                [2.0, 1.0, 0.5, 0.5],
+                [9.0, 1.0, 0.5, 0.1],
+                [2.0, -7.0, 0.5, 0.2],
+                [2.0, 1.0, 5.0, 0.3],
+                [0.5, 0.5, -0.7, 0.4],
+                [-8.0, -9.0, 0.0, 0.6],
+                [9.0, 8.0, 7.0, 0.7],
+                [-5.0, -6.0, -7.0, 0.8],
+                [-9.0, 0.5, 8.0, 0.2],
+                [3.0, -1.0, 0.5, 0.9],
+            ],
+            (-1.0, -2.0, -0.5),
+            (4.0, 2.0, 1.5),
+        ),
+        (
+            [
+                [0.5, 6.0, -0.5, 0.5],
+                [0.0, 5.0, 3.0, 0.1],
+                [9.0, 5.5, -0.5, 0.2],
+                [40.0, -9.0, 0.2, 0.2],
+                [-14.0, -8.0, -4.0, 0.3],
+                [0.5, 6.5, -6.0, 0.2],
+                [0.5, -1.0, -0.6, 0.4],
+                [35.0, 9.5, 4.0, 0.7],
+            ],
+            (-2.5, 4.0, -1.5),
+            (1.5, 7.0, 0.5),
+        ),
+        (
+            [
+                [1.0, 2.0, 3.5, 0.3],
+                [3.0, 2.5, 3.5, 0.1],
+                [2.0, 4.0, 3.5, 0.1],
+                [2.0, 2.5, 3.0, 0.5],
+                [2.0, 3.0, 3.5, 0.2],
+                [0.0, 9.0, 8.0, 0.2],
+                [0.5, 1.0, 2.0, 0.6],
+            ],
+            (1.0, 2.0, 3.0),
+            (3.0, 4.0, 5.0),
+        ),
+        (
+            [
+                [4.0, 2.0, 1.0, 0.3],
+                [2.0, 2.0, 1.0, 0.1],
+                [2.0, 1.0, 0.0, 0.2],
+            ],
+            (0.0, 0.0, 0.0),
+            (4.0, 4.0, 4.0),
+        ),
+    )
+)
+
+mistakes(
+    "crop_region",
+    Mistake(
+        "It is the other way round: what is inside goes, and what is outside stays.",
+        lambda right, *case: _freed(*case),
+        "Index with the mask of the rows inside, without ~.",
+    ),
+    Mistake(
+        "One coordinate inside the box is enough here; all three have to be.",
+        lambda right, *case: case[0][_depth(*case).max(axis=1) >= 0],
+        ".all(axis=1), not .any(axis=1).",
+    ),
+    Mistake(
+        "Only x and y are compared; z has to be inside, too.",
+        lambda right, *case: case[0][_depth(*case)[:, :2].min(axis=1) >= 0],
+        "Compare all three coordinates: cloud[:, :3].",
+    ),
+    Mistake(
+        "Only minimum is compared; what lies beyond maximum stays.",
+        lambda right, cloud, low, high: _cropped(cloud, low, np.full(3, 1e3)),
+        "Join both comparisons with &.",
+    ),
+    Mistake(
+        "Only maximum is compared; what lies before minimum stays.",
+        lambda right, cloud, low, high: _cropped(cloud, np.full(3, -1e3), high),
+        "Join both comparisons with &.",
+    ),
+    Mistake(
+        "Points on the faces go; they belong to the box.",
+        lambda right, *case: case[0][_depth(*case).min(axis=1) > 0],
+        "Use >= and <=, not > and <.",
+    ),
+    Mistake(
+        "The lesson's own region decides, whatever minimum and maximum are.",
+        lambda right, cloud, low, high: _cropped(cloud, _MINIMUM, _MAXIMUM),
+        "Compare with minimum and maximum, by their names.",
+    ),
+    Mistake(
+        "Points outside are moved to the border. They should not be there at all.",
+        lambda right, cloud, low, high: np.column_stack(
+            [np.clip(cloud[:, :3], low, high), cloud[:, 3:]]
+        ),
+        "Index with a mask: cloud[mask] holds only the rows where it is True.",
+    ),
+    Mistake(
+        "Nothing is removed: the cloud comes back as it went in.",
+        lambda right, cloud, low, high: cloud,
+    ),
+    cases=_BOXES,
+    right=_cropped,
+)
+
+mistakes(
+    "remove_ego_returns",
+    Mistake(
+        "It is the other way round: what is inside stays, and what is outside goes.",
+        lambda right, *case: _cropped(*case),
+        "Index with ~inside.",
+    ),
+    Mistake(
+        "Only what is outside in x and in y and in z stays; one of them is enough.",
+        lambda right, *case: case[0][_depth(*case).max(axis=1) < 0],
+        "Join the comparisons that say outside with .any(axis=1); or invert at the very end, "
+        "~inside.",
+    ),
+    Mistake(
+        "Only x and y are compared; what is above or below the box is no part of it.",
+        lambda right, *case: case[0][_depth(*case)[:, :2].min(axis=1) < 0],
+        "Compare all three coordinates: cloud[:, :3].",
+    ),
+    Mistake(
+        "Points on the faces stay; they belong to the box.",
+        lambda right, *case: case[0][_depth(*case).min(axis=1) <= 0],
+        "Inside is >= minimum and <= maximum; outside is < or >.",
+    ),
+    Mistake(
+        "The lesson's own box decides, whatever minimum and maximum are.",
+        lambda right, cloud, low, high: _freed(cloud, *_EGO),
+        "Compare with minimum and maximum, by their names.",
+    ),
+    Mistake(
+        "Returns of our own car are set to 0. They should not be there at all.",
+        lambda right, *case: case[0] * (_depth(*case).min(axis=1, keepdims=True) < 0),
+        "Index with a mask: cloud[mask] holds only the rows where it is True.",
+    ),
+    Mistake(
+        "Nothing is removed: the cloud comes back as it went in.",
+        lambda right, cloud, low, high: cloud,
+    ),
+    cases=_BOXES,
+    right=_freed,
+)

@@ -99,6 +99,22 @@ def point_text(point: ArrayLike) -> str:
     return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
 
 
+def points_text(points: np.ndarray) -> str:
+    """Some points as text, (x, y, z), (x, y, z), with as few digits as they need.
+
+    Parameters
+    ----------
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+        A fourth column is left out.
+
+    Returns
+    -------
+    str
+    """
+    rounded = (np.round(np.asarray(points, dtype=float)[:, :3], 2) + 0.0).tolist()
+    return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
+
+
 def as_array(
     answer: object,
     columns: int | None = None,
@@ -252,6 +268,123 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
         **sides,
         draw=lambda: utils.plots.difference(cloud, mine, keep, view=view),
     )
+
+
+def assert_places(
+    answer: object,
+    cloud: np.ndarray,
+    keep: np.ndarray,
+    view: str = "side",
+    given: str | None = None,
+    show: Callable[[np.ndarray], str] | None = None,
+) -> None:
+    """The answer holds the places of ``cloud[keep]``; in which order, and what else, is not asked.
+
+    Parameters
+    ----------
+    answer : object
+        Rows of three columns or of as many as the cloud has.
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    keep : numpy.ndarray of bool, shape (n,)
+        The rows that a right answer keeps.
+    view : {"side", "above"}
+        Where the picture looks from.
+    given : str, optional
+        What the function was given, for the message.
+    show : callable, optional
+        Takes some places, shape (m, 3); returns them as a short text. By default their number.
+    """
+    yours, places = _places(answer, cloud), cloud[:, :3]
+    expected = places[keep]
+    if len(yours) == len(expected) and _close(yours, expected):
+        return
+    mine = _membership(places, yours) if len(yours) <= len(cloud) else None
+    if mine is not None and len(yours) == len(expected) and np.array_equal(mine, keep):
+        return
+    try:
+        assert_rows(yours, places, keep, view)
+    except CheckFailed as failure:
+        if show and len(yours) <= len(cloud):
+            failure.yours, failure.expected = show(yours), show(expected)
+        failure.given = given
+        raise
+
+
+def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
+    """The rows of ``cloud[keep]`` come in the order that they had.
+
+    Parameters
+    ----------
+    answer, cloud, keep : object
+        As in `assert_places`.
+    """
+    with needs("the right points are left"):
+        assert_places(answer, cloud, keep)
+    yours, expected = _places(answer, cloud), cloud[keep, :3]
+    if not _close(yours, expected):
+        place = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
+        raise CheckFailed(
+            "These are the right rows in another order.",
+            yours=f"row {place} is {point_text(yours[place])}",
+            expected=f"row {place} is {point_text(expected[place])}",
+        )
+
+
+def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
+    """The rows of ``cloud[keep]`` are whole: each has its intensity, too.
+
+    Parameters
+    ----------
+    answer, cloud, keep : object
+        As in `assert_places`.
+    """
+    with needs("the right points are left"):
+        assert_places(answer, cloud, keep)
+    yours, columns = as_array(answer), cloud.shape[1]
+    if yours.ndim != 2 or yours.shape[1] != columns:
+        raise CheckFailed(
+            "What is left does not have the columns of the cloud.",
+            yours=f"shape {yours.shape}",
+            expected=f"shape {cloud[keep].shape}",
+        )
+    if _membership(cloud, yours) is None:
+        raise CheckFailed(
+            "The places are right, the other columns are not those of their rows.",
+            yours=brief(yours),
+            expected=brief(cloud[keep]),
+        )
+
+
+def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None:
+    """The answer is a table without rows, which has its columns all the same.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+        What the function was given.
+    columns : int
+        Of an answer that has rows: whether these are all of them is another property.
+    """
+    what = "an array without rows"
+    yours = as_array(answer, what=what)
+    if yours.ndim != 2 or yours.shape[1] != columns:
+        yours = as_array(answer, columns=cloud.shape[1], what=what)
+    if len(yours):
+        raise CheckFailed(
+            "Nothing should be left here.",
+            yours=f"{len(yours)} row{'s' if len(yours) != 1 else ''}",
+            expected="0 rows",
+        )
+
+
+def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
+    """x, y and z of an answer that holds rows of a cloud; the other columns may be gone."""
+    what = "an array of rows of the cloud"
+    yours = as_array(answer, what=what)
+    if yours.ndim == 2 and yours.shape[1] == 3:
+        return yours
+    return as_array(answer, columns=cloud.shape[1], what=what)[:, :3]
 
 
 def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
