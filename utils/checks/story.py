@@ -66,7 +66,8 @@ class Story:
     def in_one_line(self) -> str:
         """For where there is no table, as in `nbgrader validate`."""
         if self.not_started:
-            return f"{self.first.failure.stub} is not started."
+            failure = self.first.failure
+            return f"{failure.stub} is not started." if failure.own else failure.message
         failed = 1 + len(self.same) + len(self.others)
         count = failed + len(self.passed) + len(self.waiting)
         which = "" if failed == 1 else ", the first of them"
