@@ -93,6 +93,9 @@ class Verdict:
         content = dataclasses.asdict(self)
         for private in ("key", "faults", "starved"):
             del content[private]
+        for exercise in content["exercises"]:
+            # A summary for reports: the messages of the tests say it all.
+            del exercise["cause"], exercise["first"]
         return content
 
     def believed(self) -> Verdict:
