@@ -89,7 +89,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 
 # %% wrong: the ends are forgotten
 # loses only: one_is_enough, none_is_enough
-# says: Look at w = 1 before you take logarithms
+# says: no negative number has one
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):

@@ -304,7 +304,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: draws with replacement
 # loses only: draws_three_rows, test_three_points
-# says: never draws a row twice
+# says: with replacement a row comes up twice
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -599,7 +599,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: four columns in the sample
 # loses only: searches_without_intensity, test_streets, test_forms
-# says: Use points[:, :3]
+# says: np.cross takes x, y, z
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -626,7 +626,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: fails for few points
 # loses only: gives_up_politely, test_few_points
-# says: Ask for len(points) < 3
+# says: look at len(points) first
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)

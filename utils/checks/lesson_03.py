@@ -1003,9 +1003,11 @@ def _draw(
 def assert_works(ransac_plane: Callable) -> None:
     """A plane is found among outliers; where not, most properties cannot be looked at."""
     with needs("the plane is found among the outliers"):
-        points, belongs = scattered_plane(1, 60, 30, noise=0.02)
-        answer = ransac_plane(points.copy(), 150, 0.2, np.random.default_rng(1))
-        assert_finds(answer, points, 0.2, belongs)
+        for seed in (1, 2, 3):
+            points, belongs = scattered_plane(seed, 60, 30, noise=0.02)
+            # One sample in four is good: 0.77^100 < 1e-11.
+            answer = ransac_plane(points.copy(), 100, 0.2, np.random.default_rng(seed))
+            assert_finds(answer, points, 0.2, belongs)
 
 
 def assert_runs(ransac_plane: Callable) -> None:
