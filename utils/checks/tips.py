@@ -130,6 +130,13 @@ _TIPS = (
         "",
         "This is a list, not an array: wrap it in np.array(...).",
     ),
+    (
+        "TypeError",
+        r"'[<>]=?' not supported between instances of ('list'|'tuple') and|"
+        r"'[<>]=?' not supported between instances of '\w+' and ('list'|'tuple')",
+        "",
+        "A list is not compared number by number, as an array is: wrap it in np.array(...).",
+    ),
     ("TypeError", r"'float' object cannot be interpreted as an integer", "", _WHOLE),
     ("TypeError", r"only integer|integer scalar arrays|slice indices must be", "", _WHOLE),
     ("IndexError", r"only integers|of integer \(or boolean\) type", "", _WHOLE),
@@ -238,6 +245,32 @@ _TIPS = (
         r"'int' object has no attribute '(choice|integers|permutation|random|shuffle)'",
         "",
         "rng may be a whole number: begin with rng = np.random.default_rng(rng).",
+    ),
+    (
+        "ValueError",
+        r"larger sample than population|a (must be a positive integer|cannot be empty) unless",
+        "",
+        "More rows are to be drawn here than there are: look at len(points) first.",
+    ),
+    (
+        "ValueError",
+        r"incompatible dimensions for cross product|must be \(arrays of\) 3-dimensional",
+        "",
+        "np.cross takes x, y, z and nothing more: leave out the intensity, with [:, :3] of a "
+        "cloud or [:3] of a point.",
+    ),
+    (
+        "ValueError",
+        r"math domain error|expected a positive input",
+        r"\blog",
+        "0 has no logarithm, and no negative number has one: look at that case first.",
+    ),
+    (
+        "ZeroDivisionError",
+        r"",
+        r"\blog",
+        "The logarithm of 1 is 0, by which nobody can divide: look at that case first. (1 minus "
+        "something tiny is 1, too.)",
     ),
     ("SystemExit", r"", "", "Leave out exit() and quit(): they end the whole notebook."),
     (
