@@ -209,17 +209,19 @@ def assert_through(answer: object, triangle: np.ndarray) -> None:
         )
 
 
-def assert_no_plane(answer: object, line: np.ndarray) -> None:
+def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
     """The answer to three points on one line is None.
 
     Parameters
     ----------
     answer : object
     line : numpy.ndarray, shape (3, 3)
+    nearly : str
+        How far they lie beside it, for the message.
     """
     if answer is not None:
         raise CheckFailed(
-            "These three points lie on one line: infinitely many planes go through them.",
+            f"These three points lie on one line{nearly}: infinitely many planes go through them.",
             given=_three(line),
             yours=brief(as_array(answer, what="None, or four numbers")),
             expected="None",
@@ -250,7 +252,9 @@ def _beside(plane: np.ndarray, expected: np.ndarray) -> str:
 
 
 def _text(plane: np.ndarray | None) -> str:
-    return "None" if plane is None else brief(np.round(plane, 3) + 0.0)
+    if plane is None:
+        return "None"
+    return f"[{', '.join(f'{value:.6g}' for value in np.round(plane, 3) + 0.0)}]"
 
 
 @visible(
@@ -320,7 +324,8 @@ def sees_through_rounding(plane_through: Callable) -> None:
         assert_no_plane(plane_through(*_LINES[0].copy()), _LINES[0])
     start, step = np.array([0.1, 0.2, 0.3]), np.array([0.7, 0.1, -0.3])
     line = np.array([start, start + 0.1 * step, start + 0.7 * step])
-    assert_no_plane(plane_through(*line.copy()), line)
+    nearly = ", but for the last digit of a float"
+    assert_no_plane(plane_through(*line.copy()), line, nearly)
 
 
 @visible(
@@ -819,12 +824,14 @@ def _pair(answer: object) -> Sequence:
     return answer
 
 
-def model_of(answer: object) -> np.ndarray:
+def model_of(answer: object, given: str | None = None) -> np.ndarray:
     """The model of an answer where there is one to find; the mask is not looked at.
 
     Parameters
     ----------
     answer : object
+    given : str, optional
+        What the function was given, for the message.
 
     Returns
     -------
@@ -835,6 +842,7 @@ def model_of(answer: object) -> np.ndarray:
     if model is None:
         raise CheckFailed(
             "There is a plane, and none was found: the model is None.",
+            given=given,
             yours="None",
             expected="four numbers (a, b, c, d)",
         )
@@ -880,6 +888,7 @@ def assert_finds(
     distance_tolerance: float,
     belongs: np.ndarray,
     share: float = 0.9,
+    given: str | None = None,
 ) -> None:
     """At least a share of the points that belong lie near the model; the mask is not looked at.
 
@@ -890,14 +899,18 @@ def assert_finds(
     distance_tolerance : float
     belongs : numpy.ndarray of bool, shape (n,)
     share : float
+    given : str, optional
+        What the function was given, for the message.
     """
-    plane = model_of(answer)
+    plane = model_of(answer, given)
     near = gaps_from(points, plane) <= distance_tolerance
     found, whole = np.count_nonzero(near & belongs), np.count_nonzero(belongs)
     if found < share * whole:
+        share_of_all = f"{whole} of the" if whole < len(points) else "all"
         raise CheckFailed(
-            f"A plane with many more points near it exists: {whole} of the {len(points)} points "
-            "lie on it.",
+            "A plane with many more points near it exists: "
+            f"{share_of_all} {len(points)} points lie on it.",
+            given=given,
             yours=f"{np.count_nonzero(near)} points within {distance_tolerance:g} m",
             expected=f"about {whole}",
             draw=lambda: _draw(
@@ -1004,9 +1017,9 @@ def assert_works(ransac_plane: Callable) -> None:
     """A plane is found among outliers; where not, most properties cannot be looked at."""
     with needs("the plane is found among the outliers"):
         for seed in (1, 2, 3):
-            points, belongs = scattered_plane(seed, 60, 30, noise=0.02)
-            # One sample in four is good: 0.77^100 < 1e-11.
-            answer = ransac_plane(points.copy(), 100, 0.2, np.random.default_rng(seed))
+            points, belongs = scattered_plane(seed, 60, 20, noise=0.02)
+            # One sample in three is good: 0.67^60 < 1e-10.
+            answer = ransac_plane(points.copy(), 60, 0.2, np.random.default_rng(seed))
             assert_finds(answer, points, 0.2, belongs)
 
 
@@ -1022,7 +1035,7 @@ def _assert_masks_belong(ransac_plane: Callable) -> None:
     for seed in range(4):
         points, _ = scattered_plane(10 + seed, 50, 20, noise=0.1)
         rng = np.random.default_rng(seed)
-        for iterations in (12, 60):
+        for iterations in (12, 30):
             assert_mask_belongs(ransac_plane(points.copy(), iterations, 0.2, rng), points)
 
 
@@ -1094,7 +1107,7 @@ def follows_the_tolerance(ransac_plane: Callable) -> None:
         _assert_masks_belong(ransac_plane)
     points, _ = scattered_plane(21, 90, 0, noise=0.2)
     for tolerance in (0.05, 0.12, 0.35):
-        answer = ransac_plane(points.copy(), 60, tolerance, np.random.default_rng(5))
+        answer = ransac_plane(points.copy(), 30, tolerance, np.random.default_rng(5))
         assert_mask_follows(answer, points, tolerance)
 
 
@@ -1124,7 +1137,7 @@ def tries_enough(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
     points, belongs = scattered_plane(31, 20, 40)
     rng = np.random.default_rng(6)
-    assert_finds(ransac_plane(points.copy(), 900, 0.2, rng), points, 0.2, belongs)
+    assert_finds(ransac_plane(points.copy(), 800, 0.2, rng), points, 0.2, belongs)
 
 
 @visible(
@@ -1161,13 +1174,15 @@ def tries_no_more(ransac_plane: Callable) -> None:
     "round, or the loop may never end.",
 )
 def survives_degenerate_samples(ransac_plane: Callable) -> None:
-    for seed in range(5):
-        for points, belongs in (
-            ring_on_a_ramp(np.random.default_rng(seed)),
-            _crowd_on_a_plane(40 + seed),
+    for seed in range(4):
+        ramp, crowd = ring_on_a_ramp(np.random.default_rng(seed)), _crowd_on_a_plane(40 + seed)
+        for (points, belongs), given in (
+            (ramp, "48 points of one plane, 40 of them on one line"),
+            (crowd, "40 points of one plane, 20 of them at one and the same place"),
         ):
-            answer = ransac_plane(points.copy(), 60, 0.2, np.random.default_rng(seed))
-            assert_finds(answer, points, 0.2, belongs)
+            # Four samples in ten are good: 0.58^40 < 1e-9.
+            answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
+            assert_finds(answer, points, 0.2, belongs, given=given)
 
 
 @visible(
@@ -1329,6 +1344,7 @@ def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
     "and leaves a generator as it is.",
 )
 def takes_a_seed(ransac_plane: Callable) -> None:
+    assert_works(ransac_plane)
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(70 + seed, 60, 30)
         assert_finds(ransac_plane(points.copy(), 150, 0.2, seed), points, 0.2, belongs)
@@ -1478,6 +1494,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
 def fits_a_wall(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
     for plane in ((0.6, 0.8, 0.0, -4.0), (1.0, 0.0, 0.0, 7.0)):
         points, _ = scattered_plane(3, 60, 0, plane=plane, noise=0.03)
         assert_direction(fit_plane(points.copy()), points)
@@ -1491,6 +1508,7 @@ def fits_a_wall(fit_plane: Callable) -> None:
     hint="Subtract the mean first, and put it back into d.",
 )
 def fits_far_away(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
     points, _ = scattered_plane(4, 60, 0, plane=(0.0, 0.28, 0.96, 55.0), noise=0.02)
     points += [70.0, 0.0, 0.0]
     assert_direction(fit_plane(points.copy()), points)
@@ -1504,6 +1522,7 @@ def fits_far_away(fit_plane: Callable) -> None:
     hint="points[:, :3] before anything else.",
 )
 def fits_without_intensity(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
     points, _ = scattered_plane(5, 60, 0, noise=0.05, columns=4)
     for scale in (1.0, 1e-5):  # once it spreads most of all, once least
         cloud = points * [1, 1, 1, scale]
