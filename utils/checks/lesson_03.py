@@ -1003,13 +1003,27 @@ def _draw(
     tolerance: float | None,
     expected: np.ndarray | None = None,
 ) -> Axes:
-    """Draw points and a plane from the side, and the right plane dashed beside it."""
-    axes = utils.plots.plane_model(points, plane, inliers, tolerance, title="yours")
-    if expected is not None and abs(expected[2]) > 0.2:
-        ends = np.array(axes.get_xlim())
-        heights = -(expected[0] * ends + expected[3]) / expected[2]
-        axes.plot(ends, heights, color="black", linestyle="--", scalex=False, scaley=False)
-        axes.text(ends[0], heights[0], " expected", va="bottom")
+    """Draw points so that a plane is seen edge on, as a line; the right one too, and level."""
+    plane = _unit(plane)
+    level = plane if expected is None else expected
+    level = level * (1 if level[2] >= 0 else -1)
+    plane = plane * (1 if plane[:3] @ level[:3] >= 0 else -1)
+    # The direction in which the plane rises above the level one, or any where it does not.
+    along = plane[:3] - plane[:3] @ level[:3] * level[:3]
+    if np.linalg.norm(along) < 1e-6:
+        along = np.linalg.svd(level[None, :3])[2][1]
+    along /= np.linalg.norm(along)
+    turn = np.column_stack([along, np.cross(level[:3], along), level[:3]])
+    seen = np.append(plane[:3] @ turn, plane[3])
+    turned = points[:, :3] @ turn
+    heights = [*turned[:, 2], -level[3], *([-plane[3] / seen[2]] if seen[2] > 0.5 else [])]
+    limits = [(min(row) - 0.3, max(row) + 0.3) for row in (turned[:, 0], heights)]
+    axes = utils.plots.plane_model(turned, seen, inliers, tolerance, title="yours", limits=limits)
+    axes.set_xlabel("along the plane (m)")
+    axes.set_ylabel("across it (m)")
+    if expected is not None:
+        axes.axhline(-level[3], color="black", linestyle="--")
+        axes.text(axes.get_xlim()[0], -level[3], " expected", va="bottom")
     return axes
 
 

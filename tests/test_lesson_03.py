@@ -1,10 +1,19 @@
-"""Whoever calls a wrong exercise is judged again with a right one, and told which is at fault."""
+"""Lesson 03: a right loop that calls a wrong exercise, and the pictures of planes."""
 
+import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
+from utils.checks import CheckFailed
+from utils.checks.lesson_03 import (
+    assert_finds,
+    assert_mask_belongs,
+    assert_through_the_mean,
+    scattered_plane,
+)
 
 RANSAC_PLANE = """\
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
@@ -70,3 +79,23 @@ def test_a_wrong_loop_stays_wrong_with_right_helpers(sandbox, tmp_path):
     assert 0.8 * ransac.max_score < ransac.score < ransac.max_score
     assert "plane_through, which ransac_plane calls, is wrong" in ransac.cause
     assert "go on with the next sample" in ransac.cause
+
+
+@pytest.mark.parametrize(
+    "plane", [(0.0, 0.6, 0.8, 1.7), (0.6, 0.8, 0.0, -4.0), (0.0, 0.0, 1.0, 2.0)]
+)
+@pytest.mark.parametrize("yours", [(0, 0, 1, 5.0), (1, 0, 0, 0.0), (0, -1, 0, 3.0)])
+def test_planes_are_drawn_edge_on(plane, yours):
+    points, belongs = scattered_plane(1, 40, 20, plane=plane)
+    mask = np.arange(60) < 20
+    for compare in (
+        lambda: assert_finds((yours, mask), points, 0.1, belongs),
+        lambda: assert_mask_belongs((yours, mask), points),
+        lambda: assert_through_the_mean(yours, points),
+    ):
+        with pytest.raises(CheckFailed) as caught:
+            compare()
+        axes = caught.value.draw()
+        assert axes.get_xlabel() == "along the plane (m)"
+        assert not any("face on" in text.get_text() for text in axes.texts)
+        plt.close("all")
