@@ -125,11 +125,10 @@ def _score(verdict: Verdict | None) -> str:
 
 def _first_fault(verdicts: Iterable[Verdict]) -> str:
     faults = [
-        test.message.splitlines()[0]
+        exercise.cause.splitlines()[0]
         for verdict in verdicts
         for exercise in verdict.exercises
-        for test in exercise.tests
-        if not test.passed
+        if exercise.cause
     ]
     problems = [
         sentence

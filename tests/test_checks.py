@@ -12,7 +12,7 @@ import pytest
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
 from grader.judging.asking import run_tests
-from grader.judging.messages import messages_of, story_of
+from grader.judging.messages import text_of, told
 from utils.checks import CheckFailed, check, checks_of
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import as_html
@@ -126,6 +126,12 @@ def test_rows_in_any_form_are_accepted(answer):
 def test_wrong_rows_are_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
         assert_rows(answer, CLOUD, KEEP)
+
+
+def test_one_row_is_no_rows():
+    with pytest.raises(CheckFailed) as caught:
+        assert_rows(CLOUD[:2], CLOUD, np.array([True, False, False]))
+    assert (caught.value.yours, caught.value.expected) == ("2 rows", "1 row")
 
 
 def test_empty_rows():
@@ -246,6 +252,9 @@ def deep(number):
 def test_a_tip_may_depend_on_the_line():
     words = "only length-1 arrays can be converted to Python scalars"
     assert "np.sqrt" in tip_for("TypeError", words, "`return math.sqrt(x)`")
+    call = "line_through() missing 1 required positional argument: 'q'"
+    assert "first line" in tip_for("TypeError", call)
+    assert "one value" in tip_for("TypeError", call, "`line = line_through(points[chosen])`")
     truth = "The truth value of an array with more than one element is ambiguous. Use a.any()"
     assert "parentheses of its own" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")
@@ -479,4 +488,4 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
         if not one.mark["visible"]:
             assert isinstance(one.error, CheckFailed), (one.name, one.error)
             assert SECRET not in one.error.message
-            assert SECRET not in "".join(messages_of(story_of([one])).values())
+            assert SECRET not in text_of(told(one))

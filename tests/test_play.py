@@ -82,7 +82,7 @@ def test_a_notebook_is_the_detector(notebook, capsys):
     notebook.detect_obstacles = lambda cloud: seen.append(len(cloud)) or np.empty((0, 8, 3))
     arguments = ["highway", "--frames", "2", "--detector", "mine.ipynb", "--record", "film.gif"]
     assert play.main([*arguments, *SMALL]) == 0
-    assert len(seen) == 2
+    assert len(seen) == 3, "the first frame twice: loading libraries is not detecting"
     assert "0 boxes per frame; detection took" in capsys.readouterr().out
 
 
@@ -91,6 +91,46 @@ def test_a_notebook_without_detector_is_told_what_it_has(notebook, capsys):
     assert play.main(["highway", "--detector", "06_filter_ground.ipynb"]) == 2
     written = capsys.readouterr().out
     assert "no function detect_obstacles(cloud)" in written and "filter_ground" in written
+
+
+def test_the_detector_takes_settings(notebook, capsys):
+    seen = []
+
+    def detect_obstacles(cloud, threshold=0.5, minimum=(0, 0, 0)):
+        seen.append((threshold, minimum))
+        return []
+
+    notebook.detect_obstacles = detect_obstacles
+    arguments = ["highway", "--frames", "1", "--detector", "mine.ipynb", "--record", "film.png"]
+    settings = ["--set", "threshold=0.7", "minimum=(-1.5, 2, 3)"]
+    assert play.main([*arguments, *settings, *SMALL]) == 0
+    assert set(seen) == {(0.7, (-1.5, 2, 3))}
+    assert play.main([*arguments, "--set", "tolerance=1"]) == 2
+    assert "no parameter tolerance. It has threshold, minimum." in capsys.readouterr().out
+    for wrong in ("threshold", "threshold=", "1=2", "threshold=open('x')"):
+        with pytest.raises(SystemExit):
+            play.main([*arguments, "--set", wrong])
+
+
+def test_a_stub_is_no_detector(notebook, capsys):
+    def detect_obstacles(cloud):
+        raise NotImplementedError
+
+    detect_obstacles.is_stub = True
+    notebook.detect_obstacles = detect_obstacles
+    assert play.main(["highway", "--detector", "12.ipynb"]) == 2
+    assert "is not written yet" in capsys.readouterr().out
+
+
+def test_boxes_carry_the_names_that_matching_gives(notebook):
+    frames = [np.full((4, 4), float(number)) for number in range(3)]
+    boxes = [np.zeros((2, 8, 3)), np.zeros((1, 8, 3)), np.zeros((2, 8, 3))]
+    partners = iter([[-1, -1], [1], [-1, 0]])
+    notebook.detect_obstacles = lambda cloud: boxes[int(cloud[0, 0])]
+    notebook.match_boxes = lambda previous, current, limit: next(partners)
+    detect, match = play.load_detector("mine.ipynb")
+    sights = list(play.watch(frames, detect, match))
+    assert [sight.names for sight in sights] == [(0, 1), (1,), (2, 1)]
 
 
 def test_what_is_not_there_is_told_in_a_sentence(capsys):

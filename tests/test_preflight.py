@@ -13,7 +13,7 @@ from nbconvert.exporters import HTMLExporter
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.intake.handed_in import HandedIn
-from grader.intake.preflight import prepare, unreadable
+from grader.intake.preflight import prepare, prepare_to_show
 from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
 from tests.students import answers_in
@@ -282,9 +282,9 @@ def test_and_the_judge_agrees(name, sandbox):
 )
 def test_what_cannot_be_read_is_shown_as_released(change, says):
     handed_in = HandedIn("06_filter_ground.ipynb", changed(change))
-    with pytest.raises(UnreadableNotebook, match=says) as caught:
+    with pytest.raises(UnreadableNotebook, match=says):
         prepare(handed_in, LESSON)
-    made = build_copy(unreadable(caught.value, LESSON))
+    made = build_copy(prepare_to_show(handed_in, LESSON))
     nbformat.validate(made)
     assert len(graded_cells(made)) == 4
 

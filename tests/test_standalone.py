@@ -63,6 +63,14 @@ def test_the_same_bytes_again(written, tmp_path):
         assert path.read_bytes() == (written / path.name).read_bytes()
 
 
+def test_each_has_the_checks_of_its_lesson_and_the_rules(written):
+    for path in written.iterdir():
+        names = unpacked(path.read_bytes())
+        mine = [name for name in names if name.startswith("utils/checks/lesson_")]
+        assert mine == [f"utils/checks/lesson_{path.name[:2]}.py"]
+        assert "utils/checks/forbidden.json" in names
+
+
 def test_nothing_of_the_grader_and_no_solution_inside(written):
     found = unpacked((written / "06_filter_ground.ipynb").read_bytes())
     assert found["utils/__init__.py"] == (PROJECT / "utils" / "__init__.py").read_bytes()
@@ -94,7 +102,7 @@ def run_python(folder, program):
 
 
 def test_the_setup_cell_needs_nothing_and_makes_the_same_cloud(tmp_path):
-    done = run_setup(tmp_path, standalone.setup_cell())
+    done = run_setup(tmp_path, standalone.setup_cell(LESSON.name))
     assert done.returncode == 0, done.stderr
     said, folder, place, digest = done.stdout.strip().splitlines()
     assert said.startswith("Ready: ") and "Everything this notebook needs is here." in said
@@ -104,7 +112,7 @@ def test_the_setup_cell_needs_nothing_and_makes_the_same_cloud(tmp_path):
 
 
 def test_a_damaged_cell_says_so(tmp_path):
-    cell = standalone.setup_cell()
+    cell = standalone.setup_cell(LESSON.name)
     place = cell.index('packed = "') + 5000
     other = "0" if cell[place] != "0" else "1"
     done = run_setup(tmp_path, cell[:place] + other + cell[place + 1 :])
@@ -135,7 +143,7 @@ def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
     here.mkdir()
     notebook = standalone.standalone(LESSON.solved.read_bytes())
     (here / "06_filter_ground.ipynb").write_bytes(notebook)
-    program = standalone.setup_cell() + (
+    program = standalone.setup_cell(LESSON.name) + (
         "\nfrom utils import load_my_functions"
         "\nprint(load_my_functions('06_filter_ground.ipynb').filter_ground.__name__)"
         "\ntry: load_my_functions('07_filter_by_distance.ipynb')"

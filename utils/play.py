@@ -2,6 +2,7 @@
 
     python -m utils.play city
     python -m utils.play cyclist --detector notebooks/stage4_realtime/12_streaming_obstacles.ipynb
+    python -m utils.play highway --detector 12_streaming_obstacles.ipynb --set ground_level=-2.2
     python -m utils.play highway --camera TopDown --show lidar_rays --record highway.gif
     python -m utils.play city --frames 1 --record city.png
     python -m utils.play my_recording.bag
@@ -12,6 +13,9 @@ Without a detector the true boxes of simulated streams are shown, and none for r
 from __future__ import annotations
 
 import argparse
+import ast
+import functools
+import inspect
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -20,6 +24,7 @@ from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
 from utils.films.filming import SIZE, Sight, record, scene_of, watch
+from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
 
@@ -50,7 +55,9 @@ class Programme:
         scene.add_rays(sight.cloud)
         if self.on_highway:
             scene.add_road(HIGHWAY_SENSOR).add_ego_car(*HIGHWAY_EGO)
-            scene.add_cars([box.corners for box in sight.true_boxes if box.kind == "car"])
+            cars = [box.corners for box in sight.true_boxes if box.kind == "car"]
+            # Blue ones would hide the boxes that were found.
+            scene.add_cars(cars, colour=BLUE if sight.found is None else PALE)
         else:
             scene.add_ego_car()
         return scene.switch(**dict(self.switches))
@@ -110,13 +117,21 @@ def _recorded(name: str, topic: str | None) -> Sequence:
     return read_sequence(path)
 
 
-def load_detector(notebook: str) -> Callable:
-    """The function `detect_obstacles` of a notebook.
+def load_detector(
+    notebook: str, settings: dict[str, object] | None = None
+) -> tuple[Callable, Callable | None]:
+    """The functions `detect_obstacles` and, where it is written, `match_boxes` of a notebook.
+
+    Parameters
+    ----------
+    notebook : str
+    settings : dict, optional
+        Parameters of `detect_obstacles` other than the cloud.
 
     Raises
     ------
     ValueError
-        The notebook has no such function; the message names those that it has.
+        The notebook has no such function, or only its stub, or it has not these parameters.
     """
     from utils.notebooks.my_functions import load_my_functions
 
@@ -127,11 +142,30 @@ def load_detector(notebook: str) -> Callable:
             f"{Path(notebook).name} has no function {DETECTOR}(cloud), which a detector is. "
             f"Lesson 12 is where it is written. The functions in it are: {names}."
         )
-    return getattr(functions, DETECTOR)
+    detect, match = getattr(functions, DETECTOR), getattr(functions, "match_boxes", None)
+    if getattr(detect, "is_stub", False):
+        raise ValueError(
+            f"{DETECTOR} in {Path(notebook).name} is not written yet. Write it and save the "
+            "notebook; or leave out --detector to see the true boxes."
+        )
+    parameters = inspect.signature(detect).parameters.values()
+    known = [one.name for one in parameters][1:]
+    unknown = [name for name in settings or {} if name not in known]
+    if unknown and not any(one.kind is one.VAR_KEYWORD for one in parameters):
+        raise ValueError(
+            f"{DETECTOR} has no parameter {unknown[0]}. "
+            + (f"It has {', '.join(known)}." if known else "It has none but the cloud.")
+        )
+    match = None if getattr(match, "is_stub", False) else match
+    return functools.partial(detect, **(settings or {})), match
 
 
 def play(
-    programme: Programme, detect: Callable | None, camera: str, size: tuple[int, int] = SIZE
+    programme: Programme,
+    detect: Callable | None,
+    camera: str,
+    size: tuple[int, int] = SIZE,
+    match: Callable | None = None,
 ) -> None:
     """Play in a window, at the speed of the recording where the machine keeps up."""
     from utils.scene3d.with_pyvista import Window
@@ -139,7 +173,7 @@ def play(
     window = Window(size, CAMERAS[camera])
     print("F1 to F4: cameras · space: halt · q: leave")
     start, halted_for = time.monotonic(), 0.0
-    for sight in watch(programme.frames, detect):
+    for sight in watch(programme.frames, detect, match):
         if not window.open:
             break
         window.put(programme.compose(sight))
@@ -166,7 +200,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> None:
-    detect = load_detector(options.detector) if options.detector else None
+    detect = match = None
+    if options.detector:
+        detect, match = load_detector(options.detector, dict(options.set))
     programme = open_programme(
         options.what, frames=options.frames, seed=options.seed, topic=options.topic
     )
@@ -183,7 +219,7 @@ def _run(options: argparse.Namespace) -> None:
             "Give your notebook: --detector 12_streaming_obstacles.ipynb"
         )
     if options.record is None and has_screen():
-        play(programme, detect, options.camera, options.size)
+        play(programme, detect, options.camera, options.size, match)
         return
     path = options.record or Path(f"{Path(options.what).stem}.mp4")
     if options.record is None:
@@ -192,6 +228,7 @@ def _run(options: argparse.Namespace) -> None:
         programme.frames,
         path,
         detect,
+        match=match,
         camera=options.camera,
         compose=programme.compose,
         size=options.size,
@@ -212,6 +249,14 @@ def _parser() -> argparse.ArgumentParser:
         "a .bag, .db3 or .mcap recording, or one cloud",
     )
     parser.add_argument("--detector", metavar="NOTEBOOK", help=f"notebook with {DETECTOR}(cloud)")
+    parser.add_argument(
+        "--set",
+        nargs="+",
+        default=[],
+        type=_setting,
+        metavar="NAME=VALUE",
+        help="parameters of the detector, such as threshold=0.7",
+    )
     parser.add_argument("--record", type=Path, metavar="FILE", help="write a .mp4, .gif or .png")
     parser.add_argument(
         "--camera",
@@ -241,6 +286,16 @@ def _camera_name(text: str) -> str:
         if name.lower() == text.lower():
             return name
     raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(CAMERAS)}")
+
+
+def _setting(text: str) -> tuple[str, object]:
+    name, equals, value = text.partition("=")
+    try:
+        if equals and name.isidentifier():
+            return name, ast.literal_eval(value)
+    except (ValueError, SyntaxError):
+        pass
+    raise argparse.ArgumentTypeError(f"{text!r} is not a setting such as threshold=0.7")
 
 
 def _count(text: str) -> int:

@@ -39,7 +39,7 @@ class LessonSummary:
 
 @dataclass(frozen=True)
 class CheckSummary:
-    """How a class did in one check."""
+    """How many students met their first failure of an exercise in one check."""
 
     lesson: str
     exercise: str
@@ -138,15 +138,19 @@ def summarise_lesson(lesson: Lesson, verdicts: Sequence[Verdict]) -> LessonSumma
 
 
 def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSummary]:
-    """`CheckSummary` of the checks that most students failed, hardest first."""
-    tried, failed = Counter(), Counter()
+    """`CheckSummary` of the checks at which most students stopped, hardest first.
+
+    Each student counts once for each exercise, with what failed first: what else failed may have
+    the same cause. Who wrote nothing stopped at no check.
+    """
+    tried, stopped = Counter(), Counter()
     for verdict in verdicts:
         for exercise in verdict.exercises:
-            for test in exercise.tests:
-                check = (verdict.lesson, exercise.name, test.title, test.visible)
-                tried[check] += 1
-                failed[check] += not test.passed
-    found = [CheckSummary(*check, failed[check], tried[check]) for check in tried if failed[check]]
+            tried[verdict.lesson, exercise.name] += 1
+            first = next((test for test in exercise.tests if test.title == exercise.first), None)
+            if first:
+                stopped[verdict.lesson, exercise.name, first.title, first.visible] += 1
+    found = [CheckSummary(*check, count, tried[check[:2]]) for check, count in stopped.items()]
     return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
 
 
@@ -155,9 +159,8 @@ def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[st
     students = {}
     for verdict in verdicts:
         for exercise in verdict.exercises:
-            for test in exercise.tests:
-                if test.message:
-                    mistake = (exercise.name, without_numbers(test.message.splitlines()[0]))
-                    students.setdefault(mistake, set()).add(verdict.student)
+            if exercise.cause:
+                mistake = (exercise.name, without_numbers(exercise.cause.splitlines()[0]))
+                students.setdefault(mistake, set()).add(verdict.student)
     found = [(*mistake, len(names)) for mistake, names in students.items()]
     return sorted(found, key=lambda mistake: -mistake[2])[:most]

@@ -79,22 +79,23 @@ def standalone(notebook: bytes) -> bytes:
         The same for the same course.
     """
     content = json.loads(notebook)
+    about = content["metadata"]["lidar_obstacle_lab"]
     for cell in content["cells"]:
         tags = COMMON_CELLS.keys() & set(cell["metadata"].get("tags", ()))
         if "setup" in tags:
-            cell["source"] = setup_cell().splitlines(keepends=True)
+            cell["source"] = setup_cell(about["lesson"]).splitlines(keepends=True)
             # Folded in JupyterLab, a form in Colab.
             cell["metadata"] |= {"cellView": "form", "jupyter": {"source_hidden": True}}
         elif "badge" in tags:
             cell["source"] = [ABOUT]
-    content["metadata"]["lidar_obstacle_lab"]["standalone"] = True
+    about["standalone"] = True
     return (json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
 
 
 @functools.cache
-def setup_cell() -> str:
-    """Source of the cell that unpacks the tools."""
-    data = packed_tools()
+def setup_cell(lesson: str) -> str:
+    """Source of the cell that unpacks the tools, in the notebook of a lesson."""
+    data = packed_tools(lesson)
     return (
         SETUP_CELL.read_text("utf-8")
         .strip()
@@ -103,12 +104,14 @@ def setup_cell() -> str:
     )
 
 
-def packed_tools() -> bytes:
-    """``utils``, compressed; the same bytes for the same files."""
+def packed_tools(lesson: str) -> bytes:
+    """``utils``, with the checks of one lesson, compressed; the same bytes for the same files."""
+    others = [f"lesson_{one.number}.py" for one in all_lessons() if one.name != lesson]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):
-            if path.suffix not in (".py", ".html") or not path.is_file():
+            wanted = path.suffix in (".py", ".html", ".json") and path.name not in others
+            if not wanted or not path.is_file():
                 continue
             entry = tarfile.TarInfo(path.relative_to(PROJECT).as_posix())
             content = path.read_bytes()

@@ -111,10 +111,13 @@ def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     )
 
 
-def unreadable(error: UnreadableNotebook, lesson: Lesson) -> Prepared:
-    """What is shown for a file in which nothing could be read."""
-    answers = {name: Answer("") for name in _by_hand(lesson)}
-    return Prepared(lesson, (), {}, answers, (str(error),))
+def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
+    """The same as `prepare`; of a file in which nothing can be read, a notebook without answers."""
+    try:
+        return prepare(handed_in, lesson)
+    except UnreadableNotebook as error:
+        answers = {name: Answer("") for name in _by_hand(lesson)}
+        return Prepared(lesson, (), {}, answers, (str(error),))
 
 
 def _reading(draft: _Draft) -> Iterator[str]:
@@ -151,12 +154,12 @@ def _stubs_behind(draft: _Draft) -> Iterator[str]:
             for place in (place for place in places if place > answers[-1]):
                 draft.cells[place] = Cell("code", "# Left out: the cell as it was given out.")
             yield (
-                f"Below your {name} stands the cell as it was given out, which puts nothing in "
-                f"its place. Your {name} was judged, and that cell left out. Delete it."
+                f"Below your {name} stands the cell as it was given out, which undoes it when the "
+                f"notebook runs. Your {name} was judged, and that cell left out. Delete it."
             )
 
 
-def _graded_cells(draft: _Draft) -> Iterable[str]:
+def _graded_cells(draft: _Draft) -> Iterator[str]:
     """Which cell stands for each graded one: copied, moved, split, or without its metadata."""
     for name in _functions(draft.lesson):
         marked = [

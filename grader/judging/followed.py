@@ -1,7 +1,8 @@
 """An exercise that calls a wrong one is judged a second time, with a right one in its place.
 
 Its own work still earns points. That second time it has a process of its own, in which nothing
-else is asked: what is right in there is no answer to any question.
+else is asked: what is right in there is no answer to any question. And nothing that is said
+there is told, so that nobody reads in the feedback what the right one looks like.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ def follow_through(
         return better
     statements, _ = slicing.parse_notebook(program.cells)
     for exercise in lesson.machine_graded:
-        helpers = _helpers(exercise, lost, statements) if exercise.name in lost else ()
+        helpers = _helpers(lesson, exercise, lost, statements) if exercise.name in lost else ()
         if not helpers:
             continue
         with Student(_with_right(lesson, program, exercise, helpers), sandbox, limits) as student:
@@ -82,11 +83,16 @@ def follow_through(
 
 
 def _helpers(
-    exercise: Exercise, lost: set[str], statements: list[slicing.Statement]
+    lesson: Lesson, exercise: Exercise, lost: set[str], statements: list[slicing.Statement]
 ) -> tuple[str, ...]:
-    """The exercises among those that lost points which another one calls."""
+    """The exercises which another one calls, of those that lost points and come before it.
+
+    What comes after it may be made of it, and a right one might tell it the answer.
+    """
+    names = [one.name for one in lesson.machine_graded]
+    earlier = names[: names.index(exercise.name)]
     bound = set().union(*(one.binds for one in slicing.slice_for((exercise.name,), statements)))
-    return tuple(sorted(bound & lost - {exercise.name}))
+    return tuple(name for name in earlier if name in bound & lost)
 
 
 def _with_right(

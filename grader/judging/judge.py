@@ -13,13 +13,14 @@ from grader.intake.preflight import prepare
 from grader.judging.asking import JudgeFault, JudgeTimeout, Outcome, run_tests
 from grader.judging.followed import Followed, follow_through, points_of
 from grader.judging.key import verdict_key
-from grader.judging.messages import messages_of, story_of, text_of
+from grader.judging.messages import messages_of, text_of, told
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, TestResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.student import Student, StudentError, StudentStopped
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake, diagnose
+from utils.checks.story import resolve
 from utils.notebooks.reading import UnreadableNotebook
 
 # What a wrong answer makes a test raise; anything else may be a fault of the test.
@@ -117,6 +118,7 @@ def judge_handed_in(
         for exercise in lesson.machine_graded
     )
     if outcomes is not None:
+        problems += [one.sentence for one in followed.values()]
         lost = [result.name for result in exercises if result.score < result.max_score]
         problems += [versions[name] for name in lost if name in versions]
     return Verdict(
@@ -200,17 +202,20 @@ def _score(
     if followed:
         mine, said = followed.outcomes, [followed.sentence]
     whole = sum(one.mark["weight"] for one in mine)
-    story = story_of(mine, claim)
+    stories = [told(one, open_to_all=followed is None) for one in mine]
+    story = resolve(stories, claim=claim)
     messages = messages_of(story)
     tests = tuple(
-        _result(one, exercise.points * one.mark["weight"] / whole, messages) for one in mine
+        _result(one, exercise.points * one.mark["weight"] / whole, messages.get(said_of, ""))
+        for one, said_of in zip(mine, stories, strict=True)
     )
     score = points_of(exercise, mine)
     said += [text_of(story.first, claim)] if story.first else []
-    return ExerciseResult(exercise.name, score, exercise.points, tests, "\n".join(said))
+    first = story.first.check.title if story.first and not story.not_started else ""
+    return ExerciseResult(exercise.name, score, exercise.points, tests, "\n".join(said), first)
 
 
-def _result(outcome: Outcome, points: float, messages: dict[str, str]) -> TestResult:
+def _result(outcome: Outcome, points: float, message: str) -> TestResult:
     passed, points = outcome.error is None, round(points, 2)
     return TestResult(
         outcome.name,
@@ -218,6 +223,6 @@ def _result(outcome: Outcome, points: float, messages: dict[str, str]) -> TestRe
         passed,
         points if passed else 0.0,
         points,
-        "" if passed else messages[outcome.mark["title"]],
+        message,
         outcome.mark["visible"],
     )

@@ -14,40 +14,34 @@ from utils.checks.core import Check
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
 from utils.checks.story import Outcome as Told
-from utils.checks.story import Story, hint_for, resolve
+from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
 
 
-def story_of(outcomes: list[Outcome], claim: Mistake | None = None) -> Story:
-    """The story of one exercise; see `utils.checks.story`.
+def told(outcome: Outcome, open_to_all: bool = True) -> Told:
+    """A test's outcome, as one tells that of a check.
 
     Parameters
     ----------
-    outcomes : list of Outcome
-        Those of the exercise, the visible ones first.
-    claim : utils.checks.diagnosis.Mistake, optional
-        What explains the answers.
+    outcome : Outcome
+    open_to_all : bool
+        False where the student's code had company that no word may be told of: then visible
+        tests are told like hidden ones.
     """
-    return resolve([told(one) for one in outcomes], claim=claim)
-
-
-def told(outcome: Outcome) -> Told:
-    """A test's outcome, as one tells that of a check."""
     mark = outcome.mark
     check = Check(mark["exercise"], mark["title"], "", mark["hint"], mark["weight"], print)
-    return Told(check, outcome.error and failure_of(outcome))
+    return Told(check, outcome.error and failure_of(outcome, open_to_all and mark["visible"]))
 
 
-def messages_of(story: Story) -> dict[str, str]:
-    """What to tell about each failed test, by title; one cause is told once."""
+def messages_of(story: Story) -> dict[Told, str]:
+    """What to tell about each failed test; one cause is told once."""
     if story.first is None:
         return {}
-    title = story.first.check.title
-    same = f"For the same reason as “{title}”."
+    same = f"For the same reason as “{story.first.check.title}”."
     return {
-        title: text_of(story.first, story.claim),
-        **{one.check.title: same for one in story.same},
-        **{one.check.title: text_of(one) for one in (*story.others, *story.waiting)},
+        story.first: text_of(story.first, story.claim),
+        **dict.fromkeys(story.same, same),
+        **{one: text_of(one) for one in (*story.others, *story.waiting)},
     }
 
 
@@ -55,8 +49,8 @@ def text_of(outcome: Told, claim: Mistake | None = None) -> str:
     """What to tell about a failure, line by line."""
     failure, hint = outcome.failure, hint_for(outcome, claim)
     lines = [
-        failure.message,
         claim.says if claim else "",
+        failure.message,
         failure.tip,
         _side_by_side(failure),
         hint and f"Hint: {hint}",
@@ -64,10 +58,9 @@ def text_of(outcome: Told, claim: Mistake | None = None) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def failure_of(outcome: Outcome) -> CheckFailed:
+def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     """Why a test failed, in words that may be told."""
-    error, visible = outcome.error, outcome.mark["visible"]
-    exercise = outcome.mark["exercise"]
+    error, exercise = outcome.error, outcome.mark["exercise"]
     if isinstance(error, StudentStopped):
         return Stopped(str(error))
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":

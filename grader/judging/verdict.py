@@ -40,6 +40,8 @@ class ExerciseResult:
     tests : tuple of TestResult
     cause : str
         What to mend first, line by line; empty where nothing failed.
+    first : str
+        Title of the check that this is about; empty where none failed or nothing was written.
     """
 
     name: str
@@ -47,6 +49,7 @@ class ExerciseResult:
     max_score: float
     tests: tuple
     cause: str = ""
+    first: str = ""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from pathlib import Path
 
 from nbformat import NotebookNode
 from nbgrader.api import Grade
@@ -59,5 +60,5 @@ def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
     grade.auto_score = auto_score
 
 
-def _path(course: Course, student: str, stage: str) -> object:
+def _path(course: Course, student: str, stage: str) -> Path:
     return course.verdicts / student / stage / ".answers"

@@ -34,7 +34,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.intake.notebook import read_file
-from grader.intake.preflight import prepare, unreadable
+from grader.intake.preflight import prepare_to_show
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import build_copy, graded_cells, write_into
@@ -284,12 +284,7 @@ def _enter_one(course: Course, book: Gradebook, entry: Entry, late: AssignLatePe
 
 
 def _copy_of(course: Course, submission: Submission, verdict: Verdict) -> nbformat.NotebookNode:
-    handed_in = submission.read(course)
-    try:
-        prepared = prepare(handed_in, submission.lesson)
-    except UnreadableNotebook as error:
-        prepared = unreadable(error, submission.lesson)
-    copy = build_copy(prepared)
+    copy = build_copy(prepare_to_show(submission.read(course), submission.lesson))
     write_into(copy, verdict)
     return copy
 

@@ -19,12 +19,11 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.handed_in import read_handed_in
-from grader.intake.preflight import prepare, unreadable
+from grader.intake.preflight import prepare_to_show
 from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import build_copy, write_into
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
-from utils.notebooks.reading import UnreadableNotebook
 
 
 class Judge(NbGraderPreprocessor):
@@ -109,9 +108,6 @@ class CopyExporter(NotebookExporter):
         """Convert a notebook file; see nbconvert."""
         path = Path(filename)
         lesson = find_lesson(path.stem)
-        try:
-            prepared = prepare(read_handed_in(path), lesson)
-        except UnreadableNotebook as error:
-            prepared = unreadable(error, lesson)
+        prepared = prepare_to_show(read_handed_in(path), lesson)
         resources = {"metadata": {"name": path.stem, "path": str(path.parent)}, **(resources or {})}
         return self.from_notebook_node(build_copy(prepared), resources=resources, **options)

@@ -8,9 +8,7 @@ that a function does to its arguments reaches our objects; `RemoteFunction.obser
 from __future__ import annotations
 
 import builtins
-import contextlib
 import select
-import subprocess
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -321,11 +319,10 @@ class Student:
     def _stop(self, sentence: str | None) -> NoReturn:
         """Kill the worker, remember why, and say so."""
         worker, self._worker = self._worker, None
+        by_itself = sentence is None and worker.has_ended(2)  # it may live on, pipe closed
+        code = worker.stop()
         if sentence is None:
-            with contextlib.suppress(subprocess.TimeoutExpired):  # it may live on, pipe closed
-                worker.process.wait(timeout=2)
-            sentence = _why_it_ended(worker.process.poll())
-        worker.stop()
+            sentence = _why_it_ended(code if by_itself else None)
         self._stops.setdefault(self.exercise, []).append(sentence)
         raise StudentStopped(sentence) from None
 

@@ -39,17 +39,29 @@ class Worker:
     read_end: int
     write_end: int
     _stopped: threading.Event = field(default_factory=threading.Event)
+    _signals: threading.Lock = field(default_factory=threading.Lock)
 
     def stop(self) -> int:
         """Kill the worker and all it started; return its exit code."""
         self._stopped.set()
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.process.pid, signal.SIGKILL)
-        code = self.process.wait()
+        # Nobody else waits for the process, so until here its number belongs to no other.
+        with self._signals:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.process.pid, signal.SIGKILL)
+            code = self.process.wait()
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
         return code
+
+    def has_ended(self, seconds: float) -> bool:
+        """Whether it ends by itself within some seconds; its exit code is kept for `stop`."""
+        deadline = time.monotonic() + seconds
+        while not os.waitid(os.P_PID, self.process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG):
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.01)
+        return True
 
     def cpu_seconds(self) -> float:
         """Processor time that it and all it started have had."""
@@ -65,7 +77,9 @@ class Worker:
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
                 most = limit if memory_left() > LEAST_MEMORY_LEFT else MODEST_MEMORY
                 if memory_of_tree(self.process.pid) > most:
-                    self.process.kill()
+                    with self._signals:
+                        if not self._stopped.is_set():
+                            os.kill(self.process.pid, signal.SIGKILL)
                     return
 
         threading.Thread(target=watch, daemon=True).start()
@@ -114,7 +128,7 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
         wire.send(our_write, rules, deadline)
         wire.receive(our_read, deadline)
     except (wire.WireClosed, wire.WireTimeout):
-        process.kill()
+        os.kill(process.pid, signal.SIGKILL)
         complaint = process.stderr.read().decode(errors="replace").strip()[-500:]
         worker.stop()
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None

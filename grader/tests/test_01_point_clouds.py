@@ -6,7 +6,7 @@ import numpy as np
 
 from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
-from utils.checks.lesson_01 import assert_distances
+from utils.checks.lesson_01 import assert_distances, assert_measures, assert_works
 from utils.checks.vocabulary import assert_rows
 
 
@@ -71,16 +71,29 @@ def test_distances_when_turned(student, seed):
 
 @hidden(
     "horizontal_distance",
-    weight=2,
-    title="Right for single precision, few points and any layout in memory",
+    weight=1,
+    title="Right for three columns, and for few points",
     hint="Whole columns serve every case: no special case is needed.",
 )
-def test_distances_of_small_and_single(student, seed):
+def test_distances_of_three_columns(student, seed):
+    assert_measures(student.horizontal_distance)
+    cloud = samples.patch_of_course_cloud(seed, 200)[:, :3]
+    assert_measured(student, cloud)
+    assert_measured(student, cloud[:2])
+    assert_measured(student, cloud[:1])
+
+
+@hidden(
+    "horizontal_distance",
+    weight=1,
+    title="Right for single precision and any layout in memory",
+    hint="Whole columns serve every case: no special case is needed.",
+)
+def test_distances_in_single_precision(student, seed):
+    assert_measures(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)
     assert_measured(student, cloud.astype(np.float32))
-    assert_measured(student, np.asfortranarray(cloud[:, :3]))
-    assert_measured(student, cloud[:2])
-    assert_measured(student, cloud[:1, :3])
+    assert_measured(student, np.asfortranarray(cloud))
     assert_measured(student, np.repeat(cloud[:3], 3, axis=0))
 
 
@@ -99,19 +112,22 @@ def assert_cleaned(student, cloud):
     assert_rows(answer, cloud, kept_by_hand(cloud), view="above")
 
 
+def whole(cloud):
+    """A copy without what is tested by itself: lost returns, and points with a 0 in them."""
+    xyz = cloud[:, :3]
+    return cloud[(xyz != 0).all(axis=1) & (np.abs(xyz.sum(axis=1)) > 1e-6)]
+
+
 def broken(cloud, seed, share=0.2):
-    """A copy in which some returns are lost, in every way in which they get lost."""
+    """A copy in which some returns are lost, as (0, 0, 0, 0) or with one or three NaN."""
     rng = np.random.default_rng(seed)
-    cloud = cloud.copy()
+    cloud = whole(cloud)
+    kind = rng.integers(0, 3, len(cloud))
     bad = rng.random(len(cloud)) < share
-    kind = rng.integers(0, 4, len(cloud))
-    cloud[bad & (kind == 0), :3] = 0.0
+    cloud[bad & (kind == 0)] = 0.0
     cloud[bad & (kind == 1), :3] = np.nan
-    for row in np.flatnonzero(bad & (kind >= 2)):
-        cloud[row, rng.integers(0, 3)] = rng.choice([np.nan, np.inf, -np.inf])
-    # Good ones that look bad at first sight.
-    for row in np.flatnonzero(~bad & (rng.random(len(cloud)) < 0.2)):
-        cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
+    rows = np.flatnonzero(bad & (kind == 2))
+    cloud[rows, rng.integers(0, 3, len(rows))] = np.nan
     return cloud
 
 
@@ -122,13 +138,15 @@ def broken(cloud, seed, share=0.2):
     hint="Break the scan as the notebook does: is the tall bar at 0 m gone?",
 )
 def test_course_cloud_cleaned(student, seed):
-    assert_cleaned(student, samples.course_cloud())
-    assert_cleaned(student, broken(samples.patch_of_course_cloud(seed, 3000), seed))
+    assert_works(student.drop_invalid)
+    patch = samples.patch_of_course_cloud(seed, 3000)
+    assert_cleaned(student, whole(patch))
+    assert_cleaned(student, broken(patch, seed))
 
 
 @hidden(
     "drop_invalid",
-    weight=3,
+    weight=2,
     title="Right on a street you have not seen",
     hint="Nothing about one particular cloud may stand in the function.",
 )
@@ -139,27 +157,81 @@ def test_fresh_street_cleaned(student, seed):
 @hidden(
     "drop_invalid",
     weight=1,
+    title="Returns at (0, 0, 0) go with any intensity",
+    hint="Compare the three coordinates with 0, not the whole row.",
+)
+def test_bright_returns_go(student, seed):
+    assert_works(student.drop_invalid)
+    cloud = whole(samples.patch_of_course_cloud(seed, 400))
+    cloud[::7, :3] = 0.0
+    cloud[::7, 3] = np.random.default_rng(seed).uniform(0.1, 1, len(cloud[::7]))
+    assert_cleaned(student, cloud)
+
+
+@hidden(
+    "drop_invalid",
+    weight=2,
+    title="Infinite coordinates go, of either sign",
+    hint="np.isfinite is False for NaN and for both infinities.",
+)
+def test_infinite_returns_go(student, seed):
+    assert_works(student.drop_invalid)
+    rng = np.random.default_rng(seed)
+    cloud = whole(samples.patch_of_course_cloud(seed, 400))
+    for row in range(0, len(cloud), 6):
+        cloud[row, rng.integers(0, 3)] = rng.choice([np.inf, -np.inf])
+    assert_cleaned(student, cloud)
+
+
+@hidden(
+    "drop_invalid",
+    weight=1,
+    title="Good points with a 0 among their coordinates stay",
+    hint="One coordinate of 0 is fine, and so are two.",
+)
+def test_points_with_a_zero_stay(student, seed):
+    assert_works(student.drop_invalid)
+    rng = np.random.default_rng(seed)
+    cloud = samples.patch_of_course_cloud(seed, 1000)
+    cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]  # none is near without two of them
+    for row in range(0, len(cloud), 3):
+        cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
+    assert_cleaned(student, cloud)
+
+
+@hidden(
+    "drop_invalid",
+    weight=1,
     title="Keeps points that are merely close to the sensor",
     hint="Only exactly (0, 0, 0) is a lost return. The nearest real point may be nearest of "
     "all for a good reason.",
 )
 def test_near_points_stay(student, seed):
+    assert_works(student.drop_invalid)
     near = np.random.default_rng(seed).normal(scale=0.05, size=(40, 4))
-    near[::8, :3] = 0.0
     assert_cleaned(student, near)
     assert_cleaned(student, near * [1, 1, 1, 0])
 
 
 @hidden(
     "drop_invalid",
-    weight=2,
-    title="Right for single precision, three columns and any order of points",
+    weight=1,
+    title="Right for three columns",
+    hint="cloud[:, :3] are the coordinates, whether or not a column follows.",
+)
+def test_three_columns_cleaned(student, seed):
+    assert_cleaned(student, broken(samples.patch_of_course_cloud(seed, 300), seed)[:, :3])
+
+
+@hidden(
+    "drop_invalid",
+    weight=1,
+    title="Right for single precision and any order of points",
     hint="All columns and the order of the rows stay.",
 )
-def test_columns_and_precision_cleaned(student, seed):
+def test_order_and_precision_cleaned(student, seed):
     cloud = broken(samples.patch_of_course_cloud(seed, 300), seed)
     assert_cleaned(student, cloud.astype(np.float32))
-    assert_cleaned(student, np.asfortranarray(cloud[:, :3]))
-    assert_cleaned(student, cloud[::-1])
+    assert_cleaned(student, np.asfortranarray(cloud[::-1]))
     # Twice the same good point is twice a point.
     assert_cleaned(student, np.repeat(cloud[:20], 2, axis=0))

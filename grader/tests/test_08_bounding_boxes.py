@@ -1,4 +1,8 @@
-"""Hidden tests of lesson 08. Titles and hints are shown to students; the code is not."""
+"""Hidden tests of lesson 08. Titles and hints are shown to students; the code is not.
+
+Each looks at one property. Where it is not the subject, no first point of a cluster is its
+smallest or largest, the labels rise from 1 without gaps, and there is neither noise nor intensity.
+"""
 
 import numpy as np
 import pytest
@@ -6,6 +10,7 @@ import pytest
 from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
 from utils.checks.boxes import as_cluster_boxes, assert_box_corners
+from utils.checks.lesson_08 import assert_works
 
 
 @visible_checks("get_bounding_boxes")
@@ -43,21 +48,36 @@ def assert_boxed(student, cloud, labels):
     )
 
 
+def middles_first(cloud, labels):
+    """A cloud that begins with a point in the middle of each cluster; labels from 1, no noise."""
+    cloud = cloud[labels > 0]
+    names, place = np.unique(labels[labels > 0], return_inverse=True)
+    middles = [cloud[place == row].mean(axis=0) for row in range(len(names))]
+    return np.vstack([middles, cloud]), np.concatenate([np.arange(len(names)), place]) + 1
+
+
 def course_clusters(seed):
-    """Thinned obstacles of the course's own scan and their labels, noise of label 0 among them."""
+    """Thinned obstacles of the course's own scan and their labels."""
     cloud = samples.patch_of_course_cloud(seed, 2500)
-    cloud = cloud[cloud[:, 2] > -1.1]
-    return cloud, without_small(samples.cluster_labels(cloud, 0.7), 4)
+    cloud = cloud[cloud[:, 2] > -1.1, :3]
+    return middles_first(cloud, without_small(samples.cluster_labels(cloud, 0.7), 4))
 
 
 def street_clusters(seed):
     """The same of a street that nobody has seen."""
-    cloud = samples.obstacles_of_street(seed, 1500)
-    return cloud, without_small(samples.cluster_labels(cloud, 0.8), 4)
+    cloud = samples.obstacles_of_street(seed, 1500)[:, :3]
+    return middles_first(cloud, without_small(samples.cluster_labels(cloud, 0.8), 4))
+
+
+def clusters_around_the_origin(rng, count=12, each=20):
+    """Clusters of which each has points on all sides of the origin."""
+    labels = np.repeat(np.arange(1, count + 1), each)
+    sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
+    return middles_first(rng.uniform(-1, 1, (len(labels), 3)) * sizes, labels)
 
 
 def without_small(labels, least):
-    """Labels of clusters with fewer points set to 0: the numbers get gaps."""
+    """Labels of clusters with fewer points set to 0."""
     return np.where(np.bincount(labels)[labels] < least, 0, labels)
 
 
@@ -83,19 +103,47 @@ def test_fresh_street(student, seed):
 
 @hidden(
     "get_bounding_boxes",
-    weight=3,
-    title="Right for any numbering, with large gaps",
+    weight=2,
+    title="Right for labels with large gaps",
     hint="np.unique(labels[labels > 0]) lists what occurs; rows of the answer follow it.",
 )
-def test_any_numbering(student, seed):
-    cloud, labels = street_clusters(seed)
-    names = np.random.default_rng(seed).permutation(np.arange(1, 900))[: labels.max()]
+def test_gaps(student, seed):
+    rng = np.random.default_rng(seed)
+    cloud, labels = clusters_around_the_origin(rng)
+    names = np.sort(rng.choice(np.arange(1, 900), labels.max(), replace=False))
     assert_boxed(student, cloud, np.concatenate([[0], names])[labels])
 
 
 @hidden(
     "get_bounding_boxes",
-    weight=3,
+    weight=2,
+    title="Right whichever label comes first in the cloud",
+    hint="The boxes go by the labels, from the smallest up, not by where they first occur.",
+)
+def test_order_of_labels(student, seed):
+    rng = np.random.default_rng(seed)
+    cloud, labels = clusters_around_the_origin(rng)
+    assert_boxed(student, cloud, np.concatenate([[0], rng.permutation(labels.max()) + 1])[labels])
+
+
+@hidden(
+    "get_bounding_boxes",
+    weight=2,
+    title="Right when noise is plenty, whatever it holds",
+    hint="Only rows of a label above 0 count; what the others hold must not matter.",
+)
+def test_noise(student, seed):
+    rng = np.random.default_rng(seed)
+    cloud, labels = clusters_around_the_origin(rng)
+    stray = rng.uniform(-40, 40, (60, 3))
+    stray[::9] = np.nan
+    cloud = np.vstack([stray[:30], cloud, stray[30:]])
+    assert_boxed(student, cloud, np.pad(labels, 30))
+
+
+@hidden(
+    "get_bounding_boxes",
+    weight=2,
     title="Right for points in any order",
     hint="A point can be the smallest so far and the largest so far at once: the first one "
     "is. elif asks only one of the two questions.",
@@ -103,7 +151,7 @@ def test_any_numbering(student, seed):
 @pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
 def test_any_order_of_points(student, seed, step):
     cloud, labels = street_clusters(seed)
-    order = np.lexsort([labels, cloud.sum(axis=1)])[::step]
+    order = np.lexsort([step * cloud.sum(axis=1), labels])
     assert_boxed(student, cloud[order], labels[order])
 
 
@@ -118,7 +166,7 @@ def test_any_order_of_points(student, seed, step):
 def test_anywhere(student, seed, corner):
     rng = np.random.default_rng(seed)
     cloud = rng.uniform(5, 9, (60, 3)) * corner
-    assert_boxed(student, cloud, rng.integers(0, 4, 60))
+    assert_boxed(student, *middles_first(cloud, rng.integers(1, 4, 60)))
 
 
 @hidden(
@@ -129,39 +177,56 @@ def test_anywhere(student, seed, corner):
 )
 def test_few_points(student, seed):
     rng = np.random.default_rng(seed)
-    place = rng.uniform(-9, 9, (1, 4))
-    pair = rng.uniform(-9, 9, (2, 4))
-    line = place + np.outer(np.linspace(0, 3, 7), [1.0, -0.5, 0.2, 0.0])
+    place = rng.uniform(-9, 9, (1, 3))
+    pair = rng.uniform(-9, 9, (2, 3))
+    line = place + np.outer(np.linspace(0, 3, 7), [1.0, -0.5, 0.2])
     cloud = np.vstack([place, pair, np.repeat(place, 5, axis=0), line])
-    labels = np.repeat([5, 2, 9, 4], [1, 2, 5, 7])
-    assert_boxed(student, cloud, labels)
-    assert_boxed(student, place, np.array([3]))
+    assert_boxed(student, cloud, np.repeat([1, 2, 3, 4], [1, 2, 5, 7]))
+    assert_boxed(student, place, np.array([1]))
     assert_boxed(student, line, np.ones(7, dtype=int))
 
 
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right for single precision, and when labels or noise take unusual forms",
-    hint="Only rows of a label above 0 count; what the others hold must not matter.",
+    title="Right for clouds with intensity",
+    hint="Only the first three columns are coordinates.",
 )
-def test_forms(student, seed):
-    cloud, labels = street_clusters(seed)
-    assert_boxed(student, cloud.astype(np.float32), labels)
-    assert_boxed(student, np.asfortranarray(cloud[:, :3]), labels.astype(np.int32))
-    broken = np.vstack([[np.nan, 0.0, 0.0, 0.0], cloud, np.full(4, np.nan)])
-    assert_boxed(student, broken, np.concatenate([[0], labels, [0]]))
+def test_intensity(student, seed):
+    rng = np.random.default_rng(seed)
+    cloud, labels = clusters_around_the_origin(rng)
+    assert_boxed(student, np.column_stack([cloud, rng.uniform(-50, 50, len(cloud))]), labels)
 
 
 @hidden(
     "get_bounding_boxes",
     weight=1,
-    title="Right for hundreds of clusters, and for none",
+    title="Right for single precision, and for labels of other whole numbers",
+    hint="The same lines serve every kind of number.",
+)
+def test_forms(student, seed):
+    cloud, labels = clusters_around_the_origin(np.random.default_rng(seed))
+    assert_boxed(student, cloud.astype(np.float32), labels)
+    assert_boxed(student, np.asfortranarray(cloud), labels.astype(np.int32))
+
+
+@hidden(
+    "get_bounding_boxes",
+    weight=1,
+    title="Right for hundreds of clusters",
+    hint="No number of boxes may be written into the function.",
+)
+def test_many(student, seed):
+    assert_boxed(student, *clusters_around_the_origin(np.random.default_rng(seed), 300, 12))
+
+
+@hidden(
+    "get_bounding_boxes",
+    weight=1,
+    title="Right for no clusters",
     hint="No cluster gives an array of shape (0, 8, 3).",
 )
-def test_many_and_none(student, seed):
-    rng = np.random.default_rng(seed)
-    cloud = rng.uniform(-30, 30, (600, 4))
-    assert_boxed(student, cloud, rng.integers(0, 300, 600))
-    none = np.zeros(600, dtype=int)
+def test_none(student, seed):
+    assert_works(student.get_bounding_boxes)
+    cloud, none = np.random.default_rng(seed).uniform(-30, 30, (600, 3)), np.zeros(600, dtype=int)
     as_cluster_boxes(student.get_bounding_boxes(cloud.copy(), none.copy()), none)

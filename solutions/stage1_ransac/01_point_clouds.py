@@ -14,9 +14,9 @@
 # Both pictures show the same numbers. The upper one is how a scanner meets the street ahead: one row of echoes for each of its laser beams. The lower one is what it reports: a list of points in space, a *point cloud*. Every lesson of this course is about making sense of that list.
 #
 # **After this lesson you can**
-# - say how a laser scanner makes a point, and what each of its parameters buys,
+# - say how a laser scanner makes a point, and what you gain from each of its parameters,
 # - treat a hundred thousand points with one line of NumPy instead of a loop, and tell what that gains,
-# - throw out the returns that are no points at all.
+# - throw out the returns that are not points at all.
 #
 # **You write** `horizontal_distance` (5 points) and `drop_invalid` (5 points). **Time:** about 45 minutes. **You need** Python; a little NumPy helps, and what is used is explained.
 
@@ -49,7 +49,7 @@ print(f"echo from 30 m: after {2 * 30 / SPEED_OF_LIGHT * 1e9:.0f} nanoseconds")
 print(f"2 cm more:      {2 * 0.02 / SPEED_OF_LIGHT * 1e12:.0f} picoseconds later")
 
 # %% [markdown]
-# So a scanner does not have to wait: between two pulses a microsecond apart, light could fetch an echo from 150 m.
+# So waiting costs a scanner little: between two pulses a microsecond apart, light fetches an echo from up to 150 m.
 #
 # A range alone is not a point. But the scanner knows where it aimed: the *azimuth* $\alpha$ is the angle around the vertical, from straight ahead towards the left, and the *elevation* $\varepsilon$ is the angle above the horizon. Range and two angles make a point:
 #
@@ -307,13 +307,14 @@ axes = plots.curves({"flat road": (angles, 1.73 / np.tan(np.radians(angles)))},
                     across="angle below the horizon (degrees)", up="distance of the ring (m)",
                     title="Each beam draws a ring: theory, and your measurement")
 axes.set_ylim(0, 45)
-for ring in (5, 10, 20, 40):
-    higher = np.arctan(1.73 / ring) - np.radians(1 / 3)
-    print(f"a ring {ring:2d} m away; the beam a third of a degree higher draws its ring "
-          f"{1.73 / np.tan(higher) - ring:.2f} m farther out")
+places = 1.73 / np.tan(np.radians(np.sort(downwards[downwards > 1])[::-1]))  # near to far
+for place in (5, 10, 20, 40):
+    ring = np.abs(places - place).argmin()
+    print(f"a ring at {places[ring]:4.1f} m; the next beam draws its ring "
+          f"{places[ring + 1] - places[ring]:.2f} m farther out")
 
 # %% [markdown]
-# Near the car the rings fit the curve. Farther out those ahead come too early and those behind too late: the street climbs. And look at the gaps: twice as far away they are four times as wide. So points crowd near the car, and a pedestrian far away has a handful of them. Keep that in mind whenever a later lesson asks for "at least so many points".
+# Near the car the rings fit the curve. Farther out those ahead come too early and those behind too late: the street climbs. And look at the gaps: they grow faster than the distance, although the upper beams of this scanner, which reach far, stand closer together than the lower ones. So points crowd near the car, and a pedestrian far away has a handful of them. Keep that in mind whenever a later lesson asks for "at least so many points".
 #
 # ## Why no loop?
 #
@@ -394,7 +395,7 @@ print("no 0 in the row:   ", ~(table == 0).any(axis=1))
 
 # %% nbgrader={"grade": false, "grade_id": "drop_invalid", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def drop_invalid(cloud):
-    """Remove the returns that are no points.
+    """Remove the returns that are not points.
 
     Parameters
     ----------
@@ -484,7 +485,7 @@ for (name, values), axes in zip(wrong.items(), pair):
 # ## If you want more
 #
 # 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance.
-# 2. From which distance on can a pedestrian, 0.5 m wide and 1.7 m tall, get fewer than 10 returns from the 64-beam scanner (0.18° steps, beams a third of a degree apart)? Reckon first, then look into `cloud_truth.npz`.
+# 2. From which distance on can a pedestrian, 0.5 m wide and 1.7 m tall, get fewer than 10 returns from the 64-beam scanner (0.18° steps, beams a third of a degree apart)? Calculate first, then look into `cloud_truth.npz`.
 # 3. Write `with_a_loop` for `cloud.tolist()` instead of the array. Why is it faster than the loop over rows?
 #
 # ## Summary
@@ -492,7 +493,7 @@ for (name, values), axes in zip(wrong.items(), pair):
 # - A ray gives a range; range, azimuth and elevation give a point; a turn gives a list of points without order.
 # - Columns and masks treat all points at once: the same growth with n, a far smaller constant.
 # - Distance that matters for driving is horizontal: sqrt(x² + y²).
-# - Rows at (0, 0, 0) and rows with NaN are no points. Drop them first.
+# - Rows at (0, 0, 0) and rows with NaN are not points. Drop them first.
 #
 # **Sources.** How LiDARs work: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).
 #

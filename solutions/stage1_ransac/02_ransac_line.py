@@ -72,7 +72,7 @@ def small(axes):
 #
 # *Least squares listens to every point, and most to those that shout loudest.*
 #
-# The classic way takes the line for which the sum of the *squared* errors is smallest. NumPy has it as `np.polyfit`. We fit it once to all twenty points, and once to the ten that we know to be inliers, which is cheating: in a real scan nobody tells you. Dots take part in the fit, crosses do not.
+# The classic way takes the line for which the sum of the *squared* errors is smallest. NumPy has it as `np.polyfit` (and for new code recommends its twin in `numpy.polynomial`). We fit it once to all twenty points, and once to the ten that we know to be inliers, which is cheating: in a real scan nobody tells you. Dots take part in the fit, crosses do not.
 
 # %%
 figure, pair = plt.subplots(1, 2, figsize=(8.5, 3.8), layout="compressed")
@@ -262,7 +262,7 @@ check(point_line_distance)
 #
 # If one of the two is an outlier, the line runs through the crowd at random and few others agree. If both are inliers, the line runs along the wall and all the wall agrees. Inliers support each other; outliers have nothing in common. And an outlier that disagrees costs one vote, whether it is 3 m away or 300.
 #
-# Your two functions are all that it takes to watch. `<=` compares every distance with the tolerance and gives one True or False per point: a *mask*. Its sum counts the True. `points[chosen]` picks the rows whose numbers are in `chosen`; they have a ring around them. Dots agree with the line, crosses do not.
+# Your two functions are enough to watch it work. `<=` compares every distance with the tolerance and gives one True or False per point: a *mask*. Its sum counts the True. `points[chosen]` picks the rows whose numbers are in `chosen`; they have a ring around them. Dots agree with the line, crosses do not.
 
 # %%
 rng = np.random.default_rng(3)
@@ -379,7 +379,7 @@ check(ransac_line)
 #
 # *Too narrow a band loses the wall's own points; too wide a band lets every line win.*
 #
-# Change one slider at a time. How many rounds until the line stays the same for every seed? At which tolerance does it begin to wobble?
+# Change one slider at a time. With 10 rounds, then with 100: how many of ten seeds give a line that misses the wall? At which tolerance does the line begin to wobble?
 
 # %%
 @interact(rounds=IntSlider(value=10, min=1, max=100, description="rounds", continuous_update=False),
@@ -393,7 +393,7 @@ def show_ransac(rounds, tolerance, seed):
     plt.show()
 
 # %% [markdown]
-# The same without sliders: three tolerances, fifty rounds each. The middle one fits: the wall's points were moved by up to 0.6 m in x and in y, so they lie within 0.85 m of the true line.
+# The same without sliders: three tolerances, fifty rounds each. The middle one fits best: the wall's points were moved by up to 0.6 m in x and in y, so they lie within 0.85 m of the true line. The line that was found goes through two of them, so it is not quite the true one.
 
 # %%
 figure, row = plt.subplots(1, 3, figsize=(8.5, 3.1), layout="compressed")
@@ -405,7 +405,7 @@ for tolerance, axes in zip((0.2, 1.0, 3.5), row):
 # %% [markdown]
 # ## Theory against practice: how many rounds?
 #
-# *Every outlier is paid for in rounds, and the last ones are the dearest.*
+# *Every outlier is paid for in rounds, and each costs more than the last.*
 #
 # Let $w$ be the share of inliers, the *inlier ratio*. A draw of two points is good when both are inliers: about $w \cdot w$ of all draws. A draw is bad with probability $1 - w^2$; all of $N$ draws are bad with $(1 - w^2)^N$. So RANSAC succeeds with probability
 #

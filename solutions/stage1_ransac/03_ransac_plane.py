@@ -53,14 +53,14 @@ print(f"{len(street):,} of {len(cloud):,} returns")
 plots.from_side(street, limits=side, title="The street around the car, from the side");
 
 # %% [markdown]
-# **Predict first.** Look at the picture: which share of these points is road? Now close your eyes and pick three points at random. How likely do all three lie on the road? Write both numbers down.
+# **Predict first.** Look at the picture: which share of these points is road? Now close your eyes and pick three points at random. How likely is it that all three lie on the road? Write both numbers down.
 
 # %% [markdown]
 # ## The naive idea: the best plane for all points
 #
 # *Least squares is fair to every point, and obstacles are points, too.*
 #
-# School knows how to put a line through a cloud of measurements: make the sum of the squared errors as small as possible. The same works for a plane $z = ax + by + c$. Let us give it all points.
+# At school you learn to put a line through a cloud of measurements: make the sum of the squared errors as small as possible. The same works for a plane $z = ax + by + c$. Let us give it all points.
 
 # %%
 table = np.column_stack([street[:, :2], np.ones(len(street))])
@@ -76,20 +76,20 @@ plots.plane_model(street, fair, limits=side, title="The fairest plane of all is 
 # %% [markdown]
 # ## The idea: three points, one plane
 #
-# *A plane is a direction that stands upright on it, and a distance.*
+# *A plane is a direction perpendicular to it, and a distance.*
 #
 # All points $(x, y, z)$ with
 #
 # $$a x + b y + c z + d = 0$$
 #
-# form a plane. The vector $n = (a, b, c)$ stands upright on it: the *normal*. Given three points $p, q, r$, the two sides $q - p$ and $r - p$ lie in the plane, and their cross product is upright on both:
+# form a plane. The vector $n = (a, b, c)$ is perpendicular to it: the *normal*. Given three points $p, q, r$, the two sides $q - p$ and $r - p$ lie in the plane, and their cross product is perpendicular to both:
 #
 # $$n = (q - p) \times (r - p), \qquad d = -\, n \cdot p .$$
 #
 # Two details decide whether this works on the road.
 #
 # - **Length.** Four numbers and their doubles, $(2a, 2b, 2c, 2d)$, describe the same plane. We divide by the length of $n$, so that $n$ has length 1. Then $a x + b y + c z + d$ is a distance in metres.
-# - **Points on one line.** They do not fix a plane: it can turn about the line. Their cross product is $(0, 0, 0)$, and dividing by its length gives `nan`. A scanner draws its rings in lines, so this happens.
+# - **Points on one line.** They do not fix a plane: it can turn about the line. Their cross product is $(0, 0, 0)$, and dividing by its length gives `nan`. Measured points hardly ever do that exactly, but three returns of one ring nearly do: then noise decides where their plane points.
 #
 # The sign stays free: $(a, b, c, d)$ and $(-a, -b, -c, -d)$ are the same plane, seen from its two sides.
 
@@ -346,7 +346,7 @@ for tolerance, axes in zip((0.03, 0.2, 0.8), panels):
                      title=f"tolerance {tolerance} m: {(~near).sum():,} points are left")
 
 # %% [markdown]
-# At 0.03 m the noise of the scanner, 2 cm, throws road points out. At 0.8 m the cars lose their lower halves, and the plane tilts to catch more of them. Between 0.1 and 0.3 m there is a wide range in which little changes.
+# At 0.03 m road points are thrown out, and not by noise: a road has a crown and kerbs, which leave the best plane by several centimetres. At 0.8 m the cars lose their lower halves, and the plane tilts to catch more of them. In between, each centimetre more brings a little more road and takes a little more of wheels and feet.
 
 # %% [markdown]
 # ## Refit: let all inliers speak
@@ -428,7 +428,8 @@ for seed in seeds:
     found, near = ransac_plane(street, 50, 0.2, int(seed))
     before.append(slope_of(found))
     after.append(slope_of(fit_plane(street[near])))
-print(f"spread of the slope: {np.std(before):.2f} % before, {np.std(after):.2f} % after refitting")
+print(f"slope: {np.mean(before):.2f} ± {np.std(before):.2f} % before, "
+      f"{np.mean(after):.2f} ± {np.std(after):.2f} % after refitting, {100 * ROAD.slope:.2f} % as built")
 plots.curves({"as built": (seeds[[0, -1]], [100 * ROAD.slope] * 2)},
              {"three points": (seeds, before), "all inliers": (seeds, after)},
              across="seed", up="slope of the road (%)", title="Refitting calms the plane");
@@ -437,6 +438,8 @@ plots.curves({"as built": (seeds[[0, -1]], [100 * ROAD.slope] * 2)},
 check(fit_plane)
 
 # %% [markdown]
+# Look where the squares lie. Refitting takes away the scatter, but not the whole error: nearly all of them are a little below "as built". The road has a crown and kerbs, and the best plane through those has not quite the slope of the road. An estimate can be precise and still be off, always to the same side: it is *biased*.
+#
 # ## How many iterations?
 #
 # *The number depends on the share of inliers, not on the number of points.*
@@ -492,7 +495,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# With `good = inlier_ratio ** sample_size`: 1 if it is 1, `math.inf` if it is 0, else `math.ceil(math.log(1 - ...) / math.log(1 - ...))`.
+# With `good = inlier_ratio ** sample_size`: 1 if it is 1, `math.inf` if it is 0, else `math.ceil(math.log(1 - ...) / math.log1p(-good))`, and at least 1. `math.log1p(x)` is the logarithm of 1 + x, also where `good` is so small that `1 - good` is rounded to 1.
 # </details>
 
 # %% [markdown]
@@ -567,7 +570,7 @@ plots.plane_model(found, ground, near, 0.2, limits=((-2, 14), (-2.6, 1.2)), axes
                   title="From the side: the next plane whose normal points up");
 
 # %% [markdown]
-# The house front holds more points than the pavement, so it wins, with the best of consciences. The normal gives it away: that of a road points up or down, $|c|$ near 1; that of a wall lies flat, $|c|$ near 0. Three cures, which may be combined:
+# The house front holds more points than the pavement, so it wins, and by the rules. The normal gives it away: that of a road points up or down, $|c|$ near 1; that of a wall lies flat, $|c|$ near 0. Three cures, which may be combined:
 #
 # - look only where a road can be (the region of interest of lesson 07),
 # - accept only candidates whose normal is within some 15 degrees of the vertical,

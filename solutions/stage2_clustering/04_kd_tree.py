@@ -553,7 +553,7 @@ for name, seen in visits.items():
     print(f"{name:>15}: {seen[-1]:4.0f} of {counts[len(seen) - 1]:,} nodes")
 
 # %% [markdown]
-# The sorted wall asks half of everybody: slope 1, as if there were no tree. Medians first grows by a few nodes with each doubling: $\log n$ to walk down, plus what the box touches around the neighbours. Random order is only a little worse, which is why practice often just shuffles. Sorting by x lies in between: the cuts by x are wasted, those by y and z are not.
+# The sorted wall visits half of all nodes: slope 1, as if there were no tree. Medians first grows by a few nodes with each doubling: $\log n$ to walk down, plus what the box touches around the neighbours. Random order is only a little worse, which is why practice often just shuffles. Sorting by x lies in between: the cuts by x are wasted, those by y and z are not.
 #
 # And on the clock? Your tree runs in Python, one comparison at a time. NumPy compares all points, but in compiled code.
 
@@ -584,13 +584,13 @@ print(f"foreseen for all {len(obstacles):,} points: NumPy {1e6 * whole_scan:,.0f
 #
 # | what was written | what you see |
 # |---|---|
-# | the box decides, not the circle | neighbours in the corners that are none |
+# | the box decides, not the circle | points in the corners that are not neighbours |
 # | `if ... else` instead of two `if` | everything beyond the nearest cut is missing |
 # | `>` instead of `>=` for the right side | a point at exactly the tolerance is missing, in some directions only |
 # | `<=` instead of `<` in `insert` | equal goes left: `search` then misses it |
 # | the axis is always 0 | the cuts are all parallel: strips again |
 # | squared distance against plain tolerance | 0.5 acts as 0.71, and 3 as 1.73 |
-# | no condition before going on | right results, no hatching: everybody was asked |
+# | no condition before going on | right results, no hatching: every node was visited |
 # | `insert` calls itself | a `RecursionError`, at the first wall |
 
 # %%
@@ -608,9 +608,9 @@ for (title, target, tolerance, finds), axes in zip(cases, panels):
 # %% [markdown]
 # ## In practice
 #
-# - Real trees keep 10 to 30 points in each leaf and compare with all of them: fewer jumps through memory. They store nodes in one long array, and they cut in the middle of the longest side of a region rather than by turns.
+# - Real trees keep 10 to 40 points in each leaf and compare with all of them: fewer jumps through memory. They store nodes in one long array, and they cut the longest side of a region rather than by turns: at the median, as SciPy does unless told otherwise, or in the middle.
 # - The tree is built once per scan. Balanced building by sorting at every level costs $n \log^2 n$; selecting medians without sorting saves one logarithm.
-# - With more dimensions the box touches ever more regions. From about ten on, a KD-tree asks nearly everybody; image search uses approximate structures instead.
+# - With more dimensions the box touches ever more regions. From about ten on, a KD-tree visits nearly every node; image search uses approximate structures instead.
 # - A map that grows while the car drives needs insertion *and* balance: incremental trees rebuild crooked branches in the background.
 #
 # ## If you want more

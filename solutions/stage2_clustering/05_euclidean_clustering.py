@@ -34,7 +34,7 @@
 #
 # *Clustering starts where the road ends: everything that touches the road would be one cluster.*
 #
-# We take one turn of a 64-beam scanner, keep the surroundings of the car, and drop what lies more than 1.2 m below the sensor: the road, and with it the lowest half metre of everything (lesson 06 says why 1.2). Returns closer than 2 m come from our own bonnet and roof, so they go too.
+# We take one turn of a 64-beam scanner, keep the surroundings of the car, and drop what lies more than 1.2 m below the sensor: the road, and with it the lowest half metre of everything (lesson 06 says why 1.2). Returns closer than 2 m come from our own car, so they go too.
 
 # %%
 from collections import deque
@@ -131,7 +131,7 @@ plots.growth(car, [frames[step] for step in shown], titles=[f"round {step}" for 
              title="A car joins, half a metre at a time");
 
 # %% [markdown]
-# The cluster walks along the rear and the flank and ends where the car ends: nobody bridges the gap to the pedestrian, who stays grey for ever. But look at the price. In every round, *all* points were compared with *all* members, those deep inside included, who had told everything they know long ago.
+# The cluster walks along the rear and the flank and ends where the car ends: nobody bridges the gap to the pedestrian, who stays grey for ever. But look at the price. In every round, *all* points were compared with *all* members, those deep inside included, which were processed long ago.
 #
 # ## The queue: ask everybody exactly once
 #
@@ -259,7 +259,8 @@ for label in np.argsort(-sizes, kind="stable")[:12]:
                        dict(zip(objects[mine].tolist(), kinds[mine])).items())
     print(f"cluster {label:2d}: {sizes[label]:4d} points, "
           f"{length:4.1f} x {width:3.1f} x {height:3.1f} m   {things}")
-print(f"clusters of fewer than ten points: {np.sum(sizes[1:] < 10)}")
+print(f"{labels.max()} clusters of {len(np.unique(objects[objects > 0]))} things; "
+      f"{np.sum(sizes[1:] < 10)} clusters have fewer than ten points")
 
 # %% [markdown]
 # Cars, people and walls, found without knowing what a car is. But some clusters hold more than one thing, and there are crumbs. The next section explains the first; lesson 09 sweeps up the second.
@@ -280,7 +281,7 @@ plots.kept_and_removed(obstacles, labels == longest, limits=street,
                        title="The longest chain (kept), and all the rest");
 
 # %% [markdown]
-# That is the blessing: no shape and no size had to be foreseen. Now the curse: a single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
+# That is the blessing: no shape and no size had to be foreseen. And the curse, in the list above: a cluster may hold several things that touch. A single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
 #
 # ## Play: how close is close?
 #
@@ -378,7 +379,7 @@ print(f"{len(cloud):,} points would take about {foreseen[-1]:.0f} s: "
 # | labels counted from 0 | the first obstacle, drawn as pale crosses, passes for noise |
 # | counter raised for every point | as many clusters as points |
 # | distance over all four columns | nothing here, where intensities end at 1; confetti on recordings where they end at 255 |
-# | labelled when taken out of the queue | the same picture, in minutes: points queue over and over |
+# | labelled when taken out of the queue | the same picture, much later or practically never: points queue over and over |
 # | the function calls itself for each friend | no picture but a `RecursionError`, at the first wall |
 
 # %%

@@ -203,7 +203,7 @@ for distance, axes in zip((5, 10, 30), panels):
 # %% [markdown]
 # ## Theory against practice: where do the points lie?
 #
-# *Beams are evenly spaced in angle, so their rings crowd together near the car.*
+# *Equal angles are unequal distances on the road, so the rings of the beams crowd together near the car.*
 #
 # A beam that looks down by the angle $\alpha$ from the height $h$ meets a flat road at the distance $h / \tan\alpha$ and draws a ring there. Each ring holds equally many returns. So the share of road returns within a radius is the share of rings within it, and that we can count without any scan.
 #
@@ -283,6 +283,7 @@ def users_left(radius):
     return (count >= 20).sum()
 
 
+distances_upright = np.hypot(*cloud[upright, :2].T)
 radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
 points = np.array([len(filter_by_distance(cloud[upright], radius)) for radius in radii])
 axes = plots.curves({"points": (radii, points / points[-1]),
@@ -290,14 +291,19 @@ axes = plots.curves({"points": (radii, points / points[-1]),
                      "road users": (radii, [users_left(r) / users_left(80) for r in radii])},
                     across="radius (m)", up="share that is left",
                     title="What a radius saves, and what it loses")
+bumper = 2.6  # metres ahead of the sensor: a radius begins at the sensor, braking at the bumper
 for speed in (30, 50):
     metres_per_second = speed / 3.6
-    stop = 0.5 * metres_per_second + metres_per_second**2 / 14
+    stop = bumper + 0.5 * metres_per_second + metres_per_second**2 / 14
     axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     axes.text(stop + 0.6, 0.04, f"stops from\n{speed} km/h")
+    near = (distances_upright <= stop).mean()
+    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie {1 - near:.0%} of "
+          f"the points, {1 - near**2:.0%} of the work and "
+          f"{1 - users_left(stop) / users_left(80):.0%} of the road users")
 
 # %% [markdown]
-# Points and road users do not come at the same rate. Beyond the second dotted line there are hardly any points left to save, but many road users left to lose: the far ones cost next to nothing, and a fast car needs them most. A radius of 10 m is enough for 30 km/h and no more. And a circle treats walls and cars alike. It cannot tell a house front from a lane. A box can.
+# Points and road users do not come at the same rate. Beyond the second dotted line few points are left to save, but many road users are left to lose: the far ones cost little, and a fast car needs them most. The shorter radius is enough for 30 km/h and no more. And a circle treats walls and cars alike. It cannot tell a house front from a lane. A box can.
 
 # %% [markdown]
 # ## The idea: a region of interest
@@ -386,15 +392,17 @@ check(crop_region)
 choices = {"circle of 10 m": lambda rows: filter_by_distance(rows, 10),
            "circle of 30 m": lambda rows: filter_by_distance(rows, 30),
            "region of interest": lambda rows: crop_region(rows, *region)}
-ahead = returns[(returns[:, 0] > 0) & (np.abs(returns[:, 1] - 0.5) < 5.5)]
+ahead = returns[returns[:, 0] > 0]
+in_street = np.abs(ahead[:, 1] - 0.5) < 5.5
 walls = cloud[upright & (truth["classes"] == names.index("wall"))]
-print(f"{'':20}   points   walls   road users ahead of us in the street")
+print(f"{'':20}   points   walls   road users ahead: in the street, and with the pavements")
 for name, keep in choices.items():
-    _, count = np.unique(keep(ahead)[:, 3], return_counts=True)
-    print(f"{name:20} {len(keep(cloud[upright])):8,} {len(keep(walls)):7,} {(count >= 20).sum():7}")
+    users = [(np.unique(keep(rows)[:, 3], return_counts=True)[1] >= 20).sum()
+             for rows in (ahead[in_street], ahead)]
+    print(f"{name:20} {len(keep(cloud[upright])):8,} {len(keep(walls)):7,} {users[0]:7} {users[1]:7}")
 
 # %% [markdown]
-# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements. Somebody who steps off the pavement will be in the box only when they are on the road: that choice is yours, and it should be a conscious one.
+# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements, and who walks there: the last column. Somebody who steps off the pavement will be in the box only when they are on the road: that choice is yours, and it should be a conscious one.
 
 # %% [markdown]
 # ## Who is standing so close?
@@ -433,7 +441,7 @@ axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
 axes.text(0.5, -2.35, "a child here?", ha="center");
 
 # %% [markdown]
-# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside.
+# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; who builds a car measures it to the centimetre.
 #
 # Mind your logic there. "Not (inside in x and y and z)" is "outside in x **or** y **or** z". Someone who asks for outside in x *and* y *and* z throws away nearly everything: whatever shares just one coordinate with our car.
 #
@@ -524,7 +532,7 @@ report("without the sensor itself", remove_ego_returns(free, (-0.1, -0.1, -0.1),
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, with corners 41 % too far away |
 # | `x**2 + y**2 <= r` | a disc that is much too small: 3.2 m for 10 |
 # | `cloud[:, 0] <= r` | half a street: everything behind us stays |
-# | `any` where `all` belongs | a cross: two endless strips in place of a box |
+# | `any` where `all` belongs | nearly everything stays, since most heights are inside; in the picture, which leaves out the heights, a cross of two endless strips |
 
 # %%
 x, y = thin[:, 0], thin[:, 1]
@@ -540,7 +548,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # ## In practice
 #
 # - The region is not a fixed box. It follows the planned path and the lanes of a map, and it grows with the speed, because the stopping distance does.
-# - The order of the filters matters for speed, not for the result. The cheapest that removes most comes first: a distance needs a handful of operations per point, a plane fit hundreds.
+# - Filters that look at each point alone may come in any order: it matters for speed, not for the result. (For a voxel grid or a plane fit it matters for both.) The cheapest that removes most comes first: a distance needs a handful of operations per point, a plane fit hundreds.
 # - Ego boxes come from the drawings of the car and must be checked after every change: a bicycle on the rack is a new ego return.
 # - What a filter removes is gone for all who come after it. Safety systems keep the raw scan and watch for things that appear at the edge of the region.
 #

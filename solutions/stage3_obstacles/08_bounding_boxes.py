@@ -215,7 +215,8 @@ corridor_low, corridor_high = np.array([2.0, -1.0, -1.5]), np.array([18.0, 1.0, 
 low, high = boxes.min(axis=1), boxes.max(axis=1)  # (N, 3) each
 in_the_way = ((low < corridor_high) & (high > corridor_low)).all(axis=1)
 for row in np.flatnonzero(in_the_way):
-    print(f"{kinds[present[row]]} {present[row]}: brake within {low[row, 0]:.1f} m")
+    # The bumper is 2.6 m ahead of the sensor.
+    print(f"{kinds[present[row]]} {present[row]}: {low[row, 0] - 2.6:.1f} m left for the bumper")
 print(f"{6 * len(boxes)} comparisons instead of {6 * np.count_nonzero(labels):,}")
 
 corridor = np.array([corridor_low, corridor_high])
@@ -231,7 +232,7 @@ plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, labe
 #
 # *A box that cannot turn must grow.*
 #
-# Here is the turning car of label 10, put straight and then turned by as much as you like. Its box follows. At which angle is the box largest?
+# Here is the turning car of label 10, put straight and then turned by as much as you like. Its box follows. At which angle is the box largest? (Turned points are no new scan: of a car that really stood like that, the scanner would see other parts.)
 
 # %%
 row = np.flatnonzero(truth["box_identities"] == 10)[0]
@@ -246,7 +247,8 @@ def turned(points, angle):
                             x * np.sin(angle) + y * np.cos(angle), z])
 
 
-straight = turned(cloud[labels == 10, :3] - centre, -yaw)  # the middle of the car is the origin
+# The middle of the car is the origin, and the sides that were seen face us.
+straight = turned(cloud[labels == 10, :3] - centre, -(yaw + np.pi))
 outline = np.array([[x, y, 0.0] for x in (-length / 2, length / 2)
                     for y in (-width / 2, width / 2)])
 ahead = np.array([8.0, 0.0, 0.0])  # where we put it
@@ -313,7 +315,7 @@ print(f"label 10 in our scan: {box_area(cloud[labels == 10]):.1f} m²")
 # %% [markdown]
 # Was your prediction near the last line? The scanned points lie below the theory, because a scanner sees only the sides that face it: your box holds what was *seen*. The far corner of a car can stick out of it. Real systems add a margin, or fit a box of car size to the two visible sides.
 #
-# Too large a box is safe and wrong at once. Nobody is hit, but a free piece of street is closed. How many vehicles of this street are concerned?
+# Too large a box closes a free piece of street. And it is not even safe: where the scanner saw nothing, the box ends too early. How much of each footprint lies outside its box, and how many vehicles of this street stand askew?
 
 # %%
 vehicles = np.isin(truth["box_kinds"], ["car", "truck", "cyclist"])
@@ -322,6 +324,16 @@ off = np.degrees(truth["box_yaws"][vehicles]) % 90  # a quarter turn changes not
 off = np.minimum(off, 90 - off)
 print(f"{vehicles.sum()} vehicles, {np.count_nonzero(off < 10)} of them within 10° of our axes, "
       f"the worst {off.max():.0f}° off")
+
+across = np.linspace(-0.5, 0.5, 50)
+spots = np.array([(x, y, 0.0) for x in across for y in across])  # all over a footprint
+for name in (10, 4, 13):
+    row = np.flatnonzero(truth["box_identities"] == name)[0]
+    footprint = turned(spots * truth["box_sizes"][row], truth["box_yaws"][row])
+    footprint = (footprint + truth["box_centres"][row])[:, :2]
+    box = boxes[present.index(name), :, :2]
+    outside = ((footprint < box.min(axis=0)) | (footprint > box.max(axis=0))).any(axis=1)
+    print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
 # On a straight street nearly everything is parallel to us and axis-aligned boxes are a good bargain. One diagonal car stands out; at a junction it would be every second one. Lesson 11 turns the box with the car.
@@ -375,7 +387,7 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-80, 90), (-45, 45))
 # ## In practice
 #
 # - Axis-aligned boxes are the workhorse of collision tests. Game engines and planners test them first and look closer only where two of them overlap.
-# - Data sets such as KITTI and nuScenes describe a box by centre, size and yaw: seven numbers instead of eight corners. Corners are for drawing, seven numbers for computing.
+# - Data sets describe a box by centre, size and heading instead of eight corners: KITTI by seven numbers, with the centre of the *floor* in the camera's coordinates; nuScenes by ten, with the heading as a quaternion. Corners are for drawing, the short form is for computing.
 # - A single stray point inflates a box. Systems with noisy sensors take the 1st and 99th percentile instead of minimum and maximum, and give up the promise that nothing lies outside.
 #
 # ## If you want more

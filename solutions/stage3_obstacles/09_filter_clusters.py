@@ -108,9 +108,9 @@ for number in range(1, 5):
     print(f"label {number}: {how_many} points, {verdict:33}", labels)
 
 # %% [markdown]
-# Look for the cluster of two points: it is still there. When cluster 2 went, cluster 3 became the new 2. The loop then moved on to 3 and never looked back. Of any two small neighbours, the second survives.
+# Look for the cluster of two points: it is still there. When cluster 2 went, cluster 3 became the new 2. The loop then moved on to 3 and never looked back. Of two consecutive small labels, the second survives.
 #
-# It is among the most frequent mistakes in this exercise, and a nasty one: on a test cloud with a single small cluster all is well.
+# It is a nasty mistake: on a test cloud with a single small cluster all is well.
 #
 # ## The idea: one number for "belongs to nothing"
 #
@@ -203,7 +203,7 @@ check(filter_clusters)
 thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (objects == 0) | (objects >= 10_000))
 
 
-@interact(minimum=IntSlider(value=100, min=1, max=600, step=5, description="min points",
+@interact(minimum=IntSlider(value=100, min=5, max=600, step=5, description="min points",
                             continuous_update=False))
 def show_minimum(minimum):
     kept = filter_clusters(cluster_labels, minimum)
@@ -265,7 +265,7 @@ axes.set_xticks([5, 10, 20, 40, 80], ["5", "10", "20", "40", "80"]); axes.minort
 plt.setp(axes.lines, markersize=4);
 
 # %% [markdown]
-# The line is a ceiling for people: those in plain view lie on it, those below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
+# People in plain view lie near the line, some a little above it; those far below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
 #
 # Now find the place where the line falls below the dotted one, at 100 points. A person farther away than that has fewer points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? A car at 50 km/h rolls on for a second before its driver brakes, and then brakes at about 7 m/s².
 
@@ -377,7 +377,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # - Count first, then decide for all points at once. Renumbering inside a loop skips clusters.
 # - Points fall with the square of the distance: a minimum size is a maximum distance.
 #
-# **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and spray in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
+# **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and fog in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
 #
 # **Next:** 10 · Clustering in real time
 

@@ -258,7 +258,7 @@ print(f"first axis, seen from above: {np.degrees(np.arctan2(first[1], first[0]))
 #
 # *A car leans by a degree or two. If its box leans more, the box is wrong, not the car.*
 #
-# Look at pitch and roll above: the car seems to lie on its side, nose in the air. The points are to blame: many on the bonnet, none on the underside. And a pedestrian is longest upwards, so the "first axis" of a person is the vertical, and its yaw is chance.
+# Look at pitch and roll above: the car seems to lie on its side, nose in the air. The points are to blame: many on the bonnet, none on the underside. And a pedestrian is longest upwards, so the "first axis" of a person is the vertical, and its yaw is arbitrary.
 #
 # A tempting repair: make the box in 3-D, as long, wide and high as its axes say, then set pitch and roll to zero. What does that do to the promise that all points are inside?
 
@@ -278,7 +278,7 @@ plots.compare(shares, label="points outside their own box (%)",
               title="A 3-D box flattened afterwards forgets its points");
 
 # %% [markdown]
-# Of cars a few points are left outside, of walkers, poles and walls most of them: there the axes are numbered differently, the longest of a pole is up, and after flattening length, width and height stand in each other's place. Published code does exactly this. Order matters: **first decide that the box is upright, then measure.**
+# Cars lose a few points; walkers, poles and walls lose most: there the axes are numbered differently, the longest of a pole is up, and after flattening length, width and height stand in each other's place. Order matters: **first decide that the box is upright, then measure.**
 #
 # So: look from above, find the yaw in the plane, and measure in the turned frame.
 
@@ -360,7 +360,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # </details>
 
 # %% [markdown]
-# **Look before you check.** Every point should lie inside the box of its obstacle, and the boxes should turn. Some parked cars look a little crooked; there is more about that below.
+# **Look before you check.** Every point should lie inside the box of its obstacle, and the boxes should turn. Most parked cars look crooked; there is more about that below.
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
@@ -555,12 +555,12 @@ for name, values in followed.items():
 #
 # | what was written | what you see |
 # |---|---|
-# | turned by +yaw both times, or a transposed matrix | the box stands mirrored, far from its car |
+# | turned by +yaw both times | the box stands far from its car, turned about the sensor by twice the yaw |
 # | yaw in degrees passed to `np.cos` | boxes at any angle but the right one |
-# | divided by the standard deviation (z-score) | every cluster is "turned" by 45° |
+# | divided by the standard deviation (z-score) | every cluster is "turned" by 45°; and where z was set to 0 before, an error: 0 / 0 |
 # | not centred | the first axis points from the sensor to the car |
-# | columns left in ascending order | no harm to the box, but the "heading" is the width |
-# | determinant -1 | the box is right, but quaternion and Euler angles are nonsense |
+# | columns left in ascending order | the "heading" is the width; and where z was set to 0 before, the first axis is the vertical, and every yaw is 0 |
+# | determinant -1 | the box is right, but it is no rotation: SciPy refuses to make quaternion or Euler angles of it |
 # | size taken in 3-D, flattened afterwards | points outside: see above |
 
 # %%
@@ -587,7 +587,7 @@ for axes in panels:
 # %% [markdown]
 # ## In practice
 #
-# - Detectors that learn predict the yaw directly, and suffer from the same half turn: KITTI scores orientation apart from position for that reason.
+# - Detectors that learn predict the yaw directly, and suffer from the same half turn. nuScenes scores orientation by itself, KITTI together with detection.
 # - Trackers keep yaw as part of their state and let motion decide the front: cars rarely drive backwards at 50 km/h.
 # - A good box around what was *seen* is still not the box around the car. Systems extend it away from the sensor to the size of an ordinary car.
 #
@@ -604,7 +604,7 @@ for axes in panels:
 # - A heading is known up to half turns, a rectangle's up to quarter turns. Choose the one nearest to the last frame.
 # - The points of a scan lie on two sides of a car, so its first axis leans. Smallest rectangles and L-shapes hardly do.
 #
-# **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). How bad PCA boxes can be: [Dimitrov, Knauer, Kriegel and Rote](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
+# **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). How bad PCA boxes can be: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
 #
 # **Next:** 12 · Streaming obstacles
 

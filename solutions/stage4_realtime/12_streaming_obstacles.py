@@ -64,7 +64,7 @@ plots.boxes(corners, cloud=first.cloud[first.scan.objects > 0], limits=street, r
 # %% [markdown]
 # ## The naive idea: an obstacle is a square metre with something in it
 #
-# *Things have edges; squares of a map have not.*
+# *Things have edges; map squares do not.*
 #
 # Why cluster at all? Divide the street into squares of a metre and call each one occupied that holds a return above the ground level. It takes four lines, it is as fast as can be, and maps of this kind drive vacuum cleaners.
 
@@ -95,7 +95,7 @@ plots.boxes(squares, cloud=first.cloud[first.scan.objects > 0], limits=street,
 # | drop invalid returns | 01 | NaN and (0, 0, 0) | an obstacle inside the sensor |
 # | keep the region of interest | 07 | whatever we cannot hit | time for house fronts |
 # | remove the own car | 07 | returns from our roof | full braking, for ever |
-# | remove the road | 06 or 03 | nearly half of all returns | all is one cluster |
+# | remove the road | 06 or 03 | more than a third of all returns | all is one cluster |
 # | thin with a voxel grid | 06 | nine of ten points that are left | seconds per frame |
 # | cluster | 05 or 10 | nothing: it adds labels | points, but no things |
 # | remove small clusters | 09 | raindrops, specks of road | ghosts |
@@ -378,7 +378,7 @@ plots.curves({name: (overlaps, [getattr(result, name) for result in results])
              up="share", title="How good the detector is depends on what you call a hit");
 
 # %% [markdown]
-# The more overlap you ask for, the less is found; at 1 nothing ever is. A scanner sees the near side of a car, and a box around that side is a slice of the true one. In the next picture look at the cars 20 m ahead: only their backs have boxes, and each such slice counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw. So we count from 0.3.
+# The more overlap you ask for, the less is found; at 1 nothing ever is. A scanner sees the near side of a car, and a box around that side is a slice of the true one. In the next picture look at the cars 20 m ahead: only their backs have boxes, and each such slice counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw. And a box along principal axes leans (lesson 11), which costs overlap, too: with smallest rectangles the curve falls later. So we count from 0.3.
 #
 # ## Play: calibrate it
 #
@@ -391,7 +391,7 @@ above_road = shown.cloud[shown.scan.objects > 0][::4]
 
 @interact(threshold=FloatSlider(value=0.5, min=0.2, max=2.0, step=0.1, description="threshold",
                                 continuous_update=False),
-          minimum_size=IntSlider(value=10, min=1, max=100, step=5, description="min points",
+          minimum_size=IntSlider(value=10, min=5, max=100, step=5, description="min points",
                                  continuous_update=False))
 def show_settings(threshold, minimum_size):
     boxes = detect_obstacles(shown.cloud, threshold=threshold, min_num_points=minimum_size)
@@ -427,7 +427,7 @@ for axes, name, values in ((panels[0], "threshold", thresholds), (panels[1], "mi
 # %% [markdown]
 # Each curve has its own lesson. Below 0.4 m torn cars cost precision and recall alike. Above it neighbours merge, so recall falls; but pieces merge, too, so precision rises, and $F_1$ hardly changes. A flat top is good news: the exact value does not matter. The minimum size trades precision against recall, as in lesson 09.
 #
-# But do not obey the right-hand curve. On this carriageway everything that counts is a car, so $F_1$ asks for a minimum that no walker survives: a person 10 m away has about 30 points after thinning, and nobody is there to be missed. And all these curves are of one street. Check any choice on a stream that you did not tune on.
+# But do not obey the right-hand curve. On this carriageway everything that counts is a car, so $F_1$ asks for a minimum that no walker survives: a person 10 m away has about 20 points after thinning, and nobody is there to be missed. And all these curves are of one street. Check any choice on a stream that you did not tune on.
 #
 # ## A box has no memory
 #
@@ -497,7 +497,7 @@ def match_boxes(previous, current, max_distance):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `while table.size and table.min() <= max_distance:` find row and column, store the column in the answer at the row, and set `table[row, :]` and `table[:, column]` to `np.inf`, so that neither is taken again. Or let `scipy.optimize.linear_sum_assignment` find the best pairs, and throw away those that are too far apart.
+# `while table.size and table.min() <= max_distance:` find row and column, store the column in the answer at the row, and set `table[row, :]` and `table[:, column]` to `np.inf`, so that neither is taken again. Or let `scipy.optimize.linear_sum_assignment` find the best pairs: first write a huge number where a distance is too large (else a pair that may not be takes the place of one that may), and leave out the pairs that have it.
 # </details>
 
 # %% [markdown]
@@ -547,7 +547,7 @@ for name in names[-1]:
     axes.plot(*np.array(rows)[:, :2].T, ".-", color="black", linewidth=1, markersize=3)
 
 # %% [markdown]
-# Parked cars trail half a metre per frame: that is us, driving. Who moves with us has a short trail, who comes towards us a long one. A trail that bends or starts anew tells of a box that grew, shrank or merged with another.
+# Parked cars trail half a metre per frame: that is us, driving. Objects moving with us leave a short trail, those coming towards us a long one. A trail that bends or starts anew tells of a box that grew, shrank or merged with another.
 #
 # How far may a partner be? At least as far as things move between two frames, relative to us: $v\,\Delta t$. And not as far as the next obstacle, or a name jumps to somebody else. Both kinds of mistake can be counted. A thing that carries another name than the last time has *switched*; for that we need the truth. A name that moves by more than 2 m in a tenth of a second, faster than 72 km/h, has *jumped*. The dotted line is our own way in that time.
 
@@ -751,7 +751,7 @@ for (title, settings), axes in zip(wrong.items(), rows):
 # - Trackers do not compare with where a thing *was* but with where it should be *now*: a Kalman filter holds position and speed, and bridges a few frames without a match.
 # - Matching takes the best sum of all pairs (the Hungarian method), and often overlap or shape instead of distance.
 # - The own motion is taken out first: in coordinates of the street parked cars stand still, and `max_distance` can be small.
-# - Learned detectors box whole cars from half of their returns and tell cars from people. What you built still runs beside them in many cars: it needs no training and sees things that no training set contains.
+# - Learned detectors box whole cars from half of their returns and tell cars from people. What you built needs no training, and sees things that no training set contains.
 #
 # ## If you want more
 #
@@ -762,11 +762,11 @@ for (title, settings), axes in zip(wrong.items(), rows):
 #
 # ## Summary
 #
-# - A detector is a chain: cheap filters first, careful steps last, and every step bears an empty cloud.
+# - A detector is a chain: cheap filters first, careful steps last, and every step copes with an empty cloud.
 # - Precision, recall and identity switches against truth turn opinions about parameters into curves.
 # - A box gets its meaning from the frame before: match one to one, nearest first, not too far.
 #
-# **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker that uses nothing else: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
+# **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker, on top of a learned detector: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
 #
 # **That was the last lesson.** Congratulations: you wrote a LiDAR pipeline from the first mask to the last name.
 

@@ -54,72 +54,133 @@ def drop_invalid(cloud):
     return cloud[~np.isnan(work[:, :3]).any(axis=1)]
 
 # %% wrong: drops zeros only
-# loses: drops_what_is_not_finite, test_fresh_street_cleaned
+# loses only: drops_nan, drops_what_is_infinite, test_
 # says: too many
+# claims: only those at (0, 0, 0) go
 def drop_invalid(cloud):
     return cloud[~(cloud[:, :3] == 0).all(axis=1)]
 
-# %% wrong: drops NaN only
-# loses: drops_the_origin, drops_what_is_not_finite, test_course_cloud_cleaned
+# %% wrong: drops what is not finite only
+# loses: drops_the_origin, drops_bright_ones, test_course_cloud_cleaned
 # says: too many
+# claims: Returns at (0, 0, 0) stay.
+def drop_invalid(cloud):
+    return cloud[np.isfinite(cloud[:, :3]).all(axis=1)]
+
+# %% wrong: drops NaN only
+# loses: drops_the_origin, drops_what_is_infinite, test_course_cloud_cleaned
+# says: too many
+# claims: those at (0, 0, 0), too
 def drop_invalid(cloud):
     return cloud[~np.isnan(cloud[:, :3]).any(axis=1)]
 
 # %% wrong: infinite ranges stay
-# loses: drops_what_is_not_finite, test_course_cloud_cleaned
+# loses only: drops_what_is_infinite, test_infinite_returns_go
 # says: too many
+# claims: Rows with an infinite coordinate stay; those with NaN go.
 def drop_invalid(cloud):
     bad = np.isnan(cloud[:, :3]).any(axis=1) | (cloud[:, :3] == 0).all(axis=1)
     return cloud[~bad]
 
 # %% wrong: any zero coordinate counts as lost
-# loses: keeps_good_points, drops_the_origin, test_fresh_street_cleaned
+# loses only: keeps_points_with_a_zero, test_points_with_a_zero_stay
 # says: missing, for example (0.00, 5.00
+# claims: as soon as one of its coordinates is 0
 def drop_invalid(cloud):
     good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).all(axis=1)
     return cloud[good]
 
 # %% wrong: all columns must be zero
-# loses: drops_the_origin, test_course_cloud_cleaned
+# loses only: drops_bright_ones, test_bright_returns_go
 # says: too many, for example (0.00, 0.00, 0.00)
+# claims: only if its intensity is 0
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud[:, :3]).all(axis=1) & ~(cloud == 0).all(axis=1)]
 
 # %% wrong: intensity must be finite, too
-# loses: ignores_intensity
-# says: Look at cloud[:, :3] only
+# loses only: allows_missing_intensity
+# says: missing
+# claims: because their intensity is not finite
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)]
 
+# %% wrong: intensity has a say in both masks
+# loses only: allows_missing_intensity, drops_bright_ones, test_bright_returns_go
+# says: too many
+# claims: as if it were a coordinate
+def drop_invalid(cloud):
+    return cloud[np.isfinite(cloud).all(axis=1) & ~(cloud == 0).all(axis=1)]
+
 # %% wrong: the sum of the coordinates is zero
-# loses: keeps_good_points
+# loses only: keeps_points_with_a_zero
 # says: missing, for example
+# claims: add up to 0
 def drop_invalid(cloud):
     total = cloud[:, :3].sum(axis=1)
     return cloud[np.isfinite(total) & (total != 0)]
 
 # %% wrong: compares with NaN
-# loses: drops_the_origin, drops_what_is_not_finite, test_course_cloud_cleaned
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: one row per point
+# claims: in one long row
 def drop_invalid(cloud):
     return cloud[cloud != np.nan]
 
 # %% wrong: only rows that are lost altogether
-# loses: drops_what_is_not_finite, test_fresh_street_cleaned
+# loses: drops_nan, drops_what_is_infinite, test_fresh_street_cleaned
 # says: too many
+# claims: only if all three coordinates are not
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return cloud[np.isfinite(xyz).any(axis=1) & (xyz != 0).any(axis=1)]
 
+# %% wrong: no axis in either mask
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: expected 4 columns
+# claims: axis=1 is missing in both
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all() & ~(xyz == 0).all()]
+
+# %% wrong: no axis in the mask of what is finite
+# loses: drops_nan, drops_what_is_infinite, test_course_cloud_cleaned
+# says: missing
+# claims: One lost row and all rows go
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all() & ~(xyz == 0).all(axis=1)]
+
+# %% wrong: no axis in the mask of zeros
+# loses: drops_the_origin, test_course_cloud_cleaned
+# says: too many
+# claims: Returns at (0, 0, 0) stay.
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all(axis=1) & ~(xyz == 0).all()]
+
+# %% wrong: along the wrong axis
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: axis=1 goes along a row
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all(axis=0) & ~(xyz == 0).all(axis=0)]
+
 # %% wrong: repairs instead of dropping
-# loses: drops_what_is_not_finite, leaves_the_scan
+# loses: drops_nan, leaves_the_scan
 # says: changed its input
 def drop_invalid(cloud):
     cloud[~np.isfinite(cloud)] = 0.0
     return cloud[(cloud[:, :3] != 0).any(axis=1)]
 
+# %% wrong: marks the lost ones in its input
+# loses only: leaves_the_scan
+# says: changed its input
+def drop_invalid(cloud):
+    cloud[(cloud[:, :3] == 0).all(axis=1)] = np.nan
+    return cloud[np.isfinite(cloud[:, :3]).all(axis=1)]
+
 # %% wrong: drops what is near
-# loses: test_near_points_stay, keeps_good_points
+# loses only: keeps_near_points, test_near_points_stay
 # says: missing
 def drop_invalid(cloud):
     length = np.linalg.norm(cloud[:, :3], axis=1)
@@ -128,31 +189,69 @@ def drop_invalid(cloud):
 # %% wrong: loses the intensity
 # loses: drops_the_origin, test_course_cloud_cleaned
 # says: expected 4 columns
+# claims: without the intensity
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return xyz[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)]
 
+# %% wrong: needs four columns
+# loses only: takes_three_columns, test_three_columns_cleaned
+# says: not enough values to unpack
+def drop_invalid(cloud):
+    x, y, z, intensity = cloud.T
+    finite = np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
+    return cloud[finite & ~((x == 0) & (y == 0) & (z == 0))]
+
+# %% wrong: takes all but the last column for coordinates
+# loses only: takes_three_columns, test_three_columns_cleaned
+# says: Of the same rows without their intensity, others are left
+def drop_invalid(cloud):
+    xyz = cloud[:, :-1]
+    return cloud[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)]
+
+# %% wrong: stacks what is left
+# loses only: takes_an_empty_scan
+# says: need at least one array
+def drop_invalid(cloud):
+    return np.vstack([row for row in cloud if np.isfinite(row[:3]).all() and row[:3].any()])
+
 # %% wrong: equal points only once, and sorted
-# loses: drops_the_origin, test_columns_and_precision_cleaned
+# loses: drops_the_origin, test_order_and_precision_cleaned
 # says: another order
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return np.unique(cloud[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)], axis=0)
 
 # %% wrong: returns the mask
-# loses: drops_the_origin, keeps_good_points, test_course_cloud_cleaned
-# says: expected 4 columns
+# loses: drops_the_origin, keeps_points_with_a_zero, test_course_cloud_cleaned
+# says: This is a mask
 def drop_invalid(cloud):
     return np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)
 
+# %% wrong: keeps the lost ones
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: missing
+# claims: that stay, and the points that go
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all(axis=1) & (xyz == 0).all(axis=1)]
+
+# %% wrong: forgets to return
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: returned None
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    cloud = cloud[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)]
+
 # %% wrong: returns the cloud as it is
-# loses: drops_the_origin, drops_what_is_not_finite, test_course_cloud_cleaned
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: too many
+# claims: Nothing is dropped
 def drop_invalid(cloud):
     return cloud
 
 # %% wrong: stub left in place
 # loses: drops_the_origin, test_course_cloud_cleaned, leaves_the_scan
-# says: still raises NotImplementedError
+# says: is not started
 def drop_invalid(cloud):
     raise NotImplementedError

@@ -92,8 +92,9 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array([boxes[label].corners() for label in sorted(boxes)]).reshape(-1, 8, 3)
 
 # %% wrong: minimum and maximum with elif
-# loses: reaches_from_min_to_max, takes_every_shape, test_any_order_of_points
+# loses only: takes_points_in_any_order, takes_few_points, test_any_order_of_points, test_few_points
 # says: elif asks only one of the two questions
+# claims: `elif` asks about the maximum
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -110,8 +111,9 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: minimum and maximum started at zero
-# loses: reaches_from_min_to_max, test_anywhere, test_fresh_street
+# loses only: starts_anywhere, takes_few_points, test_anywhere, test_course_scan, test_fresh_street, test_any_order_of_points, test_few_points
 # says: never from 0
+# claims: Minimum and maximum start at 0
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -124,8 +126,9 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: a box around label 0, too
-# loses: leaves_noise_alone, takes_nothing, test_course_scan
-# says: label 0 is no obstacle, it gets no box
+# loses only: leaves_noise_alone, takes_nothing, test_noise, test_none
+# says: 4 boxes for 3 clusters
+# claims: Label 0 gets a box
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels):
@@ -135,8 +138,8 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: counts labels from 1 to the largest, gaps or not
-# loses: one_box_for_each_label, takes_every_shape, test_any_numbering
-# says: would invent those that do not
+# loses only: allows_gaps, test_gaps
+# says: raised ValueError
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in range(1, cluster_labels.max(initial=0) + 1):
@@ -146,8 +149,9 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: range stops before the last label
-# loses: reaches_from_min_to_max, leaves_noise_alone, test_course_scan
-# says: one for each different label above 0
+# loses: reaches_from_min_to_max, one_box_for_each_label, test_course_scan
+# says: 0 boxes for 1 cluster
+# claims: The last label gets no box
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in range(1, cluster_labels.max(initial=0)):
@@ -159,8 +163,9 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: boxes in order of first appearance
-# loses: one_box_for_each_label, test_any_numbering
+# loses only: follows_the_labels, test_order_of_labels
 # says: right boxes in another order
+# claims: in which the labels first occur
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in dict.fromkeys(cluster_labels.tolist()):
@@ -194,7 +199,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: an empty road gives shape (0,)
-# loses: takes_nothing, test_many_and_none
+# loses only: takes_nothing, test_none
 # says: the array keeps its form
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
@@ -220,7 +225,8 @@ def get_bounding_boxes(cloud, cluster_labels):
 
 # %% wrong: one maximum for all axes
 # loses: reaches_from_min_to_max, test_course_scan
-# says: has no corner at
+# says: has other ends along
+# claims: axis=0 is missing
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -232,7 +238,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: intensity in the corners
-# loses: reaches_from_min_to_max, test_fresh_street
+# loses only: ignores_intensity, test_intensity
 # says: leave the intensity out
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
@@ -246,7 +252,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 
 # %% wrong: mean and two standard deviations
 # loses: reaches_from_min_to_max, test_course_scan
-# says: has no corner at
+# says: has other ends along
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -259,7 +265,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: labels changed in place
-# loses: leaves_its_input
+# loses only: leaves_its_input
 # says: changed its input
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
@@ -272,8 +278,8 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: parameters renamed
-# loses: one_box_for_each_label
-# says: A parameter was renamed
+# loses only: keeps_the_names
+# says: another name
 def get_bounding_boxes(points, labels):
     boxes = []
     for name in np.unique(labels[labels > 0]):
@@ -283,20 +289,75 @@ def get_bounding_boxes(points, labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: zeros of the right shape
-# loses: reaches_from_min_to_max, leaves_noise_alone, leaves_its_input, takes_nothing, test_course_scan, test_few_points, test_many_and_none
-# says: has no corner at
+# loses: reaches_from_min_to_max, leaves_noise_alone, leaves_its_input, takes_nothing, test_course_scan, test_few_points, test_many
+# says: has other ends along
 def get_bounding_boxes(cloud, cluster_labels):
     return np.zeros((len(np.unique(cluster_labels[cluster_labels > 0])), 8, 3))
 
 # %% wrong: one box around everything
 # loses: one_box_for_each_label, test_course_scan, test_fresh_street
-# says: boxes for
+# says: box for
 def get_bounding_boxes(cloud, cluster_labels):
     low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
     return np.array([[[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)]])
 
 # %% wrong: stub left in place
 # loses: reaches_from_min_to_max, test_course_scan, takes_nothing
-# says: still raises NotImplementedError
+# says: is not started
 def get_bounding_boxes(cloud, cluster_labels):
     raise NotImplementedError
+
+# %% wrong: elif, the maximum first
+# loses only: takes_points_in_any_order, takes_few_points, test_any_order_of_points, test_few_points
+# says: elif asks only one of the two questions
+# claims: `elif` asks about the minimum
+def get_bounding_boxes(cloud, cluster_labels):
+    names = np.unique(cluster_labels[cluster_labels > 0])
+    boxes = np.zeros((len(names), 8, 3))
+    for row, name in enumerate(names):
+        low, high = [np.inf] * 3, [-np.inf] * 3
+        for point in cloud[cluster_labels == name]:
+            for axis in range(3):
+                if point[axis] > high[axis]:
+                    high[axis] = point[axis]
+                elif point[axis] < low[axis]:
+                    low[axis] = point[axis]
+        for k in range(8):
+            boxes[row, k] = [high[a] if k & 2**a else low[a] for a in range(3)]
+    return boxes
+
+# %% wrong: only the maximum started at zero
+# loses: starts_anywhere, test_anywhere, test_course_scan, test_fresh_street
+# says: Start from the first point
+# claims: The maximum starts at 0
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        low, high = np.full(3, np.inf), np.zeros(3)
+        for point in cloud[cluster_labels == name, :3]:
+            low, high = np.minimum(low, point), np.maximum(high, point)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: started once for all labels
+# loses: one_box_for_each_label, test_course_scan, test_many
+# says: has other ends along x
+# claims: not started afresh
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        for point in cloud[cluster_labels == name, :3]:
+            low, high = np.minimum(low, point), np.maximum(high, point)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: first and 99th percentile
+# loses: reaches_from_min_to_max, test_course_scan
+# says: has other ends along
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        low, high = np.percentile(cloud[cluster_labels == name, :3], [1, 99], axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)

@@ -58,8 +58,9 @@ def line_through(p, q):
     return np.append(line.normal, line.offset)
 
 # %% wrong: the normal has any length
-# loses: has_a_unit_normal, test_lines_through_pairs
+# loses only: has_a_unit_normal, test_unit_normals
 # says: The normal (a, b) must have length 1
+# claims: as long as the points are apart
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     if dx == 0 and dy == 0:
@@ -67,7 +68,7 @@ def line_through(p, q):
     return -dy, dx, dy * p[0] - dx * p[1]
 
 # %% wrong: slope and intercept
-# loses: takes_upright_lines, refuses_equal_points
+# loses only: takes_upright_lines, test_lines_in_special_directions, refuses_equal_points, test_equal
 # says: not finite
 def line_through(p, q):
     slope = (q[1] - p[1]) / (q[0] - p[0])
@@ -77,6 +78,7 @@ def line_through(p, q):
 # %% wrong: the direction instead of the normal
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
+# claims: the quarter turn is missing
 def line_through(p, q):
     d = q - p
     length = np.linalg.norm(d)
@@ -88,6 +90,7 @@ def line_through(p, q):
 # %% wrong: swapped without the sign
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
+# claims: that mirrors the direction
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -98,7 +101,8 @@ def line_through(p, q):
 
 # %% wrong: c with the wrong sign
 # loses: passes_through_both, test_lines_through_pairs
-# says: c is minus a times x
+# says: misses
+# claims: c has the wrong sign
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -108,8 +112,9 @@ def line_through(p, q):
     return a, b, a * p[0] + b * p[1]
 
 # %% wrong: c without dividing
-# loses: passes_through_both, has_a_unit_normal, test_lines_through_pairs
+# loses: passes_through_both, test_lines_through_pairs
 # says: misses
+# claims: and c is not
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -117,8 +122,29 @@ def line_through(p, q):
         return None
     return -dy / length, dx / length, dy * p[0] - dx * p[1]
 
+# %% wrong: c forgotten
+# loses: passes_through_both, test_lines_through_pairs
+# says: misses
+# claims: c is missing
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    return -dy / length, dx / length, 0
+
+# %% wrong: c from x alone
+# loses: passes_through_both, test_lines_through_pairs
+# says: misses
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    return -dy / length, dx / length, dy * p[0] / length
+
 # %% wrong: equal points divide by zero
-# loses: refuses_equal_points, test_equal_points_have_no_line
+# loses only: refuses_equal_points, test_equal_points_have_no_line
 # says: no answer but None
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
@@ -127,8 +153,8 @@ def line_through(p, q):
     return a, b, -(a * p[0] + b * p[1])
 
 # %% wrong: an upright line counts as no line
-# loses: takes_upright_lines, test_lines_in_special_directions
-# says: returned None, though the points differ
+# loses only: takes_upright_lines, test_lines_in_special_directions
+# says: Equal x, or equal y, is no reason
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     if dx == 0:
@@ -138,8 +164,8 @@ def line_through(p, q):
     return a, b, -(a * p[0] + b * p[1])
 
 # %% wrong: near points count as equal
-# loses: test_equal_points_have_no_line
-# says: returned None, though the points differ
+# loses only: takes_close_points, test_close_points_have_a_line
+# says: The answer is None, though the points differ
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -149,8 +175,9 @@ def line_through(p, q):
     return a, b, -(a * p[0] + b * p[1])
 
 # %% wrong: normalised over all three numbers
-# loses: has_a_unit_normal, test_lines_through_pairs
+# loses only: has_a_unit_normal, test_unit_normals
 # says: The normal (a, b) must have length 1
+# claims: all three numbers together
 def line_through(p, q):
     if np.array_equal(p, q):
         return None
@@ -160,6 +187,7 @@ def line_through(p, q):
 # %% wrong: slope and intercept returned
 # loses: passes_through_both, has_a_unit_normal
 # says: A line is three numbers
+# claims: the slope and the height
 def line_through(p, q):
     if q[0] == p[0]:
         return None
@@ -177,14 +205,22 @@ def line_through(p, q):
     a, b = -q[1] / length, q[0] / length
     return a, b, -(a * p[0] + b * p[1])
 
+# %% wrong: a hat for a power
+# loses: passes_through_both, test_lines_through_pairs
+# says: x**2 is the square
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = (dx ^ 2 + dy ^ 2) ** 0.5
+    return -dy / length, dx / length, (dy * p[0] - dx * p[1]) / length
+
 # %% wrong: always None
 # loses: passes_through_both, refuses_equal_points, test_equal_points_have_no_line
-# says: Does it end with `return`?
+# says: end with `return`?
 def line_through(p, q):
     return None
 
 # %% wrong: stub left in place
 # loses: passes_through_both, has_a_unit_normal, leaves_the_points
-# says: still raises NotImplementedError
+# says: is not started
 def line_through(p, q):
     raise NotImplementedError

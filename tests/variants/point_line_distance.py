@@ -9,14 +9,14 @@ def point_line_distance(points, line):
 def point_line_distance(points, line):
     return np.abs(points @ np.asarray(line[:2]) + line[2])
 
-# %% right: a loop in plain Python, a list back
+# %% right: a loop in plain Python
 def point_line_distance(points, line):
     a, b, c = line
     distances = []
     for x, y in points:
         value = a * x + b * y + c
         distances.append(-value if value < 0 else value)
-    return distances
+    return np.array(distances)
 
 # %% right: divides by the length of the normal all the same, single precision
 def point_line_distance(points, line):
@@ -41,36 +41,71 @@ def point_line_distance(points, line):
     normal = np.array([line[0], line[1]])
     return np.linalg.norm(points - foot(points, normal, line[2]), axis=1)
 
+# %% wrong: a list back
+# loses only: returns_an_array
+# says: they are no array
+def point_line_distance(points, line):
+    a, b, c = line
+    return [abs(a * x + b * y + c) for x, y in points]
+
 # %% wrong: no absolute value
-# loses: takes_both_sides, test_distances_from_lines
-# says: the absolute value is missing
+# loses only: takes_both_sides, test_distances_on_both_sides, test_distances_in_course_cloud
+# says: distances are wrong
+# claims: the absolute value is missing
 def point_line_distance(points, line):
     a, b, c = line
     return a * points[:, 0] + b * points[:, 1] + c
 
 # %% wrong: negative ones become 0
-# loses: takes_both_sides, test_distances_from_lines
+# loses only: takes_both_sides, test_distances_on_both_sides, test_distances_in_course_cloud
 # says: distances are wrong
+# claims: all get 0
 def point_line_distance(points, line):
     a, b, c = line
     return np.maximum(a * points[:, 0] + b * points[:, 1] + c, 0)
 
 # %% wrong: c forgotten
-# loses: measures_square_to_the_line, test_distances_from_lines
-# says: c is missing
+# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
+# says: distances are wrong
+# claims: c is missing
 def point_line_distance(points, line):
     return np.abs(points @ np.array(line)[:2])
 
 # %% wrong: c subtracted
-# loses: measures_square_to_the_line, test_distances_from_lines
-# says: The sign of c is wrong
+# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
+# says: distances are wrong
+# claims: c has the wrong sign
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[:, 0] + b * points[:, 1] - c)
 
+# %% wrong: c outside the bracket
+# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
+# says: distances are wrong
+# claims: c is added after it
+def point_line_distance(points, line):
+    a, b, c = line
+    return np.abs(a * points[:, 0] + b * points[:, 1]) + c
+
+# %% wrong: the absolute value of each part
+# loses: measures_square_to_the_line, test_distances_from_lines
+# says: distances are wrong
+# claims: of the three parts are added
+def point_line_distance(points, line):
+    a, b, c = line
+    return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c)
+
+# %% wrong: the absolute value of the first part
+# loses: test_distances_in_course_cloud
+# says: distances are wrong
+def point_line_distance(points, line):
+    a, b, c = line
+    return abs(a * points[:, 0]) + b * points[:, 1] + c
+
 # %% wrong: straight up and down
 # loses: measures_square_to_the_line, measures_from_upright_lines, test_distances_from_lines
-# says: straight up and down
+# says: distances are wrong
+# claims: straight up and down
 def point_line_distance(points, line):
     a, b, c = line
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -78,14 +113,16 @@ def point_line_distance(points, line):
 
 # %% wrong: squared
 # loses: measures_square_to_the_line, test_distances_from_lines
-# says: squared distances
+# says: distances are wrong
+# claims: squared distances
 def point_line_distance(points, line):
     a, b, c = line
     return (a * points[:, 0] + b * points[:, 1] + c) ** 2
 
 # %% wrong: rows for columns
 # loses: measures_square_to_the_line, test_distances_in_course_cloud
-# says: points[0] is the first point
+# says: one distance for each of the 6 points
+# claims: the first two points
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[0] + b * points[1] + c)
@@ -97,6 +134,12 @@ def point_line_distance(points, line):
     a, b, c = line
     return np.linalg.norm(a * points[:, 0] + b * points[:, 1] + c)
 
+# %% wrong: a line is taken for an array
+# loses only: takes_any_line
+# says: raised
+def point_line_distance(points, line):
+    return np.abs(points @ line[:2].T + line[2])
+
 # %% wrong: distance from the origin
 # loses: measures_square_to_the_line, test_distances_from_lines
 # says: distances are wrong
@@ -106,12 +149,13 @@ def point_line_distance(points, line):
 # %% wrong: x and y swapped
 # loses: measures_square_to_the_line, test_distances_from_lines
 # says: distances are wrong
+# claims: x and y are swapped
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[:, 1] + b * points[:, 0] + c)
 
 # %% wrong: moves the points
-# loses: leaves_points_and_line
+# loses only: leaves_points_and_line
 # says: changed its input
 def point_line_distance(points, line):
     a, b, c = line
@@ -119,7 +163,7 @@ def point_line_distance(points, line):
     return np.abs(points.sum(axis=1) + c)
 
 # %% wrong: fails for no points
-# loses: takes_few_points
+# loses only: takes_few_points
 # says: can be empty
 def point_line_distance(points, line):
     a, b, c = line
@@ -127,6 +171,20 @@ def point_line_distance(points, line):
     if value.min() < 0:
         value = abs(value)
     return value
+
+# %% wrong: a table of one column
+# loses: measures_square_to_the_line, test_distances_from_lines
+# says: A column (n, 1) is a table
+def point_line_distance(points, line):
+    a, b, c = line
+    return np.abs(points @ np.array([[a], [b]]) + c)
+
+# %% wrong: forgets to return
+# loses: measures_square_to_the_line, test_distances_from_lines
+# says: returned None
+def point_line_distance(points, line):
+    a, b, c = line
+    distances = np.abs(a * points[:, 0] + b * points[:, 1] + c)
 
 # %% wrong: always 0
 # loses: measures_square_to_the_line, takes_both_sides, test_distances_from_lines
@@ -136,6 +194,6 @@ def point_line_distance(points, line):
 
 # %% wrong: stub left in place
 # loses: measures_square_to_the_line, test_distances_from_lines
-# says: still raises NotImplementedError
+# says: is not started
 def point_line_distance(points, line):
     raise NotImplementedError

@@ -99,7 +99,7 @@ def principal_axes(points):
                             np.cross(axes[:, 0], axes[:, 1])]).astype(np.float32)
 
 # %% wrong: np.cov of rows instead of columns
-# loses: orders_by_spread, test_any_turn, test_scanned
+# loses: finds_the_directions, test_any_turn, test_scanned
 # says: are a 3 x 3 matrix, however many points there are
 def principal_axes(points):
     if len(points) < 2:
@@ -108,8 +108,9 @@ def principal_axes(points):
     return axes[:, ::-1]
 
 # %% wrong: columns left in ascending order
-# loses: orders_by_spread, test_any_turn
-# says: right axes in another order
+# loses only: orders_by_spread, test_order
+# says: not in the order of the spread
+# claims: order of increasing spread
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -120,8 +121,8 @@ def principal_axes(points):
     return axes
 
 # %% wrong: np.linalg.eig left unsorted
-# loses: orders_by_spread, test_any_turn
-# says: right axes in another order
+# loses only: orders_by_spread, test_order, test_few_points
+# says: not in the order of the spread
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -132,8 +133,8 @@ def principal_axes(points):
     return axes
 
 # %% wrong: left-handed at times
-# loses: stays_right_handed, test_any_turn
-# says: left-handed
+# loses only: stays_right_handed, test_handed
+# says: flip the sign of one column
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -141,8 +142,9 @@ def principal_axes(points):
     return np.linalg.eigh(q.T @ q)[1][:, ::-1]
 
 # %% wrong: axes in the rows
-# loses: orders_by_spread, test_any_turn
-# says: each must be a column
+# loses: finds_the_directions, takes_few_points, test_any_turn
+# says: No column runs along
+# claims: they stand in the rows
 def principal_axes(points):
     if len(points) < 3:
         return np.eye(3)
@@ -150,8 +152,9 @@ def principal_axes(points):
     return rows * np.sign(np.linalg.det(rows))
 
 # %% wrong: sorts the rows of the matrix instead of its columns
-# loses: orders_by_spread, test_any_turn
-# says: degrees off
+# loses: finds_the_directions, test_any_turn
+# says: No column runs along
+# claims: the rows of the matrix
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -161,16 +164,18 @@ def principal_axes(points):
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: not centred
-# loses: centres_the_points, test_any_turn
-# says: Subtract points.mean(axis=0)
+# loses only: centres_the_points, test_place
+# says: Subtract the mean
+# claims: The points are not centred
 def principal_axes(points):
     q = points[:, :3]
     axes = np.linalg.eigh(q.T @ q)[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: z-score instead of centring
-# loses: orders_by_spread, centres_the_points, test_any_turn
-# says: do not divide by the standard deviation
+# loses: finds_the_directions, test_any_turn
+# says: No column runs along
+# claims: divided by its own spread
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -180,15 +185,15 @@ def principal_axes(points):
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: mean over each point instead of each axis
-# loses: centres_the_points, orders_by_spread
-# says: degrees off
+# loses: finds_the_directions, test_any_turn
+# says: No column runs along
 def principal_axes(points):
     q = points[:, :3] - points[:, :3].mean(axis=1, keepdims=True)
     axes = np.linalg.eigh(q.T @ q)[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: intensity as a fourth direction
-# loses: ignores_intensity, test_forms_of_points
+# loses only: ignores_intensity, test_points_with_intensity
 # says: Intensity is not a direction
 def principal_axes(points):
     if len(points) == 0:
@@ -198,7 +203,7 @@ def principal_axes(points):
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: the short form of the SVD fails for two points
-# loses: takes_few_points, test_few_points
+# loses only: takes_few_points, test_few_points
 # says: however many points there are
 def principal_axes(points):
     if len(points) == 0:
@@ -209,14 +214,14 @@ def principal_axes(points):
     return rows.T
 
 # %% wrong: np.cov of a single point is not a number
-# loses: takes_few_points, test_few_points
-# says: np.cov of one point is not a number
+# loses only: takes_few_points, test_few_points
+# says: raised LinAlgError
 def principal_axes(points):
     axes = np.linalg.eigh(np.cov(points[:, :3].T))[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: returns variances and axes
-# loses: orders_by_spread, test_any_turn
+# loses: finds_the_directions, test_any_turn
 # says: three axes, one in each column
 def principal_axes(points):
     q = points[:, :3] - points[:, :3].mean(axis=0)
@@ -224,8 +229,8 @@ def principal_axes(points):
     return values[::-1], axes[:, ::-1] * np.sign(np.linalg.det(axes[:, ::-1]))
 
 # %% wrong: axes as long as the standard deviations
-# loses: orders_by_spread, test_any_turn
-# says: Each axis must have length 1
+# loses only: has_unit_length, takes_few_points, test_size, test_few_points
+# says: Not every axis has length 1
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -235,7 +240,7 @@ def principal_axes(points):
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: centres its input in place
-# loses: ignores_intensity
+# loses only: leaves_its_input
 # says: changed its input
 def principal_axes(points):
     if len(points) == 0:
@@ -246,13 +251,36 @@ def principal_axes(points):
     return axes
 
 # %% wrong: always x, y and z
-# loses: orders_by_spread, stays_right_handed, centres_the_points, takes_few_points, test_any_turn, test_few_points, test_scanned
-# says: degrees off
+# loses: finds_the_directions, orders_by_spread, stays_right_handed, centres_the_points, takes_few_points, test_any_turn, test_few_points, test_scanned
+# says: No column runs along
 def principal_axes(points):
     return np.eye(3)
 
 # %% wrong: stub left in place
-# loses: orders_by_spread, test_any_turn
-# says: still raises NotImplementedError
+# loses: finds_the_directions, test_any_turn
+# says: is not started
 def principal_axes(points):
     raise NotImplementedError
+
+# %% wrong: the parameter renamed
+# loses only: keeps_the_name
+# says: another name
+def principal_axes(cluster):
+    if len(cluster) == 0:
+        return np.eye(3)
+    q = cluster[:, :3] - cluster[:, :3].mean(axis=0)
+    axes = np.linalg.eigh(q.T @ q)[1][:, ::-1].copy()
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    return axes
+
+# %% wrong: ascending and left-handed at times
+# loses only: orders_by_spread, stays_right_handed, test_order, test_handed
+# says: not in the order of the spread
+# claims: order of increasing spread
+def principal_axes(points):
+    if len(points) == 0:
+        return np.eye(3)
+    q = points[:, :3] - points[:, :3].mean(axis=0)
+    axes = np.linalg.eigh(q.T @ q)[1].copy()
+    axes[:, 0] *= -np.sign(np.linalg.det(axes))
+    return axes

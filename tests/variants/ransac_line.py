@@ -167,8 +167,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return search.line, search.inliers
 
 # %% wrong: draws with replacement
-# loses: test_two_points
-# says: Draw without replacement
+# loses only: draws_different_points, test_two_points
+# says: In some runs there was none
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -187,7 +187,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: the last line, not the best
 # loses: finds_the_line, test_fresh_lines, test_many_outliers
-# says: Is the best line kept
+# says: The line was found in
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     line, mask = None, np.zeros(len(points), dtype=bool)
@@ -224,7 +224,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: the line with the fewest inliers
 # loses: finds_the_line, test_fresh_lines, test_course_cloud_wall
-# says: Is the best line kept
+# says: The line was found in
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -243,7 +243,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: the mask of the last round with the line of the best
-# loses: marks_its_own_inliers, finds_the_line, test_fresh_lines
+# loses only: marks_its_own_inliers, test_own_inliers
 # says: The mask does not belong to the line.
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
@@ -263,7 +263,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: no absolute value
 # loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
-# says: marked but farther away
+# says: The line was found in
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -281,8 +281,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: the tolerance is squared
-# loses: marks_its_own_inliers, test_fresh_lines
-# says: not its square
+# loses only: marks_its_own_inliers, test_own_inliers, test_moved_and_scaled
+# says: and not squared
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -300,7 +300,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: the normal is not normalised
-# loses: marks_its_own_inliers, finds_the_line, test_fresh_lines
+# loses: marks_its_own_inliers, test_own_inliers
 # says: of the line but not marked
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
@@ -318,7 +318,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: refitted at the end, the old mask returned
-# loses: marks_its_own_inliers, test_fresh_lines
+# loses only: marks_its_own_inliers, test_own_inliers, finds_upright_walls, test_upright
 # says: The mask does not belong to the line.
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
@@ -341,7 +341,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: ten rounds, whatever is asked
-# loses: draws_as_often_as_told, test_many_outliers
+# loses only: draws_as_often_as_told, test_many_outliers
 # says: found in
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
@@ -360,8 +360,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: a thousand rounds, whatever is asked
-# loses: draws_as_often_as_told, test_iterations_count
-# says: were there more samples than
+# loses only: draws_no_more_than_told, test_iterations_count
+# says: can hardly do that
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -379,8 +379,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: a seed of its own
-# loses: repeats_with_its_seed
-# says: is a seed written into the function
+# loses only: follows_its_rng
+# says: gave 20 times the same line
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(42)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -398,7 +398,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: global dice instead of rng
-# loses: repeats_with_its_seed
+# loses only: repeats_with_its_seed, takes_a_seed
 # says: The same seed gave two different answers
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -416,7 +416,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: without the line that makes a generator of a seed
-# loses: takes_a_seed
+# loses only: takes_a_seed
 # says: rng may be a whole number: begin with rng = np.random.default_rng(rng)
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -435,7 +435,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: indices instead of a mask
 # loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
-# says: Are these the indices of the inliers
+# says: These are row numbers
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_inliers = None, np.zeros(0, dtype=int)
@@ -491,8 +491,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best
 
 # %% wrong: slope and intercept inside
-# loses: test_moved_and_upright
-# says: Only distances count: no slope
+# loses only: finds_upright_walls, test_upright
+# says: No slope
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -511,8 +511,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: does not ask for None
-# loses: survives_equal_points, test_many_equal_points
-# says: raised TypeError
+# loses only: survives_equal_points, answers_for_equal_points, test_many_equal_points
+# says: cannot be taken apart
 def _line(p, q):
     length = np.hypot(*(q - p))
     if length == 0:
@@ -533,8 +533,8 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: fails for fewer than two points
-# loses: answers_for_too_few, test_small_and_single
-# says: Ask len(points) < 2 before the loop
+# loses only: answers_for_too_few, test_too_few
+# says: raised ValueError
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     best, best_mask = None, np.zeros(len(points), dtype=bool)
@@ -582,22 +582,97 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return (*normal, -normal @ centre), np.abs((points - centre) @ normal) <= distance_tolerance
 
 # %% wrong: always no line
-# loses: finds_the_line, marks_its_own_inliers, answers_for_too_few, test_small_and_single
-# says: There is no line, though the points differ
+# loses: finds_the_line, marks_its_own_inliers, answers_for_too_few, test_too_few
+# says: In 12 of them the answer was None
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     return None, np.zeros(len(points), dtype=bool)
 
-# %% wrong: rng used as if it were always a generator
+# %% wrong: draws, and does nothing with it
 # loses: finds_the_line, test_fresh_lines
-# says: 'int' object has no attribute 'choice'
+# says: In 12 of them the answer was None
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     best, best_mask = None, np.zeros(len(points), dtype=bool)
     for _ in range(max_iterations):
         p, q = points[rng.choice(len(points), size=2, replace=False)]
     return best, best_mask
 
+# %% wrong: gives up after equal points
+# loses only: survives_equal_points, test_many_equal_points
+# says: `break` gives up
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            break
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: the two points in one array
+# loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
+# says: This line gives a function more or fewer values than it takes
+def _line(p, q):
+    length = np.hypot(*(q - p))
+    return (p[1] - q[1]) / length, (q[0] - p[0]) / length, (p[0] * q[1] - p[1] * q[0]) / length
+
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    for _ in range(max_iterations):
+        chosen = rng.choice(len(points), size=2, replace=False)
+        a, b, c = _line(points[chosen])
+        mask = np.abs(a * points[:, 0] + b * points[:, 1] + c) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (a, b, c), mask
+    return best, best_mask
+
+# %% wrong: parameters renamed
+# loses only: keeps_the_names
+# says: another name
+def ransac_line(points, rounds, tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(rounds):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: the points instead of a mask
+# loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
+# says: These are points
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, points[best_mask]
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, points[best_mask]
+
 # %% wrong: stub left in place
 # loses: finds_the_line, test_fresh_lines, leaves_its_input
-# says: still raises NotImplementedError
+# says: is not started
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     raise NotImplementedError

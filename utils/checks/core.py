@@ -197,8 +197,9 @@ def _raised(exercise: str, error: Exception, function: Callable) -> CheckFailed:
     kind, (name, place, line) = type(error).__name__, place_in(error, function)
     if isinstance(error, NotImplementedError):
         return NotStarted(exercise, name or exercise)
-    message = f"{exercise} raised {kind}: {error}" + (f" ({place}: {line})" if place else "")
-    return Raised(message, kind=kind, place=place, tip=tip_for(kind, str(error), line))
+    tip = tip_for(kind, str(error), line)
+    message = f"{exercise} raised {kind}: {error}"
+    return Raised(message, kind=kind, place=place, line=line, tip=tip)
 
 
 def check(function: Callable, exercise: str | None = None) -> None:

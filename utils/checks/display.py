@@ -1,6 +1,7 @@
 """Show what came of checks: a table in a notebook, plain text elsewhere."""
 
 import contextlib
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -8,8 +9,15 @@ from utils.checks.core import Check
 from utils.checks.story import Outcome, Story, details
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
-_COLOURS = {"passed": "#1a7f4b", "failed": "#c4420b", "note": "#8a5a00", "waiting": "#5f6670"}
-_SIGNS = {"passed": "✓ passed", "failed": "✗ failed", "note": "! note", "waiting": "… waiting"}
+_STATES = {
+    "passed": ("#1a7f4b", "✓ passed"),
+    "failed": ("#c4420b", "✗ failed"),
+    "note": ("#8a5a00", "! note"),
+    "waiting": ("#5f6670", "… waiting"),
+    "not started": ("#5f6670", "not started"),
+}
+# Beside a failure, more rows than this that passed, or wait, are folded into one.
+_MANY = 3
 
 
 class Table:
@@ -66,7 +74,7 @@ def as_text(story: Story) -> str:
     str
     """
     if story.not_started:
-        return f"[waiting] {story.first.failure.message}"
+        return f"[not started] {story.first.failure.message}"
     lines = []
     if story.first:
         lines.append(f"[failed] {story.first.check.title}")
@@ -93,7 +101,7 @@ def as_html(story: Story) -> str:
     str
     """
     if story.not_started:
-        return _table([_row("waiting", "", _line("", story.first.failure.message))])
+        return _table([_row("not started", "", _line("", story.first.failure.message))])
     rows = []
     if story.first:
         body = "".join(_line(label, text) for label, text in _all_details(story))
@@ -106,8 +114,8 @@ def as_html(story: Story) -> str:
     rows += [
         _row("failed", one.check.title, _line("", one.failure.message)) for one in story.others
     ]
-    rows += [_row("waiting", one.check.title) for one in story.waiting]
-    rows += [_row("passed", one.check.title) for one in story.passed]
+    rows += _rows("waiting", story.waiting, story)
+    rows += _rows("passed", story.passed, story)
     rows += [
         _row("note", one.check.title, _line("", f"{one.failure.message} {one.check.why}"))
         for one in story.notes
@@ -120,8 +128,17 @@ def _all_details(story: Story) -> list[tuple[str, str]]:
     said = details(story.first, story.claim)
     if story.blamed:
         sentence = f"{story.blamed}, which this calls, does not pass its own checks."
-        said.insert(1, ("Begin there", sentence))
+        said.insert(0, ("Begin there", sentence))
     return said
+
+
+def _rows(state: str, outcomes: Sequence[Outcome], story: Story) -> list[str]:
+    """What holds, or waits, row by row; beside a failure many rows are folded into one."""
+    if story.first is None or len(outcomes) <= _MANY:
+        return [_row(state, one.check.title) for one in outcomes]
+    titles = _titles(one.check for one in outcomes)
+    summary = f"<summary>{len(outcomes)} checks</summary>"
+    return [_row(state, "", f"<details>{summary}{titles.removeprefix('<br>')}</details>")]
 
 
 def _count(outcomes: Sequence[Outcome]) -> str:
@@ -133,17 +150,19 @@ def _titles(checks: Iterable[Check]) -> str:
 
 
 def _line(label: str, text: str) -> str:
-    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + escape(text)
+    said = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+    return "<br>" + (f"<i>{escape(label)}:</i> " if label else "") + said
 
 
 def _row(state: str, title: str, body: str = "") -> str:
+    colour, sign = _STATES[state]
     mark = (
-        f"<span style='background:{_COLOURS[state]};color:#fff;font-weight:bold;"
-        f"white-space:nowrap;padding:0 0.5em;border-radius:3px'>{_SIGNS[state]}</span>"
+        f"<span style='background:{colour};color:#fff;font-weight:bold;"
+        f"white-space:nowrap;padding:0 0.5em;border-radius:3px'>{sign}</span>"
     )
     said = f"<b>{escape(title)}</b>{body}" if title else body.removeprefix("<br>")
     return (
-        f"<tr><td style='width:6em;vertical-align:top;text-align:left'>{mark}</td>"
+        f"<tr><td style='width:7.5em;vertical-align:top;text-align:left'>{mark}</td>"
         f"<td style='text-align:left'>{said}</td></tr>"
     )
 

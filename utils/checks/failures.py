@@ -75,9 +75,11 @@ class NotYet(CheckFailed):
 class Raised(CheckFailed):
     """The function raised an exception."""
 
-    def __init__(self, message: str, *, kind: str, place: str | None, tip: str = "") -> None:
+    def __init__(
+        self, message: str, *, kind: str, place: str | None, line: str = "", tip: str = ""
+    ) -> None:
         super().__init__(message, tip=tip)
-        self.kind, self.place = kind, place
+        self.kind, self.place, self.line = kind, place, line
 
     @property
     def cause(self) -> Hashable:  # noqa: D102

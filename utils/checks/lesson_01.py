@@ -1,21 +1,27 @@
 """Visible checks of lesson 01: `horizontal_distance` and `drop_invalid`."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.core import visible
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
+    TOLERANCE,
     CheckFailed,
     as_array,
-    assert_close,
     assert_rows,
+    assert_shape,
     assert_untouched,
-    brief,
     frozen,
+    needs,
+    point_text,
 )
 
-# Points on the ground plane of the sensor, echoes without brightness: sides 3-4-5 and the like.
+# ---- horizontal_distance -----------------------------------------------------------------------
+
+# Points level with the sensor, echoes without brightness: sides 3-4-5 and the like.
 _FLAT = frozen(
     np.array(
         [
@@ -27,128 +33,109 @@ _FLAT = frozen(
         ]
     )
 )
-_FLAT_DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
-# The same from the road up to the tree tops, in all brightnesses.
-_STREET = frozen(
-    _FLAT
-    + [
-        [0, 0, -1.7, 0.1],
-        [0, 0, 4.0, 0.9],
-        [0, 0, -0.4, 0.5],
-        [0, 0, 2.5, 1.0],
-        [0, 0, -1.6, 0.8],
-    ]
-)
-
-# Good returns, some with a zero in them, and between them all kinds of bad ones.
-_NAN, _INF = np.nan, np.inf
-_GOOD = frozen(
-    np.array(
-        [
-            [6.0, 0.5, -1.7, 0.2],
-            [0.0, 5.0, -0.5, 0.9],
-            [7.0, 0.0, 0.0, 0.0],
-            [2.0, -3.0, 1.0, 0.4],
-            [-9.0, 4.0, 0.0, 0.6],
-        ]
-    )
-)
-_ZERO = frozen(np.array([[0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.3], [-0.0, 0.0, -0.0, 0.0]]))
-_LOST = frozen(
-    np.array(
-        [
-            [_NAN, _NAN, _NAN, 0.0],
-            [_NAN, 1.0, 2.0, 0.5],
-            [4.0, _NAN, 0.5, 0.5],
-            [4.0, 1.0, _NAN, 0.5],
-            [_INF, 1.0, 0.0, 0.1],
-            [3.0, -_INF, 0.0, 0.1],
-            [3.0, 2.0, _INF, 0.1],
-        ]
-    )
-)
+_DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
+# The same in all brightnesses, and from the road up to the tree tops.
+_BRIGHT = frozen(_FLAT + np.outer([0.1, 0.9, 0.5, 1.0, 0.8], [0, 0, 0, 1]))
+_STREET = frozen(_FLAT + np.outer([-1.7, 4.0, -0.4, 2.5, -1.6], [0, 0, 1, 0]))
 
 
 def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) -> None:
-    """The answer is `expected`; where it is a well-known other number, say which.
+    """The answer is `expected`.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     expected : numpy.ndarray, shape (n,)
+        In metres.
     """
     yours = as_array(answer, what="an array of distances")
-    if yours.shape != expected.shape:
+    points = "the only point" if len(cloud) == 1 else f"each of the {len(cloud)} points"
+    assert_shape(yours, expected.shape, f"one distance for {points}")
+    wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
+    if len(wrong):
+        verb = "is" if len(wrong) == 1 else "are"
         raise CheckFailed(
-            f"There must be one distance for each of the {len(cloud)} points. A column of the "
-            "cloud is cloud[:, 0]; cloud[0] is its first row.",
-            yours=f"shape {yours.shape}",
-            expected=f"shape {expected.shape}",
+            f"{len(wrong)} of {len(cloud)} distances {verb} wrong.",
+            given=f"a point at {point_text(cloud[wrong[0]])}",
+            yours=f"{yours[wrong[0]]:.2f} m",
+            expected=f"{expected[wrong[0]]:.2f} m",
         )
-    if np.allclose(yours, expected, rtol=0, atol=1e-3, equal_nan=True):
-        return
-    xyz = np.asarray(cloud[:, :3], dtype=float)
-    mistakes = {
-        "These are lengths of x, y, z: the height is mixed in.": np.linalg.norm(xyz, axis=1),
-        "These are lengths of whole rows: height and intensity are mixed in.": np.linalg.norm(
-            np.asarray(cloud, dtype=float), axis=1
-        ),
-        "These are squared distances: the square root is missing.": expected**2,
-        "These are |x| + |y|, the way around the corner: square, add, take the root.": np.abs(
-            xyz[:, 0]
-        )
-        + np.abs(xyz[:, 1]),
-        "This is |x| alone: a point to the side is far away, too.": np.abs(xyz[:, 0]),
-    }
-    for sentence, numbers in mistakes.items():
-        if np.allclose(yours, numbers, rtol=0, atol=1e-3):
-            raise CheckFailed(sentence, yours=brief(yours), expected=brief(expected))
-    assert_close(yours, expected, "distances")
+
+
+def assert_measures_level(horizontal_distance: Callable) -> None:
+    """Points level with the sensor are measured right; their height and intensity come next."""
+    with needs("points level with the sensor are measured right"):
+        assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
+
+
+def assert_measures(horizontal_distance: Callable) -> None:
+    """A street is measured right; where not, no other property can be looked at."""
+    with needs("the distances of points high and low are right"):
+        assert_distances(horizontal_distance(_STREET.copy()), _STREET, _DISTANCES)
 
 
 @visible(
     "horizontal_distance",
-    weight=2,
+    weight=1,
     title="The distance of points level with the sensor",
     why="Every later lesson asks which points are near.",
     hint="The root of x² + y², for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
 )
 def measures_distance(horizontal_distance: Callable) -> None:
-    assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _FLAT_DISTANCES)
+    assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
 @visible(
     "horizontal_distance",
     weight=5,
-    title="Neither height nor intensity counts",
-    why="The foot and the lamp of a lamp post are equally far to drive, and a bright number "
-    "plate is no farther than a dark tyre.",
-    hint="np.linalg.norm(cloud, axis=1) uses all columns. Use the first two only.",
+    title="Height does not count",
+    why="The foot and the lamp of a lamp post are equally far to drive.",
+    hint="Of the coordinates use x and y only, the columns 0 and 1.",
 )
-def ignores_height_and_intensity(horizontal_distance: Callable) -> None:
-    assert_distances(horizontal_distance(_STREET[:, :3].copy()), _STREET[:, :3], _FLAT_DISTANCES)
-    assert_distances(horizontal_distance(_STREET.copy()), _STREET, _FLAT_DISTANCES)
+def ignores_height(horizontal_distance: Callable) -> None:
+    assert_measures_level(horizontal_distance)
+    assert_distances(horizontal_distance(_STREET.copy()), _STREET, _DISTANCES)
 
 
 @visible(
     "horizontal_distance",
-    weight=2,
-    title="Takes three columns as well as four, one point and none",
-    why="Some files hold no intensity, and after a filter nothing may be left.",
+    weight=1,
+    title="Intensity does not count",
+    why="A bright number plate is no farther than a dark tyre.",
+    hint="The last column is no length: use the columns 0 and 1 only.",
+)
+def ignores_intensity(horizontal_distance: Callable) -> None:
+    assert_measures_level(horizontal_distance)
+    assert_distances(horizontal_distance(_BRIGHT.copy()), _BRIGHT, _DISTANCES)
+
+
+@visible(
+    "horizontal_distance",
+    weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="Take x and y by their numbers, cloud[:, 0] and cloud[:, 1]: it does not matter then how "
+    "many columns follow.",
+)
+def takes_three_columns(horizontal_distance: Callable) -> None:
+    assert_measures(horizontal_distance)
+    cloud = _STREET[:, :3]
+    assert_distances(horizontal_distance(cloud.copy()), cloud, _DISTANCES)
+
+
+@visible(
+    "horizontal_distance",
+    weight=1,
+    title="Takes one point and none",
+    why="After a filter nothing may be left.",
     hint="Whole columns do it all: no loop over the points and no special case is needed.",
 )
-def takes_every_shape(horizontal_distance: Callable) -> None:
-    for cloud in (
-        _STREET[:, :3],
-        _STREET,
-        _STREET[2:3],
-        _STREET[2:3, :3],
-        _STREET[:0],
-        _STREET[:0, :3],
-    ):
-        expected = np.sqrt((cloud[:, :2] ** 2).sum(axis=1))
-        assert_distances(horizontal_distance(cloud.copy()), cloud, expected)
+def takes_few_points(horizontal_distance: Callable) -> None:
+    assert_measures(horizontal_distance)
+    for rows in (slice(2, 3), slice(0, 0)):
+        cloud = _STREET[rows]
+        assert_distances(horizontal_distance(cloud.copy()), cloud, _DISTANCES[rows])
 
 
 @visible(
@@ -159,91 +146,310 @@ def takes_every_shape(horizontal_distance: Callable) -> None:
     hint="x**2 makes a new array; x **= 2 and x *= x write into the cloud.",
 )
 def leaves_its_input(horizontal_distance: Callable) -> None:
+    assert_measures(horizontal_distance)
     assert_untouched(horizontal_distance, _STREET)
-    assert_distances(horizontal_distance(_STREET.copy()), _STREET, _FLAT_DISTANCES)
 
 
-def _mixed(*parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Good and bad rows shuffled; the cloud, and a mask of the good ones."""
-    cloud = np.vstack([_GOOD, *parts])
+@noted(
+    "horizontal_distance",
+    title="The distances are an array",
+    why="The next cells take its .min() and compare it with a number, which a list cannot do.",
+)
+def gives_an_array(horizontal_distance: Callable) -> None:
+    _assert_array(horizontal_distance(_FLAT.copy()))
+
+
+def _assert_array(answer: object) -> None:
+    if not isinstance(answer, np.ndarray):
+        raise CheckFailed(f"The answer is of type {type(answer).__name__}.")
+
+
+# Clouds by their number of points, and the distances; what people do shows in each of them.
+_MEASURED = {
+    3: frozen(np.array([[5.0, 12.0, 0.6, 0.7], [3.0, -4.0, 1.2, 0.9], [-8.0, 6.0, -1.7, 0.3]])),
+    5: frozen(
+        np.array(
+            [
+                [-4.0, -3.0, 2.2, 0.5],
+                [8.0, -15.0, -1.5, 0.8],
+                [-12.0, 5.0, 0.9, 0.2],
+                [6.0, 8.0, -0.7, 0.6],
+                [-7.0, 24.0, 3.1, 0.4],
+            ]
+        )
+    ),
+}
+_MEASURES = {3: frozen(np.array([13.0, 5.0, 10.0])), 5: frozen(np.array([5.0, 17, 13, 10, 25]))}
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    return np.array([math.hypot(*vector) for vector in vectors.tolist()])
+
+
+mistakes(
+    "horizontal_distance",
+    Mistake(
+        "These are lengths of x, y, z: the height is mixed in.",
+        lambda right, cloud: np.sqrt(right**2 + cloud[:, 2] ** 2),
+        "Use the first two columns only, the ones of x and y.",
+    ),
+    Mistake(
+        "These are lengths of whole rows: height and intensity are mixed in.",
+        lambda right, cloud: np.sqrt(right**2 + (cloud[:, 2:] ** 2).sum(axis=1)),
+        "Use the first two columns only, the ones of x and y.",
+    ),
+    Mistake(
+        "These are squared distances: the square root is missing.",
+        lambda right, cloud: right**2,
+    ),
+    Mistake(
+        "These are |x| + |y|, the way around the corner.",
+        lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
+        "Square both, add, and take the root of the sum.",
+    ),
+    Mistake(
+        "This is the larger of |x| and |y|.",
+        lambda right, cloud: np.abs(cloud[:, :2]).max(axis=1),
+        "Square both, add, and take the root of the sum.",
+    ),
+    Mistake(
+        "This is |x| alone; a point to the side is far away, too.",
+        lambda right, cloud: np.abs(cloud[:, 0]),
+        "Square x and y, add, and take the root.",
+    ),
+    Mistake(
+        "These are lengths of y and z. Columns are counted from 0: x is cloud[:, 0].",
+        lambda right, cloud: np.sqrt(right**2 - cloud[:, 0] ** 2 + cloud[:, 2] ** 2),
+    ),
+    Mistake(
+        "The distances of points behind the sensor are negative.",
+        lambda right, cloud: np.where(cloud[:, 0] < 0, -right, right),
+        "A distance has no direction.",
+    ),
+    Mistake(
+        "cloud[0] and cloud[1] are the first two rows, that is two points.",
+        lambda right, cloud: _lengths(cloud[:2].T),
+        "A column is cloud[:, 0]: all rows, column 0.",
+    ),
+    Mistake(
+        "The lengths are taken down the columns, over all points.",
+        lambda right, cloud: _lengths(cloud.T[:2]),
+        "axis=1 goes along a row, and gives one number for each point.",
+    ),
+    Mistake(
+        "The lengths are taken down all columns, over all points.",
+        lambda right, cloud: _lengths(cloud.T),
+        "axis=1 goes along a row, and gives one number for each point. Take the columns of x and y "
+        "only.",
+    ),
+    Mistake(
+        "The distances are sorted; the one of each point has to keep the point's place.",
+        lambda right, cloud: np.sort(right),
+    ),
+    cases=[(cloud,) for cloud in _MEASURED.values()],
+    right=lambda cloud: _MEASURES[len(cloud)],
+)
+
+# ---- drop_invalid ------------------------------------------------------------------------------
+
+_NAN, _INF = np.nan, np.inf
+# No coordinate of these is 0, and no sum of them.
+_GOOD = frozen(
+    np.array(
+        [
+            [6.0, 0.5, -1.7, 0.2],
+            [0.4, 5.0, -0.5, 0.9],
+            [7.0, 1.0, 3.0, 0.0],
+            [2.0, -3.5, 1.0, 0.4],
+            [-9.0, 4.0, 0.3, 0.6],
+        ]
+    )
+)
+_ORIGIN = frozen(np.array([[0.0, 0.0, 0.0, 0.0], [-0.0, 0.0, -0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]))
+_BRIGHT_ORIGIN = frozen(_ORIGIN + np.outer([0.3, 1.0, 0.01], [0, 0, 0, 1]))
+_NANS = frozen(
+    np.array(
+        [
+            [_NAN, _NAN, _NAN, 0.1],
+            [_NAN, 1.0, 2.0, 0.5],
+            [4.0, _NAN, 0.5, 0.5],
+            [4.0, 1.0, _NAN, 0.5],
+        ]
+    )
+)
+_INFINITE = frozen(
+    np.array(
+        [
+            [_INF, 1.0, 0.5, 0.1],
+            [3.0, -_INF, 0.5, 0.1],
+            [3.0, 2.0, _INF, 0.1],
+            [_INF, -_INF, _INF, 0.1],
+        ]
+    )
+)
+
+
+def _mixed(*lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Good and lost rows shuffled; the cloud, and a mask of the good ones."""
+    cloud = np.vstack([_GOOD, *lost])
     order = np.random.default_rng(4).permutation(len(cloud))
     return cloud[order], order < len(_GOOD)
 
 
+def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
+    """Lost rows go and good ones stay.
+
+    Parameters
+    ----------
+    drop_invalid : callable
+    *lost : numpy.ndarray, shape (m, 4)
+    """
+    cloud, good = _mixed(*lost)
+    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
+
+
+def assert_works(drop_invalid: Callable) -> None:
+    """One of the two common kinds of lost returns goes; where not, there is nothing to look at.
+
+    Whoever has the other kind wrong still shows what else is right.
+    """
+    with needs("lost returns go and the others stay"):
+        try:
+            assert_drops(drop_invalid, _ORIGIN)
+        except CheckFailed:
+            assert_drops(drop_invalid, _NANS)
+
+
 @visible(
     "drop_invalid",
-    weight=3,
-    title="Drops returns at (0, 0, 0), whatever their intensity",
+    weight=4,
+    title="Drops returns at (0, 0, 0)",
     why="They look like an obstacle inside the sensor: the car would brake without end.",
-    hint="Compare the coordinates cloud[:, :3] with 0. A row is bad when all three are 0.",
+    hint="Compare the coordinates with 0. A row is lost when all three are 0.",
 )
 def drops_the_origin(drop_invalid: Callable) -> None:
-    cloud, good = _mixed(_ZERO)
-    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
-
-
-@visible(
-    "drop_invalid",
-    weight=3,
-    title="Drops rows with a coordinate that is NaN or infinite",
-    why="One NaN turns a mean, a box or a whole map into NaN.",
-    hint="np.isfinite is False for NaN and for both infinities. A good row is finite in all "
-    "three coordinates; NaN == NaN is False, so comparing does not find it.",
-)
-def drops_what_is_not_finite(drop_invalid: Callable) -> None:
-    cloud, good = _mixed(_LOST)
-    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
-
-
-@visible(
-    "drop_invalid",
-    weight=2,
-    title="Keeps good points, also those with a 0 among their coordinates",
-    why="A car exactly to the left has x = 0. It must not vanish for that.",
-    hint="One coordinate of 0 is fine; all three are not. Their sum says little: "
-    "2 - 3 + 1 is 0, too.",
-)
-def keeps_good_points(drop_invalid: Callable) -> None:
-    crossing = np.array(
-        [
-            [0.0, 5.0, 0.0],
-            [5.0, 0.0, 0.0],
-            [0.0, 0.0, -1.7],
-            [1.0, -1.0, 0.0],
-            [0.01, 0.0, 0.0],
-            [0.0, 0.0, 0.0],
-        ]
-    )
-    assert_rows(drop_invalid(crossing.copy()), crossing, np.arange(6) < 5, view="above")
-    cloud, good = _mixed(_ZERO, _LOST)
-    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
+    assert_drops(drop_invalid, _ORIGIN)
 
 
 @visible(
     "drop_invalid",
     weight=1,
-    title="Judges by the coordinates: a missing intensity does no harm",
-    why="Some scanners report the place of an echo but not its strength.",
-    hint="Look at cloud[:, :3] only, and then index the whole cloud with the mask.",
+    title="Drops returns at (0, 0, 0) whatever their intensity",
+    why="A lost echo may come with the brightness of the one before.",
+    hint="Compare cloud[:, :3] with 0, not the whole row.",
 )
-def ignores_intensity(drop_invalid: Callable) -> None:
-    cloud = np.vstack([_GOOD, _GOOD, _ZERO])
-    cloud[:3, 3] = _NAN, _INF, 0.0
-    good = np.arange(len(cloud)) < 2 * len(_GOOD)
-    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
+def drops_bright_ones(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    assert_drops(drop_invalid, _BRIGHT_ORIGIN)
+
+
+@visible(
+    "drop_invalid",
+    weight=4,
+    title="Drops rows with a coordinate that is NaN",
+    why="One NaN turns a mean, a box or a whole map into NaN.",
+    hint="A good row is finite in all three coordinates: np.isfinite tells. NaN is not equal to "
+    "anything, so comparing does not find it.",
+)
+def drops_nan(drop_invalid: Callable) -> None:
+    assert_drops(drop_invalid, _NANS)
 
 
 @visible(
     "drop_invalid",
     weight=2,
-    title="Takes three columns, an empty cloud, and one without a good row",
+    title="Drops rows with a coordinate that is infinite",
+    why="Some scanners write an infinite range where no echo came back.",
+    hint="np.isfinite is False for NaN and for both infinities; np.isnan knows NaN alone.",
+)
+def drops_what_is_infinite(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    assert_drops(drop_invalid, _INFINITE)
+
+
+@visible(
+    "drop_invalid",
+    weight=2,
+    title="Keeps good points with a 0 among their coordinates",
+    why="A car exactly to the left has x = 0. It must not vanish for that.",
+    hint="One coordinate of 0 is fine; all three are not. Their sum says little: "
+    "2 - 3 + 1 is 0, too.",
+)
+def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    crossing = np.array(
+        [
+            [0.0, 5.0, 0.4, 0.1],
+            [5.0, 0.0, -0.4, 0.1],
+            [4.0, -1.0, 0.0, 0.1],
+            [0.0, 0.0, -1.7, 0.1],
+            [0.0, 6.0, 0.0, 0.1],
+            [2.0, -3.0, 1.0, 0.1],
+        ]
+    )
+    answer = drop_invalid(crossing.copy())
+    assert_rows(answer, crossing, np.ones(len(crossing), dtype=bool), view="above")
+
+
+@visible(
+    "drop_invalid",
+    weight=1,
+    title="Keeps points that are merely close to the sensor",
+    why="The nearest real point is the one that a car must brake for.",
+    hint="Only exactly (0, 0, 0) is a lost return: compare with 0, not with a small number.",
+)
+def keeps_near_points(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    near = frozen(_GOOD * [0.01, 0.01, 0.01, 1])
+    answer = drop_invalid(near.copy())
+    assert_rows(answer, near, np.ones(len(near), dtype=bool), view="above")
+
+
+@visible(
+    "drop_invalid",
+    weight=1,
+    title="A missing intensity does no harm",
+    why="Some scanners report the place of an echo but not its strength.",
+    hint="Look at cloud[:, :3] only, and then index the whole cloud with the mask.",
+)
+def allows_missing_intensity(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    cloud = _GOOD.copy()
+    cloud[:3, 3] = _NAN, _INF, 0.0
+    assert_rows(drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above")
+
+
+@visible(
+    "drop_invalid",
+    weight=1,
+    title="Takes three columns as well as four",
+    why="Some files hold no intensity.",
+    hint="cloud[:, :3] are the coordinates, whether or not a column follows; cloud[:, :-1] are "
+    "them only where one does.",
+)
+def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    cloud, _ = _mixed(_ORIGIN, _NANS)
+    four = as_array(drop_invalid(cloud.copy()), columns=4)
+    three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
+    if not np.array_equal(three, four[:, :3], equal_nan=True):
+        raise CheckFailed(
+            "Of the same rows without their intensity, others are left.",
+            yours=f"{len(three)} of {len(cloud)} rows",
+            expected=f"the same {len(four)} as with intensity",
+        )
+
+
+@visible(
+    "drop_invalid",
+    weight=1,
+    title="Takes an empty cloud, and one without a good row",
     why="A sensor under snow returns nothing but lost echoes.",
     hint="The same masks serve every case: no special case is needed.",
 )
-def takes_every_shape_of_scan(drop_invalid: Callable) -> None:
-    cloud, good = _mixed(_ZERO, _LOST)
-    assert_rows(drop_invalid(cloud[:, :3].copy()), cloud[:, :3], good, view="above")
-    for rows in (_ZERO, _LOST, _ZERO[:0], _LOST[:0, :3]):
+def takes_an_empty_scan(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    for rows in (_ORIGIN[:0], _ORIGIN):
         assert_rows(drop_invalid(rows.copy()), rows, np.zeros(len(rows), dtype=bool), view="above")
 
 
@@ -255,6 +461,172 @@ def takes_every_shape_of_scan(drop_invalid: Callable) -> None:
     hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
 def leaves_the_scan(drop_invalid: Callable) -> None:
-    cloud, good = _mixed(_ZERO, _LOST)
-    assert_untouched(drop_invalid, cloud)
-    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
+    assert_works(drop_invalid)
+    assert_untouched(drop_invalid, _mixed(_ORIGIN, _NANS, _INFINITE)[0])
+
+
+@noted(
+    "drop_invalid",
+    title="The rows are an array",
+    why="The next functions take its columns, cloud[:, 0], which a list does not have.",
+)
+def gives_an_array_of_rows(drop_invalid: Callable) -> None:
+    _assert_array(drop_invalid(_GOOD.copy()))
+
+
+# Clouds by their number of rows, and which of them are good; the last has nothing but numbers.
+_SCANS = {
+    14: frozen(
+        np.array(
+            [
+                [3.0, 4.0, 1.0, 0.5],
+                [0.0, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 0.0, 0.6],
+                [0.0, 2.0, -1.0, 0.5],
+                [_NAN, 1.0, 1.0, 0.5],
+                [_NAN, _NAN, _NAN, 0.5],
+                [_INF, 1.0, 1.0, 0.5],
+                [1.0, 2.0, -3.0, 0.5],
+                [5.0, 6.0, 1.0, _NAN],
+                [-4.0, 3.0, 2.0, 0.0],
+                [0.0, 0.0, 0.0, _NAN],
+                [2.0, -_INF, 1.0, 0.5],
+                [6.0, 2.0, 0.0, 0.5],
+                [7.0, 1.0, 2.0, 0.5],
+            ]
+        )
+    ),
+    9: frozen(
+        np.array(
+            [
+                [4.0, 1.0, _NAN, 0.2],
+                [8.0, 2.0, 1.0, 0.2],
+                [_INF, _INF, _INF, 0.2],
+                [0.0, 0.0, 0.0, 0.4],
+                [0.0, 0.0, -1.7, 0.2],
+                [-2.0, 1.0, 1.0, 0.2],
+                [9.0, 2.0, 1.0, _INF],
+                [0.0, 0.0, 0.0, 0.0],
+                [1.0, 1.0, 1.0, 0.3],
+            ]
+        )
+    ),
+    6: frozen(
+        np.array(
+            [
+                [2.0, 2.0, 1.0, 0.2],
+                [0.0, 0.0, 0.0, 0.3],
+                [0.0, 3.0, 0.0, 0.2],
+                [0.0, 0.0, 0.0, 0.0],
+                [4.0, -5.0, 1.0, 0.1],
+                [3.0, 1.0, 2.0, 0.7],
+            ]
+        )
+    ),
+}
+_POINTS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
+
+
+def _where(cloud: np.ndarray, keep: Callable) -> np.ndarray:
+    """The rows for which `keep` holds, of x, y, z as a list and of the intensity."""
+    return cloud[[bool(keep(row[:3], row[3])) for row in cloud.tolist()]]
+
+
+def _number(value: float) -> bool:
+    return math.isfinite(value)
+
+
+mistakes(
+    "drop_invalid",
+    Mistake(
+        "Nothing is dropped: the rows come back as they went in.",
+        lambda right, cloud: cloud,
+    ),
+    Mistake(
+        "Returns at (0, 0, 0) stay.",
+        lambda right, cloud: _where(cloud, lambda xyz, _: all(map(_number, xyz))),
+        "In a lost row all three coordinates are 0: (... == 0).all(axis=1) tells, row by row.",
+    ),
+    Mistake(
+        "Rows with coordinates that are not finite stay; only those at (0, 0, 0) go.",
+        lambda right, cloud: _where(cloud, lambda xyz, _: any(xyz)),
+        "In a good row all three coordinates are finite: np.isfinite tells, number by number.",
+    ),
+    Mistake(
+        "Rows with an infinite coordinate stay; those with NaN go.",
+        lambda right, cloud: _where(
+            cloud, lambda xyz, _: any(xyz) and not any(map(math.isnan, xyz))
+        ),
+        "np.isfinite is False for NaN and for both infinities.",
+    ),
+    Mistake(
+        "Rows with NaN go; rows with an infinite coordinate stay, and those at (0, 0, 0), too.",
+        lambda right, cloud: _where(cloud, lambda xyz, _: not any(map(math.isnan, xyz))),
+        "np.isfinite is False for NaN and for both infinities. In a row at (0, 0, 0) all three "
+        "coordinates are 0.",
+    ),
+    Mistake(
+        "A row goes as soon as one of its coordinates is 0.",
+        lambda right, cloud: _where(right, lambda xyz, _: all(xyz)),
+        "Only a row in which all three are 0 is lost.",
+    ),
+    Mistake(
+        "A row at (0, 0, 0) goes only if its intensity is 0, too.",
+        lambda right, cloud: _where(
+            cloud, lambda xyz, shine: all(map(_number, xyz)) and (any(xyz) or shine != 0)
+        ),
+        "Compare cloud[:, :3] with 0, not the whole row.",
+    ),
+    Mistake(
+        "Good points go because their intensity is not finite.",
+        lambda right, cloud: _where(right, lambda xyz, shine: _number(shine)),
+        "Look at cloud[:, :3] only.",
+    ),
+    Mistake(
+        "Intensity is looked at as if it were a coordinate, in both masks.",
+        lambda right, cloud: _where(
+            cloud,
+            lambda xyz, shine: all(map(_number, (*xyz, shine))) and any((*xyz, shine)),
+        ),
+        "Look at cloud[:, :3] only.",
+    ),
+    Mistake(
+        "Good points go because their coordinates add up to 0.",
+        lambda right, cloud: _where(right, lambda xyz, _: sum(xyz) != 0),
+        "Ask whether all three are 0, each by itself.",
+    ),
+    Mistake(
+        "A row that is not finite goes only if all three coordinates are not.",
+        lambda right, cloud: _where(cloud, lambda xyz, _: any(map(_number, xyz)) and any(xyz)),
+        "A good row is finite in all three coordinates: .all(axis=1), not .any(axis=1).",
+    ),
+    Mistake(
+        "It is the returns at (0, 0, 0) that stay, and the points that go.",
+        lambda right, cloud: _where(cloud, lambda xyz, _: not any(xyz)),
+        "~ turns a mask around.",
+    ),
+    Mistake(
+        "The coordinates alone are returned, without the intensity.",
+        lambda right, cloud: right[:, :3],
+        "Make the mask from cloud[:, :3], and index the whole cloud with it.",
+    ),
+    Mistake(
+        "`cloud != nan` is True for every number, NaN included, and as a mask of the cloud's own "
+        "shape it lays all numbers in one long row.",
+        lambda right, cloud: cloud.reshape(-1),
+        "np.isfinite and .all(axis=1) make a mask with one entry for each row.",
+    ),
+    Mistake(
+        "The masks hold one True or False for the whole cloud: axis=1 is missing in both.",
+        lambda right, cloud: cloud[None][: int(np.isfinite(cloud[:, :3]).all())],
+        ".all(axis=1) goes along the rows and gives one entry for each.",
+    ),
+    Mistake(
+        "One lost row and all rows go: the mask of what is finite holds one True or False for the "
+        "whole cloud.",
+        lambda right, cloud: right[: len(right) * int(np.isfinite(cloud[:, :3]).all())],
+        ".all(axis=1) goes along the rows and gives one entry for each.",
+    ),
+    cases=[(cloud,) for cloud in _SCANS.values()],
+    right=lambda cloud: cloud[list(_POINTS[len(cloud)])],
+)

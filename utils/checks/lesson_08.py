@@ -1,87 +1,136 @@
 """Visible checks of lesson 08: `get_bounding_boxes`."""
 
-from collections.abc import Callable, Sequence
-from itertools import product
+from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.boxes import as_cluster_boxes, assert_box_corners
-from utils.checks.core import visible
-from utils.checks.vocabulary import assert_untouched, frozen
+from utils.checks.boxes import (
+    as_cluster_boxes,
+    assert_box_corners,
+    corners_between,
+    same_corners,
+)
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief, frozen, needs
 
-# A car ahead on the left and a pedestrian behind on the right; the first row of each is its
-# largest corner, and stray points of label 0 lie around.
-_CLOUD = frozen(
+# A cluster that surrounds the origin; its first point is neither the smallest nor the largest on
+# any axis. So it matters to it neither where a search starts nor which point comes first: those
+# are checks of their own.
+_POINTS = frozen(
     np.array(
         [
-            [9.0, 3.5, 0.1, 0.3],
-            [-2.5, -4.0, 0.2, 0.5],
-            [20.0, 9.0, 1.0, 0.9],
-            [6.0, 2.0, -1.1, 0.2],
-            [5.0, 2.6, -0.5, 0.9],
-            [-3.0, -4.6, -1.0, 0.1],
-            [7.7, 1.6, -0.9, 0.4],
-            [-15.0, -9.0, -1.4, 0.0],
-            [-2.9, -4.2, -0.3, 0.6],
+            [0.5, 0.2, -0.1],
+            [-2.0, 0.4, 0.3],
+            [3.0, -0.3, 0.2],
+            [0.1, -1.5, -0.4],
+            [-0.6, 2.5, 0.1],
+            [1.0, 0.7, -1.2],
+            [-0.2, -0.5, 0.8],
         ]
     )
 )
-_LABELS = frozen(np.array([1, 2, 0, 1, 1, 2, 1, 0, 2]))
+_LOW, _HIGH = frozen((np.array([-2.0, -1.5, -1.2]), np.array([3.0, 2.5, 0.8])))
+_BOX = frozen(corners_between(_LOW, _HIGH))
+# The same once more, half as large, and shifted.
+_SIZES, _SHIFT = (1.0, 0.5, 1.5), 0.4
+_CLOUD = frozen(np.vstack([_SIZES[0] * _POINTS, _SIZES[1] * _POINTS, _SIZES[2] * _POINTS + _SHIFT]))
+_BOXES = frozen(np.stack([_SIZES[0] * _BOX, _SIZES[1] * _BOX, _SIZES[2] * _BOX + _SHIFT]))
+_LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 
-def _corners(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
-    """(8, 3): x changes fastest, as in corner k with bits 1, 2, 4 for x, y, z."""
-    return np.array(list(product(*zip(low[::-1], high[::-1], strict=True))))[:, ::-1]
-
-
-_CAR = frozen(_corners([5.0, 1.6, -1.1], [9.0, 3.5, 0.1]))
-_PEDESTRIAN = frozen(_corners([-3.0, -4.6, -1.0], [-2.5, -4.0, 0.2]))
+def assert_works(get_bounding_boxes: Callable) -> None:
+    """Three clusters get their boxes; where not, no other property can be looked at."""
+    with needs("each of three clusters gets its box"):
+        answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
+        assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
 
 @visible(
     "get_bounding_boxes",
     weight=4,
-    title="Each box reaches from the smallest to the largest x, y and z of its cluster",
+    title="A box reaches from the smallest to the largest x, y and z of its points",
     why="A corner too few centimetres out and the car scrapes along what it did not box.",
     hint="points.min(axis=0) and points.max(axis=0) of the rows of one label give all six "
     "numbers; a corner takes, for each axis, one or the other.",
 )
 def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
-    only_car = np.where(_LABELS == 1, 1, 0)
-    assert_box_corners(
-        get_bounding_boxes(_CLOUD.copy(), only_car.copy()), _CAR[None], _CLOUD, only_car
-    )
-    assert_box_corners(
-        get_bounding_boxes(_CLOUD.copy(), _LABELS.copy()),
-        np.stack([_CAR, _PEDESTRIAN]),
-        _CLOUD,
-        _LABELS,
-    )
+    labels = np.ones(7, dtype=int)
+    answer = get_bounding_boxes(_POINTS.copy(), labels.copy())
+    assert_box_corners(answer, _BOX[None], _POINTS, labels)
 
 
 @visible(
     "get_bounding_boxes",
     weight=3,
-    title="One box for each label above 0, in ascending order, gaps or not",
-    why="Filters remove clusters and leave gaps in the numbers; the next step still wants "
-    "to know which box is whose.",
-    hint="np.unique(cluster_labels) lists the labels that occur, in ascending order. "
-    "range(1, ...) would invent those that do not.",
+    title="Each label gets a box of its own",
+    why="One box over two cars closes the gap between them, too.",
+    hint="For each label take the rows with that label alone, cloud[cluster_labels == label], "
+    "and start afresh.",
 )
 def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
-    swapped = np.array([0, 7, 3])[_LABELS]  # the car is 7, the pedestrian 3
-    assert_box_corners(
-        get_bounding_boxes(_CLOUD.copy(), swapped.copy()),
-        np.stack([_PEDESTRIAN, _CAR]),
-        _CLOUD,
-        swapped,
-    )
-    assert_box_corners(
-        get_bounding_boxes(cloud=_CLOUD.copy(), cluster_labels=swapped.copy()),
-        np.stack([_PEDESTRIAN, _CAR]),
-        _CLOUD,
-        swapped,
-    )
+    answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
+    assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
+
+
+@visible(
+    "get_bounding_boxes",
+    weight=3,
+    title="A cluster may lie anywhere: ahead on the left, behind on the right",
+    why="Behind us on the right all coordinates are negative, and their largest is below 0.",
+    hint="Start from the first point or from infinity: 0 is a place like any other.",
+)
+def starts_anywhere(get_bounding_boxes: Callable) -> None:
+    shifts = np.array([[9.0, 6.0, 3.0], [-9.0, -6.0, -3.0]])
+    cloud = np.vstack([_POINTS + shift for shift in shifts])
+    labels = np.repeat([1, 2], 7)
+    boxes = np.stack([_BOX + shift for shift in shifts])
+    assert_box_corners(get_bounding_boxes(cloud.copy(), labels.copy()), boxes, cloud, labels)
+
+
+@visible(
+    "get_bounding_boxes",
+    weight=3,
+    title="The order of the points does not matter",
+    why="A scan lists its rows from the top beam down: often the first point of a cluster is its "
+    "highest.",
+    hint="The first point is the smallest so far and the largest so far at once: both questions "
+    "must be asked of each point, if and if, not if and elif.",
+)
+def takes_points_in_any_order(get_bounding_boxes: Callable) -> None:
+    labels = np.repeat([1, 2], 7)
+    for first in range(1, 7):
+        points = np.roll(_POINTS, -first, axis=0)
+        cloud = np.vstack([points, 0.5 * points])
+        answer = get_bounding_boxes(cloud.copy(), labels.copy())
+        assert_box_corners(answer, np.stack([_BOX, 0.5 * _BOX]), cloud, labels)
+
+
+@visible(
+    "get_bounding_boxes",
+    weight=2,
+    title="Labels may have gaps",
+    why="Filters remove clusters and leave gaps in the numbers.",
+    hint="np.unique(cluster_labels) lists the labels that occur. range(1, ...) also counts those "
+    "that do not.",
+)
+def allows_gaps(get_bounding_boxes: Callable) -> None:
+    labels = np.array([0, 2, 5, 9])[_LABELS]
+    answer = get_bounding_boxes(_CLOUD.copy(), labels.copy())
+    assert_box_corners(answer, _BOXES, _CLOUD, labels)
+
+
+@visible(
+    "get_bounding_boxes",
+    weight=2,
+    title="The boxes are in ascending order of the labels",
+    why="The next step tells by the row which box is whose.",
+    hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+)
+def follows_the_labels(get_bounding_boxes: Callable) -> None:
+    labels = np.array([0, 2, 3, 1])[_LABELS]
+    answer = get_bounding_boxes(_CLOUD.copy(), labels.copy())
+    assert_box_corners(answer, _BOXES[[2, 0, 1]], _CLOUD, labels)
 
 
 @visible(
@@ -92,36 +141,39 @@ def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
     hint="Keep only labels > 0 before you loop.",
 )
 def leaves_noise_alone(get_bounding_boxes: Callable) -> None:
-    noise_first = np.vstack([_CLOUD[_LABELS == 0], _CLOUD[_LABELS > 0]])
-    labels = np.concatenate([_LABELS[_LABELS == 0], _LABELS[_LABELS > 0]])
-    assert_box_corners(
-        get_bounding_boxes(noise_first.copy(), labels.copy()),
-        np.stack([_CAR, _PEDESTRIAN]),
-        noise_first,
-        labels,
-    )
+    noise = np.array([[20.0, 9.0, 1.0], [-15.0, -9.0, -1.4]])
+    cloud, labels = np.vstack([noise, _CLOUD, noise]), np.pad(_LABELS, 2)
+    assert_box_corners(get_bounding_boxes(cloud.copy(), labels.copy()), _BOXES, cloud, labels)
 
 
 @visible(
     "get_bounding_boxes",
     weight=2,
-    title="Takes three columns as well as four, and clusters of one or two points",
-    why="Some recordings hold no intensity, and a thin post far away returns a single point.",
-    hint="Take the coordinates with cloud[mask, :3]; minimum and maximum of a single point "
-    "are both that point.",
+    title="Takes clusters of one, two and equal points",
+    why="A thin post far away returns a single point.",
+    hint="Minimum and maximum of a single point are both that point; no special case is needed.",
 )
-def takes_every_shape(get_bounding_boxes: Callable) -> None:
-    xyz = _CLOUD[:, :3]
-    assert_box_corners(
-        get_bounding_boxes(xyz.copy(), _LABELS.copy()), np.stack([_CAR, _PEDESTRIAN]), xyz, _LABELS
-    )
-    few = np.array([4, 0, 0, 9, 9, 0, 0, 0, 0])
-    assert_box_corners(
-        get_bounding_boxes(_CLOUD.copy(), few.copy()),
-        np.stack([_corners(_CLOUD[0, :3], _CLOUD[0, :3]), _corners([5, 2, -1.1], [6, 2.6, -0.5])]),
-        _CLOUD,
-        few,
-    )
+def takes_few_points(get_bounding_boxes: Callable) -> None:
+    first, second, third = np.array([[6.0, 2.0, -1.1], [5.0, 2.6, -0.5], [-3.0, -4.6, -1.0]])
+    cloud = np.vstack([first, second, third, first, second, third, third, third])
+    labels = np.array([1, 1, 2, 3, 3, 4, 4, 4])
+    pair = corners_between(np.minimum(first, second), np.maximum(first, second))
+    post = corners_between(third, third)
+    answer = get_bounding_boxes(cloud.copy(), labels.copy())
+    assert_box_corners(answer, np.stack([pair, post, pair, post]), cloud, labels)
+
+
+@visible(
+    "get_bounding_boxes",
+    weight=2,
+    title="A fourth column, intensity, is no part of the box",
+    why="A corner is a place in space; brightness has none.",
+    hint="Take the coordinates with cloud[mask, :3].",
+)
+def ignores_intensity(get_bounding_boxes: Callable) -> None:
+    bright = np.column_stack([_CLOUD, np.linspace(9, -9, len(_CLOUD))])
+    answer = get_bounding_boxes(bright, _LABELS.copy())
+    assert_box_corners(answer, _BOXES, bright, _LABELS)
 
 
 @visible(
@@ -133,18 +185,24 @@ def takes_every_shape(get_bounding_boxes: Callable) -> None:
     "np.zeros((number_of_boxes, 8, 3)).",
 )
 def takes_nothing(get_bounding_boxes: Callable) -> None:
+    assert_works(get_bounding_boxes)
     noise = np.zeros(len(_CLOUD), dtype=int)
     as_cluster_boxes(get_bounding_boxes(_CLOUD.copy(), noise.copy()), noise)
-    for columns in (3, 4):
-        none = np.zeros(0, dtype=int)
-        as_cluster_boxes(get_bounding_boxes(np.empty((0, columns)), none.copy()), none)
-    # Something must still come where there is something.
-    assert_box_corners(
-        get_bounding_boxes(_CLOUD.copy(), _LABELS.copy()),
-        np.stack([_CAR, _PEDESTRIAN]),
-        _CLOUD,
-        _LABELS,
-    )
+    none = np.zeros(0, dtype=int)
+    as_cluster_boxes(get_bounding_boxes(np.empty((0, 3)), none.copy()), none)
+
+
+@visible(
+    "get_bounding_boxes",
+    weight=1,
+    title="The parameters keep their names",
+    why="Whoever reads the docstring may call get_bounding_boxes(cloud=..., cluster_labels=...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(get_bounding_boxes: Callable) -> None:
+    assert_works(get_bounding_boxes)
+    answer = get_bounding_boxes(cloud=_CLOUD.copy(), cluster_labels=_LABELS.copy())
+    assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
 
 @visible(
@@ -155,6 +213,182 @@ def takes_nothing(get_bounding_boxes: Callable) -> None:
     hint="Write the corners into an array of their own.",
 )
 def leaves_its_input(get_bounding_boxes: Callable) -> None:
+    assert_works(get_bounding_boxes)
     assert_untouched(get_bounding_boxes, _CLOUD, _LABELS)
-    boxes = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
-    assert_box_corners(boxes, np.stack([_CAR, _PEDESTRIAN]), _CLOUD, _LABELS)
+
+
+@noted(
+    "get_bounding_boxes",
+    title="Corner k has the larger x if k & 1, the larger y if k & 2, the larger z if k & 4",
+    why="Programs that draw a box join its corners by their numbers: in another order the edges "
+    "cross. The picture above the check shows your numbers.",
+)
+def numbers_the_corners(get_bounding_boxes: Callable) -> None:
+    box = as_array(get_bounding_boxes(_POINTS.copy(), np.ones(7, dtype=int)))[0]
+    for corner in range(8):
+        larger = [bool(corner & 1), bool(corner & 2), bool(corner & 4)]
+        place = np.where(larger, _HIGH, _LOW)
+        if np.abs(box[corner] - place).max() > 1e-3:
+            raise CheckFailed(
+                f"Corner {corner} stands elsewhere.",
+                yours=brief(box[corner]),
+                expected=brief(place),
+            )
+
+
+@noted(
+    "get_bounding_boxes",
+    title="The boxes are an array, not a list",
+    why="The next cells ask for boxes.min(axis=1), which a list has not.",
+)
+def returns_an_array(get_bounding_boxes: Callable) -> None:
+    answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
+    if isinstance(answer, (list, tuple)):
+        raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
+
+
+# Small streets with the corners of their boxes: clusters apart from each other, labels without
+# gaps, and a stray point. The first point of a cluster is its largest on every axis, or its
+# smallest.
+_STREETS = tuple(
+    frozen((np.array(cloud), np.array(labels), np.stack([corners_between(*box) for box in boxes])))
+    for cloud, labels, boxes in (
+        (
+            [
+                [-4.0, -2.0, -1.0],
+                [9.0, 6.0, 3.0],
+                [5.0, 3.0, 1.0],
+                [7.0, 4.0, 2.0],
+                [-9.0, -7.0, -5.0],
+                [-6.0, -4.0, -3.0],
+                [-7.0, -5.0, -4.0],
+            ],
+            [0, 1, 1, 1, 2, 2, 2],
+            (((5, 3, 1), (9, 6, 3)), ((-9, -7, -5), (-6, -4, -3))),
+        ),
+        (
+            [
+                [8.0, -6.0, 2.0],
+                [5.0, -9.0, 1.0],
+                [-1.0, 9.0, -2.0],
+                [-5.0, 5.0, 4.0],
+                [7.0, -7.0, 1.5],
+                [-9.0, 2.0, 2.0],
+                [-6.0, 4.0, 3.0],
+                [-7.0, 3.0, 2.5],
+            ],
+            [2, 2, 0, 1, 2, 1, 1, 1],
+            (((-9, 2, 2), (-5, 5, 4)), ((5, -9, 1), (8, -6, 2))),
+        ),
+        (
+            [
+                [4.0, 3.0, 2.0],
+                [1.0, 1.0, -1.0],
+                [3.0, 2.0, 1.0],
+                [2.0, 1.5, 0.0],
+                [-4.0, -6.0, -2.0],
+                [-1.0, -3.0, -0.5],
+                [-2.0, -5.0, -1.0],
+                [-3.0, -4.0, -1.5],
+                [6.0, -6.0, 0.0],
+            ],
+            [2, 2, 2, 2, 1, 1, 1, 1, 0],
+            (((-4, -6, -2), (-1, -3, -0.5)), ((1, 1, -1), (4, 3, 2))),
+        ),
+    )
+)
+
+
+def _right(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    return next(boxes for street, _, boxes in _STREETS if len(street) == len(cloud))
+
+
+def _changed(right: np.ndarray, change: Callable) -> np.ndarray:
+    """Straight boxes whose ends another pair takes the place of."""
+    ends = [change(box.min(axis=0), box.max(axis=0)) for box in right]
+    return np.stack([corners_between(low, high) for low, high in ends])
+
+
+def _without_first(low: np.ndarray, high: np.ndarray, cloud: np.ndarray) -> np.ndarray:
+    """The points between two corners but the one that comes first."""
+    return cloud[((cloud >= low) & (cloud <= high)).all(axis=1)][1:]
+
+
+def _same(answer: object, predicted: np.ndarray) -> bool:
+    """Whether boxes have the same corners, in whatever order."""
+    try:
+        yours = as_array(answer)
+    except CheckFailed:
+        return False
+    return yours.shape == predicted.shape and all(map(same_corners, yours, predicted))
+
+
+mistakes(
+    "get_bounding_boxes",
+    Mistake(
+        "`elif` asks about the maximum only where a point is no new minimum, so the first point of "
+        "a cluster never counts as its largest.",
+        lambda right, cloud, labels: _changed(
+            right, lambda low, high: (low, _without_first(low, high, cloud).max(axis=0))
+        ),
+        "Both questions must be asked of every point: `if` and `if`.",
+    ),
+    Mistake(
+        "`elif` asks about the minimum only where a point is no new maximum, so the first point of "
+        "a cluster never counts as its smallest.",
+        lambda right, cloud, labels: _changed(
+            right, lambda low, high: (_without_first(low, high, cloud).min(axis=0), high)
+        ),
+        "Both questions must be asked of every point: `if` and `if`.",
+    ),
+    Mistake(
+        "Minimum and maximum start at 0, so every box reaches to the sensor.",
+        lambda right, cloud, labels: _changed(
+            right, lambda low, high: (np.minimum(low, 0), np.maximum(high, 0))
+        ),
+        "Start from the first point of the cluster, or from infinity.",
+    ),
+    Mistake(
+        "The maximum starts at 0, so no box ends below it.",
+        lambda right, cloud, labels: _changed(right, lambda low, high: (low, np.maximum(high, 0))),
+        "Start from the first point of the cluster, or from minus infinity.",
+    ),
+    Mistake(
+        "Label 0 gets a box, too. It is no obstacle.",
+        lambda right, cloud, labels: np.concatenate(
+            [np.repeat(cloud[labels == 0], 8, axis=0)[None], right]
+        ),
+        "Keep only labels > 0.",
+    ),
+    Mistake(
+        "The last label gets no box: range stops before its end.",
+        lambda right, cloud, labels: right[:-1],
+        "Loop over np.unique(cluster_labels) instead, which knows about gaps, too.",
+    ),
+    Mistake(
+        "One minimum and one maximum serve x, y and z alike: axis=0 is missing.",
+        lambda right, cloud, labels: _changed(
+            right, lambda low, high: (np.full(3, low.min()), np.full(3, high.max()))
+        ),
+        "points.min(axis=0) gives three numbers, one for each column.",
+    ),
+    Mistake(
+        "Minimum and maximum are not started afresh for each label: a box holds the ones before "
+        "it, too.",
+        lambda right, cloud, labels: _changed(
+            [np.vstack(right[: row + 1]) for row in range(len(right))],
+            lambda low, high: (low, high),
+        ),
+        "Set them inside the loop over the labels.",
+    ),
+    Mistake(
+        "The boxes come in the order in which the labels first occur.",
+        lambda right, cloud, labels: right[
+            np.argsort([labels.tolist().index(name) for name in (1, 2)])
+        ],
+        "They belong in ascending order of the labels.",
+    ),
+    cases=tuple((cloud, labels) for cloud, labels, _ in _STREETS),
+    right=_right,
+    same=_same,
+)

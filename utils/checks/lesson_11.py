@@ -1,14 +1,33 @@
 """Visible checks of lesson 11: `principal_axes` and `get_oriented_boxes`."""
 
 from collections.abc import Callable, Sequence
+from itertools import product
 
 import numpy as np
 
-from utils.checks.boxes import as_cluster_boxes, assert_turned_boxes
-from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief, frozen
+from utils.checks.boxes import (
+    as_cluster_boxes,
+    assert_headings,
+    assert_heights,
+    assert_holds,
+    assert_snug,
+    assert_upright,
+    same_corners,
+)
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.vocabulary import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    assert_untouched,
+    brief,
+    frozen,
+    needs,
+)
 
-_NAMES = ("first", "second", "third")
+_NAMES = ("longest", "middle", "shortest")
+_CLOSE = np.cos(np.radians(1.0))
 
 
 def _turn(points: np.ndarray, degrees: float) -> np.ndarray:
@@ -18,26 +37,24 @@ def _turn(points: np.ndarray, degrees: float) -> np.ndarray:
     return np.column_stack([cosine * x - sine * y, sine * x + cosine * y, z])
 
 
-def _grid(length: float, width: float, height: float, steps: int = 7) -> np.ndarray:
+def _grid(length: float, width: float, height: float, steps: int = 4) -> np.ndarray:
     """(steps^3, 3): a solid block around the origin, its corners included."""
     half = np.linspace(-0.5, 0.5, steps)
-    return np.stack(np.meshgrid(length * half, width * half, height * half), axis=-1).reshape(-1, 3)
+    return np.array(list(product(length * half, width * half, height * half)))
 
+
+# ---- principal_axes ----
 
 # Left-handed answers slip through where a library happens to return a right-handed one, so
 # there are several.
 _TURNS = (20, 65, 110, 155, 200, 245, 290, 335)
-_CAR = frozen(_turn(_grid(4.2, 1.8, 1.4), 35) + [9.0, -4.0, -0.9])
-_VAN = frozen(_turn(_grid(5.0, 2.0, 2.2), 130) + [-7.0, 5.0, -0.6])
-_STREET = frozen(
-    np.column_stack([np.vstack([_CAR, [[30.0, 20.0, 4.0]], _VAN]), np.tile([0.1, 0.9, 0.5], 229)])
-)
-_LABELS = frozen(np.repeat([1, 0, 2], [343, 1, 343]))
-_AREAS = (4.2 * 1.8, 5.0 * 2.0)
+# Length, width, height: of something long, something tall and something flat and high. All are
+# centred: what happens elsewhere is a check of its own.
+_SIDES = ((4.2, 1.8, 1.0), (1.0, 2.0, 6.0), (5.0, 0.6, 2.4))
 
 
 def as_axes(answer: object) -> np.ndarray:
-    """An answer as three orthonormal, right-handed columns.
+    """An answer as three directions, one in each column, of any length.
 
     Parameters
     ----------
@@ -48,105 +65,181 @@ def as_axes(answer: object) -> np.ndarray:
     numpy.ndarray, shape (3, 3)
     """
     axes = as_array(answer, what="three axes, one in each column")
-    if axes.shape == (4, 4):
-        raise CheckFailed(
-            "Intensity is not a direction in space: take the first three columns.",
-            yours="shape (4, 4)",
-            expected="shape (3, 3)",
-        )
     if axes.shape != (3, 3):
-        raise CheckFailed(
-            "Three axes of three components are a 3 x 3 matrix, however many points there are.",
-            yours=f"shape {axes.shape}",
-            expected="shape (3, 3)",
-        )
+        words = "Three axes of three components are a 3 x 3 matrix, however many points there are."
+        if axes.shape == (4, 4):
+            words = "Intensity is not a direction in space: take the first three columns."
+        raise WrongForm(words, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
         raise CheckFailed("Some components are not finite.", yours=brief(axes))
-    axes = axes.astype(float)
-    lengths = np.linalg.norm(axes, axis=0)
-    if np.abs(lengths - 1).max() > 1e-3:
-        raise CheckFailed(
-            "Each axis must have length 1.",
-            yours=f"lengths {brief(lengths)}",
-            expected="1, 1 and 1",
-        )
-    if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
-        raise CheckFailed("The axes are not at right angles to each other.", yours=brief(axes))
-    if np.linalg.det(axes) < 0:
-        raise CheckFailed(
-            "The axes are left-handed: they mirror, and no car turns into its own mirror image.",
-            yours="determinant -1",
-            expected="determinant +1",
-        )
-    return axes
+    return axes.astype(float)
 
 
-def assert_axes(answer: object, expected: np.ndarray) -> None:
-    """The columns point along the expected ones, whatever their signs.
+def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
+    """Along each of the expected axes runs a column, in whatever order, sign and length.
 
     Parameters
     ----------
     answer : object
     expected : numpy.ndarray, shape (3, 3)
-        Axes in columns; the spreads along them must differ clearly.
+        Axes in columns, by decreasing spread, which must differ clearly; or fewer of them.
+    given : str, optional
+        What the function was given, for the message.
     """
     axes = as_axes(answer)
-    cosines = np.abs(axes.T @ expected)
-    off = np.degrees(np.arccos(np.clip(np.diag(cosines), 0, 1)))
-    if off.max() <= 1.0:
+    lengths = np.linalg.norm(axes, axis=0)
+    cosines = np.abs(expected.T @ (axes / np.where(lengths > 0, lengths, 1)))
+    missing = np.flatnonzero(cosines.max(axis=1) < _CLOSE)
+    if not len(missing):
         return
-    if (cosines.max(axis=1) > np.cos(np.radians(1.0))).all():
-        raise CheckFailed(
-            "These are the right axes in another order.",
-            yours=brief(axes),
-            expected="in the columns by decreasing spread: " + brief(expected),
-        )
-    if (np.abs(axes @ expected).max(axis=1) > np.cos(np.radians(1.0))).all():
-        raise CheckFailed(
-            "The axes stand in the rows; each must be a column.",
-            yours=brief(axes),
-            expected=brief(expected),
-        )
-    column = int(off.argmax())
+    axis = missing[0]
+    nearest = cosines[axis].argmax()
+    off = np.degrees(np.arccos(min(cosines[axis, nearest], 1)))
     raise CheckFailed(
-        f"The {_NAMES[column]} axis is {off[column]:.0f} degrees off.",
-        yours=brief(axes[:, column]),
-        expected="plus or minus " + brief(expected[:, column]),
+        f"No column runs along the {_NAMES[axis]} direction of the points.",
+        given=given,
+        yours=f"the nearest column, {_text(axes[:, nearest])}, is {off:.0f}° off",
+        expected=f"a column {_text(expected[:, axis])}, or minus that",
     )
 
 
-def _axes_of_turn(degrees: float, order: Sequence[int] = (0, 1, 2)) -> np.ndarray:
-    return _turn(np.eye(3), degrees).T[:, list(order)]
+def assert_order(answer: object, points: np.ndarray, given: str | None = None) -> None:
+    """The spread of the points along the columns falls from left to right.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 3)
+    given : str, optional
+        What the function was given, for the message.
+    """
+    axes = as_axes(answer)
+    spread = np.std(points @ (axes / np.linalg.norm(axes, axis=0)), axis=0)
+    if (np.diff(spread) > 1e-3 * spread.max()).any():
+        raise CheckFailed(
+            "The columns are not in the order of the spread of the points along them.",
+            given=given,
+            yours=f"standard deviations {brief(spread)}",
+            expected=f"the largest first, {brief(np.sort(spread)[::-1])}",
+        )
+
+
+def assert_right_handed(answer: object) -> None:
+    """The determinant is positive.
+
+    Parameters
+    ----------
+    answer : object
+    """
+    axes = as_axes(answer)
+    if np.linalg.det(axes) < 0:
+        raise CheckFailed(
+            "The axes are left-handed: they mirror, and no car turns into its own mirror image.",
+            yours=f"determinant {np.linalg.det(axes):.2f}",
+            expected="determinant 1",
+        )
+
+
+def assert_orthonormal(answer: object) -> None:
+    """Each column has length 1, and all are at right angles to each other.
+
+    Parameters
+    ----------
+    answer : object
+    """
+    axes = as_axes(answer)
+    lengths = np.linalg.norm(axes, axis=0)
+    if np.abs(lengths - 1).max() > 1e-3:
+        raise CheckFailed(
+            "Not every axis has length 1.", yours=f"lengths {brief(lengths)}", expected="1, 1 and 1"
+        )
+    if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
+        raise CheckFailed("The axes are not at right angles to each other.", yours=brief(axes))
+
+
+def _axes_of(sides: Sequence[float], degrees: float) -> np.ndarray:
+    """Axes in columns, by decreasing spread, of a block that is turned about z."""
+    return _turn(np.eye(3), degrees).T[:, np.argsort(sides)[::-1]]
+
+
+def _text(axis: np.ndarray) -> str:
+    return brief(np.round(axis, 3) + 0.0)
+
+
+def _words(sides: Sequence[float], degrees: float) -> str:
+    size = " x ".join(f"{side:g}" for side in sides)
+    return f"a block of {size} m, turned by {degrees}°"
+
+
+def assert_finds_axes(principal_axes: Callable) -> None:
+    """The directions of a turned block are found; where not, nothing else can be looked at."""
+    with needs("the columns run along the length, width and height of a block"):
+        for sides in _SIDES:
+            block = _turn(_grid(*sides), 25)
+            assert_directions(principal_axes(block), _axes_of(sides, 25))
 
 
 @visible(
     "principal_axes",
     weight=4,
-    title="The first axis points along the longest side, the third along the shortest",
-    why="The first axis becomes the heading of the car.",
-    hint="np.linalg.eigh gives the variances in ascending order: turn the order of the "
-    "columns round, axes[:, ::-1].",
+    title="The columns run along the length, width and height of a block",
+    why="The axes become the sides of the box: where they are crooked, it is.",
+    hint="The axes are the eigenvectors of the covariance matrix of x, y and z, q.T @ q / len(q), "
+    "one in each column. Draw them: do they run along the block?",
 )
-def orders_by_spread(principal_axes: Callable) -> None:
-    for degrees in (0, 35, 80):
-        block = _turn(_grid(4.2, 1.8, 1.0), degrees) + [9.0, -4.0, -0.9]
-        assert_axes(principal_axes(block.copy()), _axes_of_turn(degrees))
-    tower = _turn(_grid(1.0, 2.0, 6.0), 25)
-    assert_axes(principal_axes(points=tower.copy()), _axes_of_turn(25, (2, 1, 0)))
+def finds_the_directions(principal_axes: Callable) -> None:
+    for sides in _SIDES:
+        for degrees in (25, 50, 140):
+            block = _turn(_grid(*sides), degrees)
+            assert_directions(
+                principal_axes(block), _axes_of(sides, degrees), _words(sides, degrees)
+            )
 
 
 @visible(
     "principal_axes",
     weight=3,
+    title="The first axis is the one of the largest spread, the third that of the smallest",
+    why="The first axis becomes the heading of the car.",
+    hint="np.linalg.eigh gives the variances in ascending order: turn the order of the "
+    "columns round, axes[:, ::-1]. np.linalg.eig gives them in no order: sort.",
+)
+def orders_by_spread(principal_axes: Callable) -> None:
+    assert_finds_axes(principal_axes)
+    for sides in _SIDES:
+        for degrees in (0, 25, 80):
+            block = _turn(_grid(*sides), degrees)
+            assert_order(principal_axes(block.copy()), block, _words(sides, degrees))
+
+
+@visible(
+    "principal_axes",
+    weight=2,
     title="The axes are right-handed for every heading",
     why="A left-handed triple is a reflection. Read as a rotation it gives nonsense angles.",
     hint="Where np.linalg.det(axes) is negative, flip the sign of one column.",
 )
 def stays_right_handed(principal_axes: Callable) -> None:
-    for degrees in _TURNS:
-        block = _turn(_grid(4.2, 1.8, 1.0), degrees)
-        assert_axes(principal_axes(block.copy()), _axes_of_turn(degrees))
-        assert_axes(principal_axes(block[:, [2, 0, 1]]), _axes_of_turn(degrees)[[2, 0, 1]])
+    assert_finds_axes(principal_axes)
+    for sides in _SIDES:
+        for degrees in _TURNS:
+            block = _turn(_grid(*sides), degrees)
+            assert_right_handed(principal_axes(block.copy()))
+            assert_right_handed(principal_axes(block[:, [2, 0, 1]]))
+
+
+@visible(
+    "principal_axes",
+    weight=2,
+    title="Each axis has length 1, and the three are at right angles",
+    why="A box measured along a longer axis is a larger box.",
+    hint="np.linalg.eigh and np.linalg.svd return unit vectors: do not multiply them by the "
+    "spread.",
+)
+def has_unit_length(principal_axes: Callable) -> None:
+    assert_finds_axes(principal_axes)
+    for sides in _SIDES:
+        assert_orthonormal(principal_axes(_turn(_grid(*sides), 65)))
 
 
 @visible(
@@ -154,26 +247,29 @@ def stays_right_handed(principal_axes: Callable) -> None:
     weight=2,
     title="Where the cluster stands does not matter",
     why="Without centring, the first axis points from the sensor to the car.",
-    hint="Subtract points.mean(axis=0), and do not divide by the standard deviation: that "
-    "would make all directions equal.",
+    hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
 )
 def centres_the_points(principal_axes: Callable) -> None:
-    block = _turn(_grid(4.2, 1.8, 1.0), 50)
-    for place in ([0.0, 0.0, 0.0], [25.0, 3.0, -1.0], [-8.0, -19.0, 4.0]):
-        assert_axes(principal_axes(block + place), _axes_of_turn(50))
+    assert_finds_axes(principal_axes)
+    sides = _SIDES[0]
+    for place in ([25.0, 3.0, -1.0], [-8.0, -19.0, 4.0]):
+        answer = principal_axes(_turn(_grid(*sides), 50) + place)
+        assert_directions(
+            answer, _axes_of(sides, 50), f"{_words(sides, 50)}, its middle at {brief(place)}"
+        )
 
 
 @visible(
     "principal_axes",
-    weight=2,
-    title="Takes a fourth column and leaves its input untouched",
+    weight=1,
+    title="A fourth column, intensity, changes nothing",
     why="Intensity is not a direction in space.",
-    hint="points[:, :3] are the coordinates. points - mean is a new array; points -= mean is not.",
+    hint="points[:, :3] are the coordinates.",
 )
 def ignores_intensity(principal_axes: Callable) -> None:
-    bright = np.column_stack([_CAR, np.linspace(0, 90, len(_CAR))])
-    assert_axes(principal_axes(bright.copy()), _axes_of_turn(35))
-    assert_untouched(principal_axes, bright)
+    block = _turn(_grid(*_SIDES[0]), 50)
+    bright = np.column_stack([block, np.linspace(0, 90, len(block))])
+    assert_directions(principal_axes(bright), _axes_of(_SIDES[0], 50))
 
 
 @visible(
@@ -182,127 +278,504 @@ def ignores_intensity(principal_axes: Callable) -> None:
     title="Takes two points, one or none",
     why="A thin post far away returns a single point, and the pipeline must not stop.",
     hint="Any right-handed axes will do for a single point, for example np.eye(3). "
-    "centred.T @ centred is 3 x 3 for any number of points; np.cov of one point is not "
-    "a number.",
+    "q.T @ q is 3 x 3 for any number of points q; np.cov of one point is not a number.",
 )
 def takes_few_points(principal_axes: Callable) -> None:
-    assert_axes(principal_axes(_CAR.copy()), _axes_of_turn(35))
-    for few in (_CAR[:0], _CAR[:1], np.repeat(_CAR[:1], 3, axis=0), np.zeros((0, 4))):
-        as_axes(principal_axes(few.copy()))
-    pair = np.array([[1.0, 2.0, 0.0], [4.0, 6.0, 0.0]])
-    along = np.abs(as_axes(principal_axes(pair.copy()))[:, 0] @ [0.6, 0.8, 0.0])
-    if along < 0.999:
-        raise CheckFailed(
-            "For two points the first axis is the direction from one to the other.",
-            yours=f"{np.degrees(np.arccos(min(along, 1))):.0f} degrees off",
-        )
+    assert_finds_axes(principal_axes)
+    pair = np.array([[1.5, 2.0, 0.0], [-1.5, -2.0, 0.0]])
+    assert_directions(principal_axes(pair.copy()), np.array([[0.6, 0.8, 0.0]]).T, "two points")
+    for few in (pair, pair[:1], np.repeat(pair[:1], 3, axis=0), pair[:0]):
+        assert_orthonormal(principal_axes(few.copy()))
+
+
+@visible(
+    "principal_axes",
+    weight=1,
+    title="The parameter keeps its name",
+    why="Whoever reads the docstring may call principal_axes(points=...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_name(principal_axes: Callable) -> None:
+    block = _turn(_grid(*_SIDES[0]), 50)
+    assert_directions(principal_axes(points=block), _axes_of(_SIDES[0], 50))
+
+
+@visible(
+    "principal_axes",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next step turns the same points.",
+    hint="points - mean is a new array; points -= mean is not.",
+)
+def leaves_its_input(principal_axes: Callable) -> None:
+    assert_finds_axes(principal_axes)
+    assert_untouched(principal_axes, _turn(_grid(*_SIDES[0]), 50) + [9.0, -4.0, -0.9])
+
+
+@noted(
+    "principal_axes",
+    title="The axes are an array, not a list",
+    why="The next cells ask for principal_axes(car)[:, 0], which a list cannot give.",
+)
+def returns_an_array(principal_axes: Callable) -> None:
+    answer = principal_axes(_grid(*_SIDES[0]))
+    if isinstance(answer, (list, tuple)):
+        raise CheckFailed(f"The axes are a {type(answer).__name__}.")
+
+
+# Blocks that stand away from the origin, but exactly in the direction of one of their own axes:
+# number `along`. To whoever does not centre them that axis becomes the first.
+_BLOCKS = tuple(
+    frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, along],))
+    for sides, degrees, along in zip(_SIDES, (25, 110, 155), (2, 1, 2), strict=True)
+)
+
+
+def _right_axes(points: np.ndarray) -> np.ndarray:
+    known = zip(_BLOCKS, _SIDES, (25, 110, 155), strict=True)
+    return next(
+        _axes_of(sides, degrees) for (block,), sides, degrees in known if (block == points).all()
+    )
+
+
+def _displaced_first(right: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """The axes with the one first that points to the middle of the points."""
+    first = np.abs(points.mean(axis=0) @ right).argmax()
+    return np.column_stack([right[:, first], np.delete(right, first, axis=1)])
+
+
+def _same_axes(answer: object, predicted: np.ndarray) -> bool:
+    """Whether matrices are the same but for signs, which are free."""
+    try:
+        yours = as_array(answer)
+    except CheckFailed:
+        return False
+    return yours.shape == (3, 3) and np.allclose(np.abs(yours), np.abs(predicted), atol=1e-3)
+
+
+mistakes(
+    "principal_axes",
+    Mistake(
+        "The axes are right, but the columns stand in the order of increasing spread.",
+        lambda right, points: right[:, ::-1],
+        "The largest variance comes first: axes[:, ::-1] turns the order of the columns round.",
+    ),
+    Mistake(
+        "The axes are right, but they stand in the rows; each should be a column.",
+        lambda right, points: right.T,
+        "np.linalg.svd returns axes in rows, np.linalg.eigh in columns. Transpose once: .T",
+    ),
+    Mistake(
+        "It is the rows of the matrix that are put in order; each axis is a column.",
+        lambda right, points: right[::-1, ::-1],
+        "axes[:, order] changes the order of the columns, axes[order] that of the rows.",
+    ),
+    Mistake(
+        "The points are not centred: the first axis points from the sensor to the cluster.",
+        _displaced_first,
+        "Subtract points.mean(axis=0) before anything else.",
+    ),
+    Mistake(
+        "Each coordinate is divided by its own spread. Then x and y are equally wide, and of any "
+        "turned block the first axis is a diagonal, at 45°.",
+        lambda right, points: np.sqrt([[0.5, 0, 0.5], [0.5, 0, 0.5], [0, 1, 0]]),
+        "Only subtract the mean; do not divide by the standard deviation.",
+    ),
+    cases=_BLOCKS,
+    right=_right_axes,
+    same=_same_axes,
+)
+
+
+# ---- get_oriented_boxes ----
+
+_SIZES = ((5.0, 2.0, 1.4), (6.0, 2.4, 2.2))
+_PLACES = ([9.0, -4.0, -0.9], [-7.0, 5.0, -0.6])
+_AREAS = tuple(length * width for length, width, _ in _SIZES)
+_HEADINGS = (20, 65, 110, 160)
+_LABELS = frozen(np.repeat([1, 2], 64))
+
+
+def _street(*headings: float) -> np.ndarray:
+    """(128, 3): two blocks, each with a heading in degrees; `_LABELS` goes with it."""
+    blocks = zip(_SIZES, headings, _PLACES, strict=True)
+    return np.vstack([_turn(_grid(*size), heading) + place for size, heading, place in blocks])
+
+
+# Clusters that stand straight, so that only what has to do with turning turns on it.
+_STRAIGHT = frozen(_street(0, 0))
+
+
+def assert_boxes(get_oriented_boxes: Callable) -> None:
+    """Straight clusters get their boxes; where not, nothing else can be looked at."""
+    with needs("the boxes of two clusters that stand straight hold their points"):
+        assert_holds(get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy()), _STRAIGHT, _LABELS)
+
+
+def _two_blocks(*headings: float) -> str:
+    blocks = [
+        f"{length:g} x {width:g} m, turned by {heading}°"
+        for (length, width, _), heading in zip(_SIZES, headings, strict=True)
+    ]
+    return f"label 1: a block of {blocks[0]}; label 2: {blocks[1]}"
 
 
 @visible(
     "get_oriented_boxes",
-    weight=5,
+    weight=4,
     title="Every point of a cluster is inside its box",
     why="A box is a promise: outside of it the car is free to drive.",
     hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and "
     "turn the corners by plus yaw.",
 )
 def contains_all_points(get_oriented_boxes: Callable) -> None:
-    assert_turned_boxes(
-        get_oriented_boxes(_STREET.copy(), _LABELS.copy()), _STREET, _LABELS, _AREAS
-    )
-    assert_turned_boxes(
-        get_oriented_boxes(cloud=_STREET.copy(), cluster_labels=_LABELS.copy()),
-        _STREET,
-        _LABELS,
-        _AREAS,
-    )
+    # Few points stick out, on all four sides: what leaves out the outermost leaves out these.
+    ends = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
+    for heading in (0, *_HEADINGS):
+        tips = [
+            _turn(ends * size, heading) + place for size, place in zip(_SIZES, _PLACES, strict=True)
+        ]
+        street = np.vstack([_street(heading, heading), *tips])
+        labels = np.concatenate([_LABELS, np.repeat([1, 2], 4)])
+        answer = get_oriented_boxes(street.copy(), labels.copy())
+        assert_holds(answer, street, labels, _two_blocks(heading, heading))
 
 
 @visible(
     "get_oriented_boxes",
-    weight=4,
+    weight=9,
     title="Boxes turn with their clusters",
     why="A box along x and y around a diagonal car closes twice the street it needs.",
-    hint="The yaw is np.arctan2(y, x) of the first principal axis of the points seen from "
-    "above. Is its sign the same in both turns, in opposite directions?",
+    hint="The yaw is np.arctan2(y, x), in radians, of the first principal axis of the points seen "
+    "from above. The points turn by minus yaw, the corners by plus yaw.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
-    for degrees in (20, 45, 75, 120, 160):
-        block = _turn(_grid(4.2, 1.8, 1.4), degrees) + [9.0, -4.0, -0.9]
-        labels = np.ones(len(block), dtype=int)
-        assert_turned_boxes(
-            get_oriented_boxes(block.copy(), labels.copy()), block, labels, [4.2 * 1.8]
+    assert_boxes(get_oriented_boxes)
+    for heading in _HEADINGS:
+        street = _street(heading, heading + 15)
+        answer = get_oriented_boxes(street.copy(), _LABELS.copy())
+        assert_headings(
+            answer, street, _LABELS, (heading, heading + 15), _two_blocks(heading, heading + 15)
         )
 
 
 @visible(
     "get_oriented_boxes",
     weight=3,
-    title="Boxes stand upright: turned about z only, floor and roof level",
-    why="A car stands on the road. A box that leans lifts its wheels off the ground.",
-    hint="Find the yaw from x and y alone, for example with z set to 0; floor and roof are "
-    "the smallest and the largest z.",
+    title="No box covers much more ground than its cluster",
+    why="What a box takes, nobody can drive on.",
+    hint="Minimum and maximum belong to the points as they are after the turn by minus yaw.",
 )
-def stands_upright(get_oriented_boxes: Callable) -> None:
-    # Bonnet low, boot high: in three dimensions the first axis of this car points upwards.
-    leaning = _turn(_grid(4.2, 1.8, 0.6), 0)
-    leaning[:, 2] += 0.25 * leaning[:, 0]
-    leaning = _turn(leaning, 55) + [6.0, 3.0, -0.8]
-    labels = np.ones(len(leaning), dtype=int)
-    assert_turned_boxes(
-        get_oriented_boxes(leaning.copy(), labels.copy()), leaning, labels, [4.2 * 1.8]
-    )
-    # A house front is higher than deep: the second axis in three dimensions is up.
-    front = _turn(_grid(9.0, 0.4, 3.0), 65) + [6.0, 9.0, 0.5]
-    assert_turned_boxes(get_oriented_boxes(front.copy(), labels.copy()), front, labels, [9.0 * 0.4])
-    # A walker is taller than wide: the first axis in three dimensions is up.
-    walker = _turn(_grid(0.3, 0.6, 1.7), 30) + [5.0, -2.0, -0.8]
-    assert_turned_boxes(get_oriented_boxes(walker.copy(), labels.copy()), walker, labels)
-
-
-@visible(
-    "get_oriented_boxes",
-    weight=3,
-    title="One box for each label above 0, in ascending order, gaps or not",
-    why="The next step wants to know which box is whose.",
-    hint="Loop over np.unique(cluster_labels[cluster_labels > 0]).",
-)
-def one_box_for_each_label(get_oriented_boxes: Callable) -> None:
-    swapped = np.array([0, 8, 3])[_LABELS]
-    assert_turned_boxes(
-        get_oriented_boxes(_STREET.copy(), swapped.copy()), _STREET, swapped, _AREAS[::-1]
-    )
+def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
+    assert_boxes(get_oriented_boxes)
+    for heading in _HEADINGS:
+        street = _street(heading, heading)
+        answer = get_oriented_boxes(street.copy(), _LABELS.copy())
+        assert_snug(answer, street, _LABELS, _AREAS, _two_blocks(heading, heading))
 
 
 @visible(
     "get_oriented_boxes",
     weight=2,
-    title="Takes clusters of one point or of points on a line, and no cluster at all",
-    why="Posts return single points, thin walls return lines, and empty roads nothing.",
-    hint="A box of one point is that point eight times. End with .reshape(-1, 8, 3).",
+    title="Boxes stand upright: turned about z only, floor and roof level",
+    why="A car stands on the road. A box that leans lifts its wheels off the ground.",
+    hint="All four corners of the floor have the same z, and so have those of the roof.",
+)
+def stands_upright(get_oriented_boxes: Callable) -> None:
+    assert_boxes(get_oriented_boxes)
+    # Bonnet low, boot high: in three dimensions the first axis of this car points upwards.
+    leaning = _street(0, 0)
+    leaning[:, 2] += 0.25 * leaning[:, 0]
+    assert_upright(get_oriented_boxes(leaning.copy(), _LABELS.copy()), leaning, _LABELS)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=2,
+    title="The floor is at the lowest point, the roof at the highest",
+    why="Whether we fit below a branch or over a kerb, the floor and the roof of a box decide.",
+    hint="Floor and roof are the smallest and the largest z of the cluster.",
+)
+def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
+    assert_boxes(get_oriented_boxes)
+    answer = get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy())
+    assert_heights(answer, _STRAIGHT, _LABELS)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=5,
+    title="What is taller than long turns by its heading seen from above, too",
+    why="In space the longest direction of a walker is up. Seen from above, that is nowhere.",
+    hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
+)
+def looks_from_above(get_oriented_boxes: Callable) -> None:
+    assert_boxes(get_oriented_boxes)
+    for size, heading, place in (
+        ((0.7, 0.3, 1.7), 30, [5.0, -2.0, -0.8]),
+        ((1.4, 0.4, 2.6), 100, [-6.0, 4.0, -0.4]),
+    ):
+        # It leans a little, and not the way it heads.
+        upright = _grid(*size)
+        leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
+        points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
+        answer = get_oriented_boxes(points.copy(), labels.copy())
+        given = f"{_words(size, heading)}, that leans by 5 cm a metre"
+        assert_headings(answer, points, labels, (heading,), given)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=1,
+    title="Labels may have gaps",
+    why="Filters remove clusters and leave gaps in the numbers.",
+    hint="Loop over np.unique(cluster_labels[cluster_labels > 0]).",
+)
+def allows_gaps(get_oriented_boxes: Callable) -> None:
+    labels = np.array([0, 3, 8])[_LABELS]
+    assert_holds(get_oriented_boxes(_STRAIGHT.copy(), labels.copy()), _STRAIGHT, labels)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=1,
+    title="The boxes are in ascending order of the labels",
+    why="The next step tells by the row which box is whose.",
+    hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+)
+def follows_the_labels(get_oriented_boxes: Callable) -> None:
+    labels = np.array([0, 2, 1])[_LABELS]
+    assert_holds(get_oriented_boxes(_STRAIGHT.copy(), labels.copy()), _STRAIGHT, labels)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=1,
+    title="Label 0 is no obstacle",
+    why="Stray points lie all over the street: their box would be the street, with us in it.",
+    hint="Keep only labels > 0 before you loop.",
+)
+def leaves_noise_alone(get_oriented_boxes: Callable) -> None:
+    noise = np.array([[30.0, 20.0, 4.0], [-20.0, -9.0, -1.0]])
+    cloud, labels = np.vstack([noise, _STRAIGHT, noise]), np.pad(_LABELS, 2)
+    assert_holds(get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=1,
+    title="Takes clusters of one point, of equal points and of points on a line",
+    why="Posts return single points, and thin walls return lines.",
+    hint="A box of one point is that point eight times; no special case is needed.",
 )
 def takes_small_clusters(get_oriented_boxes: Callable) -> None:
-    line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [0.8, -0.6, 0.0])
-    few = np.vstack([_STREET[:343, :3], [[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0)])
-    labels = np.repeat([6, 1, 2, 4], [343, 1, 9, 3])
-    boxes = get_oriented_boxes(few.copy(), labels.copy())
-    assert_turned_boxes(boxes, few, labels)
-    assert_turned_boxes(
-        get_oriented_boxes(_CAR.copy(), _LABELS[:343].copy()), _CAR, _LABELS[:343], _AREAS[:1]
-    )
-    noise = np.zeros(len(_STREET), dtype=int)
-    as_cluster_boxes(get_oriented_boxes(_STREET.copy(), noise.copy()), noise)
+    assert_boxes(get_oriented_boxes)
+    line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [1.0, 0.0, 0.0])
+    few = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0)])
+    labels = np.repeat([1, 2, 3], [1, 9, 3])
+    assert_holds(get_oriented_boxes(few.copy(), labels.copy()), few, labels)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=1,
+    title="No cluster, no box: the shape is then (0, 8, 3)",
+    why="On an empty road nothing is boxed, and the planner still asks for boxes[:, 0].",
+    hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
+)
+def takes_nothing(get_oriented_boxes: Callable) -> None:
+    assert_boxes(get_oriented_boxes)
+    noise = np.zeros(len(_STRAIGHT), dtype=int)
+    as_cluster_boxes(get_oriented_boxes(_STRAIGHT.copy(), noise.copy()), noise)
     as_cluster_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0].copy()), noise[:0])
 
 
 @visible(
     "get_oriented_boxes",
     weight=1,
+    title="A fourth column, intensity, is no part of the box",
+    why="A corner is a place in space; brightness has none.",
+    hint="Take the coordinates with cloud[mask, :3].",
+)
+def boxes_no_intensity(get_oriented_boxes: Callable) -> None:
+    bright = np.column_stack([_STRAIGHT, np.linspace(9, -9, len(_STRAIGHT))])
+    assert_holds(get_oriented_boxes(bright.copy(), _LABELS.copy()), bright, _LABELS)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=0.5,
+    title="The parameters keep their names",
+    why="Whoever reads the docstring may call get_oriented_boxes(cloud=..., cluster_labels=...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(get_oriented_boxes: Callable) -> None:
+    answer = get_oriented_boxes(cloud=_STRAIGHT.copy(), cluster_labels=_LABELS.copy())
+    assert_holds(answer, _STRAIGHT, _LABELS)
+
+
+@visible(
+    "get_oriented_boxes",
+    weight=0.5,
     title="Leaves cloud and labels untouched",
     why="The next step still needs them.",
-    hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 is not.",
+    hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 changes the old one.",
 )
-def leaves_its_input(get_oriented_boxes: Callable) -> None:
-    assert_untouched(get_oriented_boxes, _STREET, _LABELS)
-    boxes = get_oriented_boxes(_STREET.copy(), _LABELS.copy())
-    assert_turned_boxes(boxes, _STREET, _LABELS, _AREAS)
+def leaves_cloud_and_labels(get_oriented_boxes: Callable) -> None:
+    assert_boxes(get_oriented_boxes)
+    assert_untouched(get_oriented_boxes, _STRAIGHT, _LABELS)
+
+
+@noted(
+    "get_oriented_boxes",
+    title="Four corners of the floor, going round, then those above them in the same order",
+    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2: in another "
+    "order it finds another area.",
+)
+def goes_round(get_oriented_boxes: Callable) -> None:
+    floor, roof = np.split(
+        as_array(get_oriented_boxes(_street(20, 20), _LABELS.copy()))[0].astype(float), 2
+    )
+    if floor[:, 2].max() > roof[:, 2].min():
+        raise CheckFailed("The first four corners are not all of the floor.")
+    sides = np.roll(floor, -1, axis=0) - floor
+    if np.abs((sides * np.roll(sides, -1, axis=0)).sum(axis=1)).max() > 0.1:
+        raise CheckFailed("From corner to corner the floor is crossed, not gone round.")
+    if np.abs(roof[:, :2] - floor[:, :2]).max() > 1e-2:
+        raise CheckFailed("Corners 4 to 7 are not above corners 0 to 3, one by one.")
+
+
+@noted(
+    "get_oriented_boxes",
+    title="The boxes are an array, not a list",
+    why="floor_area, a few cells below, takes one corner from another, which lists cannot do.",
+)
+def gives_an_array(get_oriented_boxes: Callable) -> None:
+    answer = get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy())
+    if isinstance(answer, (list, tuple)):
+        raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
+
+
+def _standing(
+    middle: np.ndarray, length: float, width: float, height: float, degrees: float
+) -> np.ndarray:
+    """(8, 3): a box that stands somewhere; its first side is the length."""
+    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
+    floor = np.column_stack([signs * [length, width], np.full(4, -height / 2)])
+    return _turn(np.vstack([floor, floor + [0, 0, height]]), degrees) + middle
+
+
+def _parts(box: np.ndarray) -> tuple[np.ndarray, float, float, float, float]:
+    """What `_standing` makes a box of."""
+    along, across = box[1] - box[0], box[2] - box[1]
+    heading = np.degrees(np.arctan2(along[1], along[0]))
+    length, width = np.linalg.norm(along), np.linalg.norm(across)
+    return box.mean(axis=0), length, width, np.ptp(box[:, 2]), heading
+
+
+def _measured_off(box: np.ndarray, degrees: float) -> tuple[float, float]:
+    """Sides of the smallest rectangle that is turned by so much against a box, and holds it."""
+    _, length, width, _, heading = _parts(box)
+    cosine, sine = np.abs([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    return length * cosine + width * sine, length * sine + width * cosine
+
+
+def _straight(box: np.ndarray) -> np.ndarray:
+    middle, _, _, height, heading = _parts(box)
+    return _standing(middle, *_measured_off(box, heading), height, 0)
+
+
+def _mirrored(box: np.ndarray) -> np.ndarray:
+    middle, _, _, height, heading = _parts(box)
+    return _standing(middle, *_measured_off(box, 2 * heading), height, -heading)
+
+
+def _plus_twice(box: np.ndarray) -> np.ndarray:
+    middle, _, _, height, heading = _parts(box)
+    away = _turn(middle[None], 2 * heading)[0]
+    return _standing(away, *_measured_off(box, 2 * heading), height, heading)
+
+
+def _turned_on(times: int) -> Callable:
+    """Predicts right boxes, turned about the sensor by so many times their heading."""
+    return lambda right, cloud, labels: np.stack(
+        [_turn(box, times * _parts(box)[4]) for box in right]
+    )
+
+
+def _each(change: Callable) -> Callable:
+    return lambda right, cloud, labels: np.stack([change(box) for box in right])
+
+
+_TWO_HEADINGS = ((20, 65), (35, 10), (75, 55))
+_STREETS = tuple(
+    frozen((np.vstack([_street(*headings), [[30.0, 20.0, 4.0]]]), np.append(_LABELS, 0)))
+    for headings in _TWO_HEADINGS
+)
+
+
+def _right_boxes(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    headings = next(
+        two
+        for two, (street, _) in zip(_TWO_HEADINGS, _STREETS, strict=True)
+        if (street == cloud).all()
+    )
+    blocks = zip(_PLACES, _SIZES, headings, strict=True)
+    return np.stack([_standing(np.array(place), *size, turn) for place, size, turn in blocks])
+
+
+def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
+    """Whether boxes have the same corners, in whatever order; where turned half round, too.
+
+    An axis may point forwards or backwards, so a yaw may be off by half a turn.
+    """
+    try:
+        yours = as_array(answer)
+    except CheckFailed:
+        return False
+    return yours.shape == predicted.shape and all(
+        same_corners(mine, box) or same_corners(mine * [-1, -1, 1], box)
+        for mine, box in zip(yours, predicted, strict=True)
+    )
+
+
+mistakes(
+    "get_oriented_boxes",
+    Mistake(
+        "The boxes are not turned at all: their sides run along x and y.",
+        _each(_straight),
+        "Turn the points by minus yaw before you take minimum and maximum.",
+    ),
+    Mistake(
+        "The corners are turned by minus yaw, as the points were; they must be turned back, by "
+        "plus yaw.",
+        _turned_on(-2),
+        "Points by minus yaw, corners by plus yaw.",
+    ),
+    Mistake(
+        "Points and corners are both turned by plus yaw.",
+        _each(_plus_twice),
+        "Points by minus yaw, corners by plus yaw.",
+    ),
+    Mistake(
+        "The corners are not turned back: the boxes stand where the turned points were.",
+        _turned_on(-1),
+        "After minimum and maximum turn the corners by plus yaw.",
+    ),
+    Mistake(
+        "The boxes are built for minus the heading.",
+        _each(_mirrored),
+        "Are the points turned by minus yaw first, and the corners by plus yaw after that? Does "
+        "np.arctan2 get y first, then x, of one axis, a column?",
+    ),
+    Mistake(
+        "Label 0 gets a box, too. It is no obstacle.",
+        lambda right, cloud, labels: np.concatenate(
+            [np.repeat(cloud[labels == 0], 8, axis=0)[None], right]
+        ),
+        "Keep only labels > 0.",
+    ),
+    cases=_STREETS,
+    right=_right_boxes,
+    same=_same_boxes,
+)

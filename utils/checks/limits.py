@@ -43,19 +43,30 @@ def limited(seconds: float) -> Iterator[None]:
                 wait = 1.0  # code that catches everything is interrupted again
 
         watch = threading.Thread(target=ring, daemon=True)
-        watch.start()
         try:
             try:
+                watch.start()
                 yield
             finally:
-                over.set()
-                watch.join()
-                if rang.is_set():
-                    time.sleep(0.01)  # what rang in the last moment is heard here, not later
+                _silence(over, watch, rang)
         except KeyboardInterrupt:
             if rang.is_set():
                 raise TimeUp from None
             raise
+
+
+def _silence(over: threading.Event, watch: threading.Thread, rang: threading.Event) -> None:
+    """End the watch; what rings in this very moment is heard here, and not later."""
+    while True:
+        try:
+            over.set()
+            if watch.is_alive():
+                watch.join()
+            if rang.is_set():
+                time.sleep(0.01)
+            return
+        except KeyboardInterrupt:
+            continue
 
 
 @contextlib.contextmanager

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from utils.checks.failures import CheckFailed, NotStarted, NotYet
+from utils.checks.failures import CheckFailed, NotStarted, NotYet, Raised
 
 if TYPE_CHECKING:
     from utils.checks.core import Check
@@ -66,7 +66,7 @@ class Story:
     def in_one_line(self) -> str:
         """For where there is no table, as in `nbgrader validate`."""
         if self.not_started:
-            return self.first.failure.message
+            return f"{self.first.failure.stub} is not started."
         failed = 1 + len(self.same) + len(self.others)
         count = failed + len(self.passed) + len(self.waiting)
         which = "" if failed == 1 else ", the first of them"
@@ -128,11 +128,11 @@ def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, s
     -------
     list of tuple of str
     """
-    failure, said = outcome.failure, []
-    said.append(("What happened", failure.message))
-    if claim:
-        said.append(("The cause", claim.says))
-    said += [
+    failure = outcome.failure
+    said = [
+        ("The cause", claim.says if claim else ""),
+        ("What happened", failure.message),
+        *([("Where", _where(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),
         ("Given", failure.given),
         ("Yours", failure.yours),
@@ -142,6 +142,11 @@ def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, s
     if failure.is_about_the_check:
         said.append(("Why it matters", outcome.check.why))
     return [(label, text) for label, text in said if text]
+
+
+def _where(failure: Raised) -> str:
+    line = f": `{failure.line}`" if failure.line else ""
+    return f"{failure.place}{line}" if failure.place else ""
 
 
 def hint_for(outcome: Outcome, claim: Mistake | None = None) -> str:

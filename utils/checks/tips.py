@@ -39,6 +39,13 @@ _TIPS = (
     (
         "TypeError",
         r"missing \d+ required positional|takes (from )?\d+ .*positional",
+        r"\(",
+        "This line gives a function more or fewer values than it takes. An array of two points is "
+        "one value: f(points[i], points[j]), or f(*pair) to hand over its rows one by one.",
+    ),
+    (
+        "TypeError",
+        r"missing \d+ required positional|takes (from )?\d+ .*positional",
         "",
         "A function is called with more or fewer values than its first line has. Keep the first "
         "line of yours, defaults included, as given.",
@@ -120,7 +127,7 @@ _TIPS = (
     (
         "TypeError",
         r"can't multiply sequence by non-int|unsupported operand type\(s\) for .: 'list'|"
-        r"list indices must be integers",
+        r"'[<>]=?' not supported between instances of 'list'|list indices must be integers",
         "",
         "This is a list. Lists do not calculate and take no masks: wrap it in np.array(...).",
     ),
@@ -129,13 +136,6 @@ _TIPS = (
         r"'list' object has no attribute '(shape|min|max|sum|mean|astype|any|all|copy|ndim|T)'",
         "",
         "This is a list, not an array: wrap it in np.array(...).",
-    ),
-    (
-        "TypeError",
-        r"'[<>]=?' not supported between instances of ('list'|'tuple') and|"
-        r"'[<>]=?' not supported between instances of '\w+' and ('list'|'tuple')",
-        "",
-        "A list is not compared number by number, as an array is: wrap it in np.array(...).",
     ),
     ("TypeError", r"'float' object cannot be interpreted as an integer", "", _WHOLE),
     ("TypeError", r"only integer|integer scalar arrays|slice indices must be", "", _WHOLE),
@@ -211,8 +211,8 @@ _TIPS = (
         r"zero-size array|need at least one array|arg(min|max) of an empty|empty sequence|"
         r"empty iterable",
         "",
-        "Here there is nothing to take the smallest or largest of: a cloud, or one cluster of "
-        "it, can be empty.",
+        "Here there is nothing to take the smallest or largest of, or to stack: a cloud, or one "
+        "cluster of it, can be empty.",
     ),
     (
         "ValueError",
@@ -336,6 +336,6 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
             code = trace.tb_frame.f_code
             line = linecache.getline(code.co_filename, trace.tb_lineno).strip()
             where = f"line {trace.tb_lineno} of the cell of {code.co_name}"
-            found = code.co_name, where, f"`{line}`" if line else ""
+            found = code.co_name, where, line
         trace = trace.tb_next
     return found

@@ -192,7 +192,7 @@ def assert_shape(yours: np.ndarray, expected: tuple[int, ...], each: str, column
     n, shape = expected[0] if expected else 0, yours.shape
     words = ""
     if len(expected) == 1:
-        if shape == ():
+        if shape == () and n > 1:
             words = " This is one number for all points: an axis= is missing."
         elif shape == (n, 1):
             words = " A column (n, 1) is a table: take [:, 0], or leave out the None in [:, None]."
@@ -223,7 +223,7 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
     expected = cloud[keep]
     if yours.shape == expected.shape and _close(yours, expected):
         return
-    sides = {"yours": f"{len(yours)} rows", "expected": f"{len(expected)} rows"}
+    sides = {"yours": _count(yours), "expected": _count(expected)}
     if len(yours) > len(cloud):
         raise CheckFailed("There are more rows than the cloud has.", **sides)
     mine = _membership(cloud, yours)
@@ -232,9 +232,14 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
             "Some of the returned rows are not rows of the cloud: values changed.",
             yours=brief(yours),
             expected=brief(expected),
+            hint="Rows go, or stay as they are: nothing is written into them.",
         )
     if len(yours) == len(expected) and np.array_equal(mine, keep):
-        raise CheckFailed("These are the right rows in another order.", **sides)
+        raise CheckFailed(
+            "These are the right rows in another order.",
+            **sides,
+            hint="A mask keeps the order: cloud[mask].",
+        )
     missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
     parts = []
     if len(missing):
@@ -465,5 +470,5 @@ def _rounded(rows: np.ndarray) -> np.ndarray:
     return np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
 
 
-def _count(positions: np.ndarray) -> str:
-    return "1 row" if len(positions) == 1 else f"{len(positions)} rows"
+def _count(rows: np.ndarray) -> str:
+    return "1 row" if len(rows) == 1 else f"{len(rows)} rows"

@@ -21,6 +21,8 @@ from utils.scene3d.output import picture_of, renderer_for
 SIZE = (960, 540)
 ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 """Kinds whose true boxes are shown; houses and trees would hide the rest."""
+FOLLOWED = 1.5
+"""Metres between two frames up to which a box is followed, as in lesson 12."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,8 @@ class Sight:
         How long the detector took.
     problem : str
         Why it failed, if it did.
+    names : tuple of int or None
+        The same for a box as long as it is followed; None where nobody follows.
     """
 
     number: int
@@ -52,6 +56,7 @@ class Sight:
     found: np.ndarray | None = None
     seconds: float = 0.0
     problem: str = ""
+    names: tuple[int, ...] | None = None
 
     @property
     def caption(self) -> str:
@@ -65,8 +70,12 @@ class Sight:
         return " · ".join(words)
 
 
-def watch(frames: Sequence, detect: Callable | None = None) -> Iterator[Sight]:
+def watch(
+    frames: Sequence, detect: Callable | None = None, match: Callable | None = None
+) -> Iterator[Sight]:
     """Run a detector over frames, one at a time.
+
+    Before the clock starts it sees the first frame once: loading libraries is not detecting.
 
     Parameters
     ----------
@@ -74,6 +83,9 @@ def watch(frames: Sequence, detect: Callable | None = None) -> Iterator[Sight]:
         Frames with `cloud` and, where known, `boxes` and `time`; or bare clouds.
     detect : callable, optional
         From a cloud to boxes (N, 8, 3).
+    match : callable, optional
+        From the boxes before, the boxes now and a distance in metres to the partner of each box
+        now, -1 for none: `match_boxes` of lesson 12. It gives the boxes their names.
 
     Yields
     ------
@@ -86,22 +98,44 @@ def watch(frames: Sequence, detect: Callable | None = None) -> Iterator[Sight]:
         one odd scan should not cost the whole film.
     """
     times = getattr(frames, "times", np.arange(len(frames)) / 10)  # a bag knows, 10 Hz is usual
+    follower = _Follower(match) if match else None
     for number, frame in enumerate(frames, start=1):
         cloud = np.asarray(getattr(frame, "cloud", frame))
         moment = float(getattr(frame, "time", times[number - 1]))
         boxes = tuple(box for box in getattr(frame, "boxes", ()) if box.kind in ROAD_USERS)
-        found, seconds, problem = None, 0.0, ""
+        found, seconds, problem, names = None, 0.0, "", None
         if detect is not None:
-            start = time.perf_counter()
             try:
+                if number == 1:
+                    detect(cloud)
+                start = time.perf_counter()
                 found = detect(cloud)
                 seconds = time.perf_counter() - start
                 found = _checked(found)
+                names = follower and follower.names_of(found)
             except Exception as error:
                 if number == 1:
                     raise
                 found, problem = None, f"{type(error).__name__}: {error}"
-        yield Sight(number, len(frames), moment, cloud, boxes, found, seconds, problem)
+        yield Sight(number, len(frames), moment, cloud, boxes, found, seconds, problem, names)
+
+
+class _Follower:
+    """Gives boxes names that last as long as they are matched from frame to frame."""
+
+    def __init__(self, match: Callable) -> None:
+        self._match, self._unused = match, 0
+        self._boxes, self._names = np.empty((0, 8, 3)), ()
+
+    def names_of(self, boxes: np.ndarray) -> tuple[int, ...]:
+        """The names of the boxes (N, 8, 3) of the next frame."""
+        names = []
+        for partner in np.asarray(self._match(self._boxes, boxes, FOLLOWED), dtype=int):
+            known = 0 <= partner < len(self._names)
+            names.append(self._names[partner] if known else self._unused)
+            self._unused += not known
+        self._boxes, self._names = boxes, tuple(names)
+        return self._names
 
 
 def scene_of(sight: Sight, title: str = "") -> Scene:
@@ -112,7 +146,8 @@ def scene_of(sight: Sight, title: str = "") -> Scene:
         names = None if sight.found is not None else [box.kind for box in sight.true_boxes]
         scene.add_oriented_boxes(corners, reference=True, names=names, name="true boxes")
     if sight.found is not None:
-        scene.add_oriented_boxes(sight.found, names=True, name="detected boxes")
+        names = True if sight.names is None else sight.names
+        scene.add_oriented_boxes(sight.found, names=names, name="detected boxes")
     scene.caption = sight.caption
     return scene
 
@@ -122,6 +157,7 @@ def record(
     path: str | os.PathLike,
     detect: Callable | None = None,
     *,
+    match: Callable | None = None,
     camera: str | Camera = "XY",
     compose: Callable[[Sight], Scene] = scene_of,
     size: tuple[int, int] = SIZE,
@@ -170,7 +206,7 @@ def record(
     def images() -> Iterator[np.ndarray]:
         with _camera_team(size, camera, renderer) as take:
             bar = progress(range(len(frames)), f"Recording {path.name}")
-            for sight, _ in zip(watch(frames, detect), bar, strict=False):
+            for sight, _ in zip(watch(frames, detect, match), bar, strict=False):
                 yield take(compose(sight))
                 sights.append(sight)
             next(bar, None)  # lets the bar show its last step

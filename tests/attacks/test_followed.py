@@ -1,0 +1,75 @@
+"""What may be stolen where a right helper stands in the place of a wrong one."""
+
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in
+from grader.judging.judge import judge
+from tests.demands import demand_walls
+
+WALLS = demand_walls()
+LINE = find_lesson("02_ransac_line")
+SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
+WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
+
+
+RANSAC = (
+    SIGNATURE
+    + """\
+    rng, best = np.random.default_rng(rng), (None, np.zeros(len(points), dtype=bool))
+    for _ in range(max_iterations if len(points) >= 2 else 0):
+        first, second = rng.choice(len(points), 2, replace=False)
+        line = line_through(points[first], points[second])
+        if line is not None:
+            inside = point_line_distance(points, line) <= distance_tolerance
+            if inside.sum() > best[1].sum():
+                best = line, inside
+    return best
+"""
+)
+
+
+def judged(lesson, tmp_path, **answers):
+    path = tmp_path / f"{lesson.name}.ipynb"
+    path.write_text(fill_in(lesson, answers), "utf-8")
+    verdict = judge(path, 3, WALLS)
+    return {one.name: one for one in verdict.exercises}, verdict
+
+
+def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
+    """Mostly right, it returns the code of its helper where a visible check would show it."""
+    thief = RANSAC.replace("def ransac_line", "def honest") + (
+        "\n" + SIGNATURE + "    if isinstance(rng, int):\n"
+        "        code = line_through.__code__\n"
+        "        return ' '.join(['stolen', *code.co_names, *code.co_varnames])\n"
+        "    return honest(points, max_iterations, distance_tolerance, rng)\n"
+    )
+    results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=thief)
+    mine = results["ransac_line"]
+    assert 0.5 * mine.max_score < mine.score < mine.max_score, "it was judged with a right one"
+    said = "\n".join(test.message for test in mine.tests)
+    assert "must return two things" in said
+    assert "stolen" not in "\n".join([said, mine.cause, *verdict.problems])
+
+
+def test_a_right_helper_answers_no_question_of_its_own(tmp_path):
+    """The wrong helper earns nothing by being called."""
+    results, _ = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=RANSAC)
+    assert results["ransac_line"].score == results["ransac_line"].max_score
+    assert results["line_through"].score < results["line_through"].max_score / 2
+
+
+@pytest.mark.parametrize("later", ["ransac_line"])
+def test_what_comes_later_helps_nobody_who_comes_before(later, tmp_path):
+    """An early exercise calls a late one, of which a right version might know the answer."""
+    early = f"def line_through(first, second):\n    return {later}([first, second])[0]\n"
+    results, _ = judged(LINE, tmp_path, line_through=early, ransac_line=SIGNATURE + "    return 1")
+    assert results["line_through"].score < results["line_through"].max_score / 5
+
+
+def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
+    answers = {"ransac_line": RANSAC}
+    results, verdict = judged(LINE, tmp_path, **answers)
+    assert results["line_through"].score == 0 == results["point_line_distance"].score
+    assert results["ransac_line"].score == results["ransac_line"].max_score
+    assert any("Judged with right ones instead" in one for one in verdict.problems)

@@ -1,0 +1,86 @@
+"""What the checks of boxes say about corners, and what they draw."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from grader.course.lessons import load_reference
+from utils.checks import CheckFailed
+from utils.checks.boxes import assert_box_corners, assert_holds, corners_between
+from utils.checks.core import notes_of, run_check
+
+CORNERS = {
+    "zigzag": [0, 1, 3, 2, 4, 5, 7, 6],
+    "roof first": [4, 5, 6, 7, 0, 1, 2, 3],
+    "the roof begun elsewhere": [0, 1, 2, 3, 5, 6, 7, 4],
+}
+
+
+def noted(exercise, function):
+    """Names of the notes that a function gets."""
+    return {one.name for one in notes_of(exercise) if run_check(one, function).failure}
+
+
+@pytest.mark.parametrize(
+    "exercise, name, note",
+    [
+        ("get_bounding_boxes", "08_bounding_boxes", "numbers_the_corners"),
+        ("get_oriented_boxes", "11_pca_boxes", "goes_round"),
+    ],
+)
+def test_another_order_of_corners_is_a_note(exercise, name, note):
+    right = getattr(load_reference(name), exercise)
+    assert noted(exercise, right) == set()
+    for order in CORNERS.values():
+        assert noted(exercise, lambda *given, order=order: right(*given)[:, order]) == {note}
+
+
+def test_boxes_in_a_list_are_a_note():
+    for exercise, name, note in (
+        ("get_bounding_boxes", "08_bounding_boxes", "returns_an_array"),
+        ("get_oriented_boxes", "11_pca_boxes", "gives_an_array"),
+    ):
+        right = getattr(load_reference(name), exercise)
+        assert noted(exercise, lambda *given, right=right: right(*given).tolist()) == {note}
+
+
+def test_axes_in_lists_are_a_note():
+    right = load_reference("11_pca_boxes").principal_axes
+    assert noted("principal_axes", right) == set()
+    assert noted("principal_axes", lambda points: right(points).tolist()) == {"returns_an_array"}
+
+
+def limits_of(failure):
+    failure.draw()
+    axes = plt.gcf().axes[0]
+    limits = np.array([axes.get_xlim(), axes.get_ylim()])
+    plt.close("all")
+    return limits
+
+
+@pytest.mark.parametrize("shift", [0.0, 12.0])
+def test_picture_holds_the_box_and_its_cluster(shift):
+    cloud = np.random.default_rng(0).uniform(-1, 1, (50, 3)) * [4, 2, 1] + [9, 5, 0]
+    labels = np.ones(50, dtype=int)
+    box = corners_between([8.9 + shift, 4.9, -1], [9.1 + shift, 5.1, 1])[None]
+    for check in (
+        lambda: assert_holds(box, cloud, labels),
+        lambda: assert_box_corners(
+            box, corners_between(cloud.min(axis=0), cloud.max(axis=0))[None], cloud, labels
+        ),
+    ):
+        with pytest.raises(CheckFailed) as caught:
+            check()
+        limits = limits_of(caught.value)
+        for part in (cloud, box[0]):
+            assert (limits[:, 0] < part[:, :2].min(axis=0)).all()
+            assert (limits[:, 1] > part[:, :2].max(axis=0)).all()
+
+
+def test_messages_count_in_words_that_fit():
+    one = np.ones(3, dtype=int)
+    box = corners_between([0, 0, 0], [1, 1, 1])
+    with pytest.raises(CheckFailed, match="^2 boxes for 1 cluster.$"):
+        assert_box_corners(np.stack([box, box]), box[None], np.zeros((3, 3)), one)
+    with pytest.raises(CheckFailed, match="^1 box for 2 clusters.$"):
+        assert_box_corners(box[None], np.stack([box, box]), np.zeros((3, 3)), np.array([1, 1, 2]))

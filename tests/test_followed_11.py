@@ -1,0 +1,80 @@
+"""Lesson 11: get_oriented_boxes calls principal_axes, and answers for its own work alone."""
+
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.judging.judge import judge
+from utils.checks import check
+from utils.checks.core import ChecksFailed
+
+LESSON = find_lesson("11_pca_boxes")
+# As the lesson's hints spell it out, on whatever principal_axes there is.
+AS_HINTED = """\
+def get_oriented_boxes(cloud, cluster_labels):
+    names = np.unique(cluster_labels[cluster_labels > 0])
+    boxes = np.zeros((len(names), 8, 3))
+    for row, name in enumerate(names):
+        points = cloud[cluster_labels == name, :3]
+        first = principal_axes(points * [1, 1, 0])[:, 0]
+        yaw = np.arctan2(first[1], first[0])
+        local = turned(points, -yaw)
+        (x, y, z), (to_x, to_y, to_z) = local.min(axis=0), local.max(axis=0)
+        around = [(x, y), (to_x, y), (to_x, to_y), (x, to_y)]
+        box = np.array([(a, b, c) for c in (z, to_z) for a, b in around])
+        boxes[row] = turned(box, yaw)
+    return boxes
+"""
+BOTH_PLUS = AS_HINTED.replace("turned(points, -yaw)", "turned(points, yaw)")
+STUB = "def principal_axes(points):\n    raise NotImplementedError\n"
+
+
+def wrong_axes(name):
+    return next(one.source for one in variants_of("principal_axes") if one.name == name)
+
+
+def results(axes, boxes, sandbox, folder):
+    """How the two exercises fare."""
+    path = folder / f"{LESSON.name}.ipynb"
+    answers = {"principal_axes": axes, "get_oriented_boxes": boxes}
+    path.write_text(fill_in(LESSON, answers), "utf-8")
+    return {one.name: one for one in judge(path, 7, sandbox).exercises}
+
+
+@pytest.mark.parametrize(
+    "axes, least",
+    [
+        (STUB, 0),
+        # One missing [:, ::-1] cost all 30 points of the lesson.
+        (wrong_axes("columns left in ascending order"), 8),
+        (wrong_axes("np.cov of rows instead of columns"), 0),
+    ],
+    ids=["stub", "ascending", "np.cov of rows"],
+)
+def test_right_boxes_over_wrong_axes_earn_everything(axes, least, sandbox, tmp_path):
+    fared = results(axes, AS_HINTED, sandbox, tmp_path)
+    boxes = fared["get_oriented_boxes"]
+    assert boxes.score == boxes.max_score == 20
+    assert "principal_axes, which get_oriented_boxes calls, is wrong" in boxes.cause
+    assert "not started" not in boxes.cause
+    assert least <= fared["principal_axes"].score < 10
+
+
+@pytest.mark.parametrize("axes", ["not centred", "left-handed at times"])
+def test_other_wrong_axes_cost_the_boxes_nothing(axes, sandbox, tmp_path):
+    assert results(wrong_axes(axes), AS_HINTED, sandbox, tmp_path)["get_oriented_boxes"].score == 20
+
+
+def test_wrong_boxes_keep_their_own_mistake(sandbox, tmp_path):
+    boxes = results(STUB, BOTH_PLUS, sandbox, tmp_path)["get_oriented_boxes"]
+    assert 0 < boxes.score < 12
+    assert "principal_axes, which get_oriented_boxes calls, is wrong" in boxes.cause
+    assert "is outside" in boxes.cause or "are outside" in boxes.cause
+
+
+def test_a_notebook_names_the_function_that_is_not_written(capsys):
+    space = {}
+    exec("import numpy as np\n" + STUB + AS_HINTED, space)
+    with pytest.raises(ChecksFailed, match="calls principal_axes, which is not written yet"):
+        check(space["get_oriented_boxes"])
+    assert "get_oriented_boxes is not started" not in capsys.readouterr().out
