@@ -47,7 +47,7 @@ def right_one(exercise):
         ("plane_through", "the sign of d"),
         ("plane_through", "forgets to normalise"),
         ("point_plane_distance", "no absolute value"),
-        ("point_plane_distance", "a column"),
+        ("point_plane_distance", "a list back"),
     ],
 )
 def test_a_right_loop_earns_everything_whatever_it_calls(helper, name, sandbox, tmp_path):

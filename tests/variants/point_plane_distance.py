@@ -9,11 +9,11 @@ def point_plane_distance(points, plane):
     a, b, c, d = plane
     return abs(a * points[:, 0] + b * points[:, 1] + c * points[:, 2] + d)
 
-# %% right: a loop in plain Python, a list back
+# %% right: a loop in plain Python
 def point_plane_distance(points, plane):
     print("measuring")
     a, b, c, d = plane
-    return [abs(a * p[0] + b * p[1] + c * p[2] + d) for p in points.tolist()]
+    return np.array([abs(a * p[0] + b * p[1] + c * p[2] + d) for p in points.tolist()])
 
 # %% right: divides by the length of the normal once more
 def point_plane_distance(points, plane):
@@ -171,3 +171,10 @@ def point_plane_distance(points, plane):
 # says: another name
 def point_plane_distance(cloud, model):
     return np.abs(cloud[:, :3] @ np.asarray(model[:3]) + model[3])
+
+# %% wrong: a list back
+# loses only: gives_an_array
+# says: they are no array
+def point_plane_distance(points, plane):
+    a, b, c, d = plane
+    return [abs(a * p[0] + b * p[1] + c * p[2] + d) for p in points.tolist()]

@@ -665,16 +665,22 @@ def keeps_points_and_plane(point_plane_distance: Callable) -> None:
     assert_distances(point_plane_distance(points=xyz.copy(), plane=plane.copy()), xyz, plane)
 
 
-@noted(
+@visible(
     "point_plane_distance",
+    weight=1,
     title="The distances are a NumPy array",
-    why="ransac_plane compares all of them at once: distances <= 0.2 needs an array, a list "
-    "raises an error. np.array(...) makes one.",
+    why="ransac_plane compares all of them with its tolerance at once; a list cannot do that.",
+    hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def gives_an_array(point_plane_distance: Callable) -> None:
-    answer = point_plane_distance(_IN_FRONT.copy(), np.array([*_NORMAL, 2.0]))
+    assert_measures(point_plane_distance)
+    answer = point_plane_distance(_IN_FRONT[:, :3].copy(), np.array([*_NORMAL, 0.0]))
     if not isinstance(answer, np.ndarray):
-        raise CheckFailed(f"The distances are in a {type(answer).__name__}.")
+        raise CheckFailed(
+            "These are the right numbers, but they are no array.",
+            yours=f"{type(answer).__name__} {brief(answer)}",
+            expected="a NumPy array",
+        )
 
 
 def _each(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
