@@ -269,6 +269,9 @@ def test_labels_and_arrays_say_what_was_expected():
         (lambda: [1.0, 2.0].min(), "np.array"),
         (lambda: [1.0] * 0.5, "np.array"),
         (lambda: [1.0] <= 0.5, "np.array"),
+        (lambda: np.random.default_rng(1).choice(2, 3, replace=False), "len(points)"),
+        (lambda: np.random.default_rng(1).choice(0, 3, replace=False), "len(points)"),
+        (lambda: np.cross(CLOUD[0], CLOUD[1]), "x, y, z"),
         (lambda: CLOUD(0), "square brackets"),
         (lambda: len[0], "round ones"),
         (lambda: range(1.5), "whole number"),
@@ -306,6 +309,8 @@ def test_a_tip_may_depend_on_the_line():
     truth = "The truth value of an array with more than one element is ambiguous. Use a.any()"
     assert "parentheses of its own" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")
+    assert "logarithm" in tip_for("ValueError", "math domain error", "`n = math.log(0)`")
+    assert "logarithm" in tip_for("ZeroDivisionError", "float division by zero", "`1 / log(w)`")
 
 
 def test_no_tip_is_better_than_a_wrong_one():

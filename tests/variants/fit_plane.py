@@ -45,7 +45,8 @@ def fit_plane(points):
 
 # %% wrong: not centred
 # loses: fits_a_road, fits_far_away, test_fit_any_direction
-# says: Another plane lies nearer
+# says: lies nearer to them
+# claims: not centred
 def fit_plane(points):
     xyz = points[:, :3]
     normal = np.linalg.svd(xyz, full_matrices=False)[2][-1]
@@ -53,7 +54,8 @@ def fit_plane(points):
 
 # %% wrong: the direction of largest spread
 # loses: fits_a_road, fits_a_wall, test_fit_any_direction
-# says: Another plane lies nearer
+# says: lies nearer to them
+# claims: direction of largest spread
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][0]
@@ -61,15 +63,16 @@ def fit_plane(points):
 
 # %% wrong: a column of V instead of a row
 # loses: fits_a_road, test_fit_any_direction
-# says: Another plane lies nearer
+# says: lies nearer to them
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][:, 2]
     return np.append(normal, -normal @ centre)
 
 # %% wrong: solves for z
-# loses: fits_a_wall
-# says: Another plane lies nearer
+# loses only: fits_a_wall, test_fit_any_direction
+# says: lies nearer to them
+# claims: not upright on the plane
 def fit_plane(points):
     xyz = points[:, :3]
     a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],
@@ -78,8 +81,9 @@ def fit_plane(points):
     return normal / np.linalg.norm(normal[:3])
 
 # %% wrong: a normal of another length
-# loses: fits_a_road, test_fit_any_direction
-# says: Divide by it
+# loses only: fit_has_a_unit_normal, fits_a_wall, test_fit_any_direction
+# says: not 1
+# claims: (a, b, -1) is not divided
 def fit_plane(points):
     xyz = points[:, :3]
     a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],
@@ -88,7 +92,8 @@ def fit_plane(points):
 
 # %% wrong: the plane through the first three points
 # loses: fits_a_road, test_fit_any_direction
-# says: Another plane lies nearer
+# says: lies nearer to them
+# claims: Only the first three points
 def fit_plane(points):
     p, q, r = points[:3, :3]
     normal = np.cross(q - p, r - p)
@@ -96,7 +101,7 @@ def fit_plane(points):
     return np.append(normal, -normal @ p)
 
 # %% wrong: intensity as a fourth direction
-# loses: fits_without_intensity, test_fit_course_cloud
+# loses only: fits_without_intensity, test_fit_course_cloud
 # says: A plane is four numbers
 def fit_plane(points):
     centre = points.mean(axis=0)
@@ -104,7 +109,7 @@ def fit_plane(points):
     return np.append(normal, -normal @ centre)
 
 # %% wrong: moves the cloud to its mean
-# loses: fits_far_away
+# loses only: leaves_the_points_where_they_are
 # says: changed its input
 def fit_plane(points):
     xyz = points[:, :3]
@@ -114,8 +119,9 @@ def fit_plane(points):
     return np.append(normal, -normal @ centre)
 
 # %% wrong: the sign of d
-# loses: fits_a_road, test_fit_any_direction
-# says: Another plane lies nearer
+# loses only: goes_through_the_mean, test_fit_offset
+# says: away from the plane
+# claims: The sign of d is wrong
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
@@ -132,6 +138,67 @@ def fit_plane(points):
 
 # %% wrong: a flat road for everybody
 # loses: fits_a_road, fits_a_wall, fits_far_away, test_fit_any_direction
-# says: Another plane lies nearer
+# says: lies nearer to them
 def fit_plane(points):
     return (0.0, 0.0, 1.0, -points[:, 2].mean())
+
+# %% wrong: d is 0
+# loses only: goes_through_the_mean, test_fit_offset
+# says: away from the plane
+# claims: d is 0
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
+    return np.append(normal, 0.0)
+
+# %% wrong: the second row
+# loses: fits_a_road, test_fit_any_direction
+# says: lies nearer to them
+# claims: second largest spread
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][1]
+    return np.append(normal, -normal @ centre)
+
+# %% wrong: the last direction of all four columns
+# loses: fits_without_intensity, test_fit_course_cloud
+# says: lies nearer to them
+def fit_plane(points):
+    centre = points.mean(axis=0)
+    normal = np.linalg.svd(points - centre, full_matrices=False)[2][-1][:3]
+    normal = normal / np.linalg.norm(normal)
+    return np.append(normal, -normal @ centre[:3])
+
+# %% wrong: the third direction of all four columns
+# loses: fits_without_intensity
+# says: lies nearer to them
+def fit_plane(points):
+    centre = points.mean(axis=0)
+    normal = np.linalg.svd(points - centre, full_matrices=False)[2][2][:3]
+    normal = normal / np.linalg.norm(normal)
+    return np.append(normal, -normal @ centre[:3])
+
+# %% wrong: twice the length
+# loses only: fit_has_a_unit_normal
+# says: has length 2, not 1
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = 2 * np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
+    return np.append(normal, -normal @ centre)
+
+# %% wrong: more than three points
+# loses only: fits_three_points, test_fit_small
+# says: returned None
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    if len(points) > 3:
+        normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
+        return np.append(normal, -normal @ centre)
+
+# %% wrong: parameter renamed
+# loses only: keeps_points
+# says: another name
+def fit_plane(cloud):
+    centre = cloud[:, :3].mean(axis=0)
+    normal = np.linalg.svd(cloud[:, :3] - centre, full_matrices=False)[2][-1]
+    return np.append(normal, -normal @ centre)

@@ -61,8 +61,9 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return np.int64(np.ceil(np.log(1 - confidence) / np.log(1 - inlier_ratio ** sample_size)))
 
 # %% wrong: rounded down
-# loses: smallest_that_suffices, test_iterations
+# loses only: smallest_that_suffices, test_rounding
 # says: round up, not down
+# claims: It is rounded down
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -74,7 +75,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return max(1, int(math.log(1 - confidence) / math.log(1 - good)))
 
 # %% wrong: not rounded
-# loses: smallest_that_suffices, test_iterations
+# loses only: smallest_that_suffices, test_rounding
 # says: Half an iteration cannot be made
 import math
 
@@ -87,15 +88,15 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.log(1 - confidence) / math.log(1 - good)
 
 # %% wrong: the ends are forgotten
-# loses: one_is_enough, none_is_enough
-# says: Look at w = 1 before you take logarithms
+# loses only: one_is_enough, none_is_enough
+# says: no negative number has one
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(math.log(1 - confidence) / math.log(1 - inlier_ratio ** sample_size))
 
 # %% wrong: zero iterations without inliers
-# loses: none_is_enough
+# loses only: none_is_enough
 # says: no number of samples is enough
 import math
 
@@ -108,8 +109,9 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(math.log(1 - confidence) / math.log(1 - good))
 
 # %% wrong: the exponent is missing
-# loses: smallest_that_suffices, follows_all_parameters, test_iterations
-# says: not the smallest number that suffices
+# loses: reckons_the_number, smallest_that_suffices, follows_the_sample_size, test_iterations
+# says: not the number of samples
+# claims: The exponent is missing
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -120,8 +122,9 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(math.log(1 - confidence) / math.log(1 - inlier_ratio))
 
 # %% wrong: always a plane
-# loses: smallest_that_suffices, follows_all_parameters
-# says: not the smallest number that suffices
+# loses only: follows_the_sample_size, test_sizes
+# says: not the number of samples
+# claims: The exponent is always 3
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -133,8 +136,9 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(math.log(1 - confidence) / math.log(1 - good))
 
 # %% wrong: log of the confidence
-# loses: smallest_that_suffices, test_iterations
-# says: not the smallest number that suffices
+# loses: reckons_the_number, smallest_that_suffices, test_iterations
+# says: not the number of samples
+# claims: that of the confidence
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -146,8 +150,9 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(math.log(confidence) / math.log(1 - good))
 
 # %% wrong: inliers and outliers swapped
-# loses: smallest_that_suffices, one_is_enough, test_iterations
-# says: not the smallest number that suffices
+# loses: reckons_the_number, one_is_enough, test_iterations
+# says: not the number of samples
+# claims: are swapped
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -159,8 +164,9 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(math.log(1 - confidence) / math.log(1 - good))
 
 # %% wrong: the expected number of samples
-# loses: smallest_that_suffices, test_iterations
-# says: not the smallest number that suffices
+# loses: reckons_the_number, smallest_that_suffices, test_iterations
+# says: not the number of samples
+# claims: on average
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -169,8 +175,8 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     return math.ceil(1 / inlier_ratio ** sample_size)
 
 # %% wrong: parameters renamed
-# loses: follows_all_parameters
-# says: A parameter was renamed
+# loses only: keeps_the_names_of_the_parameters
+# says: another name
 import math
 
 def iterations_needed(w, s, p):
@@ -182,7 +188,71 @@ def iterations_needed(w, s, p):
     return math.ceil(math.log(1 - p) / math.log(1 - good))
 
 # %% wrong: a hundred for everybody
-# loses: smallest_that_suffices, one_is_enough, none_is_enough, test_iterations
-# says: not the smallest number that suffices
+# loses: reckons_the_number, smallest_that_suffices, one_is_enough, none_is_enough, test_iterations
+# says: not the number of samples
 def iterations_needed(inlier_ratio, sample_size, confidence):
     return 100
+
+# %% wrong: rounded to the nearest
+# loses only: smallest_that_suffices, test_rounding
+# says: round up, not down
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return max(1, round(math.log(1 - confidence) / math.log(1 - good)))
+
+# %% wrong: one more to be sure
+# loses only: smallest_that_suffices, test_rounding
+# says: One sample fewer would be enough
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good)) + 1
+
+# %% wrong: always a line
+# loses: reckons_the_number, test_iterations
+# says: not the number of samples
+# claims: The exponent is always 2
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** 2
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good))
+
+# %% wrong: always 99 per cent
+# loses only: follows_the_confidence, test_iterations, test_sizes, test_rounding
+# says: not the number of samples
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 0:
+        return math.inf
+    if good == 1:
+        return 1
+    return math.ceil(math.log(0.01) / math.log(1 - good))
+
+# %% wrong: infinity at both ends
+# loses only: one_is_enough
+# says: there must be one
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good in (0, 1):
+        return math.inf
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good))

@@ -52,8 +52,9 @@ def plane_through(p, q, r):
     return None if size <= 1e-8 else np.concatenate([n, [-(n * p).sum()]]) / size
 
 # %% wrong: forgets to normalise
-# loses: has_a_unit_normal, holds_its_points, test_random_triangles
-# says: not 1. Divide by it
+# loses only: has_a_unit_normal, test_lengths
+# says: has length
+# claims: is not divided by its length
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     if np.linalg.norm(normal) < 1e-9:
@@ -61,8 +62,9 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: normalises after d
-# loses: holds_its_points, test_random_triangles
-# says: The points do not lie on the plane
+# loses only: holds_its_points, test_offsets
+# says: do not lie on the plane
+# claims: computed with the long normal
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -72,7 +74,7 @@ def plane_through(p, q, r):
     return (*(normal / length), d)
 
 # %% wrong: no guard against a line
-# loses: refuses_a_line, test_lines
+# loses only: refuses_a_line, sees_through_rounding, test_lines
 # says: lie on one line
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -80,8 +82,9 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: the sign of d
-# loses: holds_its_points, test_random_triangles
-# says: The sign of d is wrong
+# loses only: holds_its_points, test_offsets
+# says: do not lie on the plane
+# claims: The sign of d is wrong
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -91,8 +94,9 @@ def plane_through(p, q, r):
     return (*normal, normal @ p)
 
 # %% wrong: cross product of the points themselves
-# loses: holds_its_points, test_random_triangles
-# says: The points do not lie on the plane
+# loses: stands_upright, test_random_triangles
+# says: does not stand upright
+# claims: of the points p and q themselves
 def plane_through(p, q, r):
     normal = np.cross(p, q)
     length = np.linalg.norm(normal)
@@ -102,8 +106,8 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: compares with exactly zero
-# loses: sees_through_rounding
-# says: but for the last digit of a float
+# loses only: sees_through_rounding
+# says: lie on one line
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -113,7 +117,7 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: moves its points
-# loses: leaves_its_points
+# loses only: leaves_its_points
 # says: changed its input
 def plane_through(p, q, r):
     q -= p
@@ -126,7 +130,7 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: zeros for a line
-# loses: refuses_a_line, test_lines
+# loses only: refuses_a_line, sees_through_rounding, test_lines
 # says: infinitely many planes
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -137,8 +141,8 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: small triangles are refused
-# loses: sees_through_rounding
-# says: but there is such a plane
+# loses only: takes_a_small_triangle
+# says: they have a plane
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -148,14 +152,71 @@ def plane_through(p, q, r):
     return (*normal, -normal @ p)
 
 # %% wrong: returns the normal alone
-# loses: holds_its_points, has_a_unit_normal, refuses_a_line, test_random_triangles
-# says: A plane is four numbers
+# loses: stands_upright, holds_its_points, refuses_a_line, test_random_triangles
+# says: The fourth, d, is missing
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     return normal / max(np.linalg.norm(normal), 1e-9)
 
 # %% wrong: always None
-# loses: holds_its_points, has_a_unit_normal, refuses_a_line, sees_through_rounding, test_lines
-# says: but there is such a plane
+# loses: stands_upright, holds_its_points, has_a_unit_normal, refuses_a_line, takes_a_small_triangle, test_lines
+# says: None for three points that have a plane
 def plane_through(p, q, r):
     return None
+
+# %% wrong: p is not subtracted from r
+# loses: stands_upright, test_random_triangles
+# says: does not stand upright
+# claims: but not from r
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    normal = normal / length
+    return (*normal, -normal @ p)
+
+# %% wrong: d is always 0
+# loses only: holds_its_points, test_offsets
+# says: do not lie on the plane
+# claims: d is always 0
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    normal = normal / length
+    return (*normal, 0.0)
+
+# %% wrong: forgets to return
+# loses: stands_upright, test_random_triangles
+# says: Does every other way through the function end
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    normal = normal / length
+    plane = (*normal, -normal @ p)
+
+# %% wrong: parameters renamed
+# loses only: keeps_p_q_r
+# says: another name
+def plane_through(a, b, c):
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    normal = normal / length
+    return (*normal, -normal @ a)
+
+# %% wrong: twice the length
+# loses only: has_a_unit_normal, test_lengths
+# says: has length 2, not 1
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    normal = normal / length
+    return (*(2 * normal), -2 * normal @ p)

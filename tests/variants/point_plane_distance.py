@@ -9,11 +9,11 @@ def point_plane_distance(points, plane):
     a, b, c, d = plane
     return abs(a * points[:, 0] + b * points[:, 1] + c * points[:, 2] + d)
 
-# %% right: a loop in plain Python, a list back
+# %% right: a loop in plain Python
 def point_plane_distance(points, plane):
     print("measuring")
     a, b, c, d = plane
-    return [abs(a * p[0] + b * p[1] + c * p[2] + d) for p in points.tolist()]
+    return np.array([abs(a * p[0] + b * p[1] + c * p[2] + d) for p in points.tolist()])
 
 # %% right: divides by the length of the normal once more
 def point_plane_distance(points, plane):
@@ -33,26 +33,30 @@ def point_plane_distance(points, plane):
     return np.sqrt(gaps ** 2).astype(np.float32)
 
 # %% wrong: no absolute value
-# loses: measures_distances, forgets_the_sign, test_distances_in_the_course_cloud
-# says: Some are negative
+# loses only: forgets_the_sign, takes_abs_last, test_both_sides
+# says: distances are not right
+# claims: No absolute value is taken
 def point_plane_distance(points, plane):
     return points[:, :3] @ np.asarray(plane[:3]) + plane[3]
 
 # %% wrong: d is missing
-# loses: measures_distances, test_distances_in_the_course_cloud
-# says: d is missing
+# loses only: adds_d, takes_abs_last, test_offset_planes
+# says: distances are not right
+# claims: d is missing
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]))
 
 # %% wrong: d is subtracted
-# loses: measures_distances, test_distances_in_the_course_cloud
-# says: d is subtracted
+# loses only: adds_d, takes_abs_last, test_offset_planes
+# says: distances are not right
+# claims: d is subtracted
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]) - plane[3])
 
 # %% wrong: whole rows times the plane
-# loses: ignores_intensity, test_distances_of_small_clouds
-# says: distances are wrong
+# loses only: ignores_intensity, test_four_columns
+# says: are others than without it
+# claims: Whole rows are multiplied
 def point_plane_distance(points, plane):
     plane = np.asarray(plane)
     if points.shape[1] == 4:
@@ -61,43 +65,116 @@ def point_plane_distance(points, plane):
 
 # %% wrong: squared
 # loses: measures_distances, test_distances_in_the_course_cloud
-# says: squares of the distances
+# says: distances are not right
+# claims: squares of the distances
 def point_plane_distance(points, plane):
     return (points[:, :3] @ np.asarray(plane[:3]) + plane[3]) ** 2
 
 # %% wrong: a column
-# loses: measures_distances, one_number_per_point, test_distances_in_the_course_cloud
-# says: another shape
+# loses: measures_distances, takes_few_points, test_distances_in_the_course_cloud
+# says: A column (n, 1) is a table
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]).reshape(3, 1) + plane[3])
 
 # %% wrong: only the height
-# loses: measures_distances, test_distances_survive_motion
-# says: distances are wrong
+# loses: measures_distances, test_distances_in_the_course_cloud
+# says: distances are not right
 def point_plane_distance(points, plane):
     return np.abs(points[:, 2] * plane[2] + plane[3])
 
 # %% wrong: only the first three columns exist
-# loses: ignores_intensity, test_distances_in_the_course_cloud
-# says: The shapes do not fit
+# loses only: ignores_intensity, test_four_columns
+# says: One side has x, y, z, the other has intensity
 def point_plane_distance(points, plane):
     return np.abs((points * np.asarray(plane[:3])).sum(axis=1) + plane[3])
 
 # %% wrong: one distance for all
-# loses: measures_distances, one_number_per_point, test_distances_in_the_course_cloud
-# says: another shape
+# loses: measures_distances, takes_few_points, test_distances_in_the_course_cloud
+# says: an axis= is missing
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]) + plane[3]).sum()
 
 # %% wrong: absolute value of each term
-# loses: measures_distances, test_distances_survive_motion
-# says: distances are wrong
+# loses: measures_distances, test_distances_in_the_course_cloud
+# says: distances are not right
 def point_plane_distance(points, plane):
     a, b, c, d = plane
     return np.abs(a * points[:, 0]) + np.abs(b * points[:, 1]) + np.abs(c * points[:, 2] + d)
 
 # %% wrong: zeros
-# loses: measures_distances, forgets_the_sign, ignores_intensity, one_number_per_point
-# says: distances are wrong
+# loses: measures_distances, forgets_the_sign, ignores_intensity, takes_few_points
+# says: distances are not right
 def point_plane_distance(points, plane):
     return np.zeros(len(points))
+
+# %% wrong: absolute value before d is added
+# loses only: takes_abs_last
+# says: distances are not right
+# claims: and d is added after that
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ np.asarray(plane[:3])) + plane[3]
+
+# %% wrong: absolute value of the products and of d
+# loses only: adds_d, takes_abs_last, test_offset_planes
+# says: distances are not right
+# claims: are taken apart and then added
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ np.asarray(plane[:3])) + abs(plane[3])
+
+# %% wrong: absolute value of each product, then d
+# loses: measures_distances, test_distances_in_the_course_cloud
+# says: distances are not right
+# claims: of each product
+def point_plane_distance(points, plane):
+    a, b, c, d = plane
+    return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c * points[:, 2]) + d
+
+# %% wrong: absolute value of all four
+# loses: measures_distances, test_distances_in_the_course_cloud
+# says: distances are not right
+# claims: of c z and of d
+def point_plane_distance(points, plane):
+    a, b, c, d = plane
+    return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c * points[:, 2]) + abs(d)
+
+# %% wrong: divided by the length of all four numbers
+# loses only: adds_d, takes_abs_last, test_offset_planes
+# says: distances are not right
+# claims: the length of all four numbers
+def point_plane_distance(points, plane):
+    plane = np.asarray(plane)
+    return np.abs(points[:, :3] @ plane[:3] + plane[3]) / np.linalg.norm(plane)
+
+# %% wrong: writes into the cloud
+# loses only: leaves_cloud_and_plane
+# says: changed its input
+def point_plane_distance(points, plane):
+    xyz = points[:, :3]
+    xyz *= np.asarray(plane[:3])
+    return np.abs(xyz.sum(axis=1) + plane[3])
+
+# %% wrong: takes no tuple
+# loses only: takes_a_tuple
+# says: has no attribute
+def point_plane_distance(points, plane):
+    return np.abs(plane[:3].dot(points[:, :3].T) + plane[3])
+
+# %% wrong: not for an empty cloud
+# loses only: takes_few_points
+# says: raised
+def point_plane_distance(points, plane):
+    table = np.concatenate([p[None, :3] for p in points])
+    return np.abs(table @ np.asarray(plane[:3]) + plane[3])
+
+# %% wrong: parameters renamed
+# loses only: keeps_points_and_plane
+# says: another name
+def point_plane_distance(cloud, model):
+    return np.abs(cloud[:, :3] @ np.asarray(model[:3]) + model[3])
+
+# %% wrong: a list back
+# loses only: gives_an_array
+# says: they are no array
+def point_plane_distance(points, plane):
+    a, b, c, d = plane
+    return [abs(a * p[0] + b * p[1] + c * p[2] + d) for p in points.tolist()]

@@ -168,7 +168,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: the last sample wins
 # loses: finds_the_plane, test_any_direction, test_many_outliers
-# says: A plane with many more inliers exists
+# says: A plane with many more points near it exists
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -194,7 +194,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: keeps the worst
 # loses: finds_the_plane, test_streets
-# says: A plane with many more inliers exists
+# says: A plane with many more points near it exists
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -219,36 +219,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
             model, inliers = candidate, near
     return model, inliers
 
-# %% wrong: the mask of another sample
-# loses: mask_belongs_to_model
-# says: The mask does not belong to the returned model
-def plane_through(p, q, r):
-    normal = np.cross(q - p, r - p)
-    length = np.linalg.norm(normal)
-    if length < 1e-9:
-        return None
-    return np.append(normal, -normal @ p) / length
-
-def point_plane_distance(points, plane):
-    return np.abs(points[:, :3] @ plane[:3] + plane[3])
-# ---- another cell ----
-def ransac_plane(points, max_iterations, distance_tolerance, rng):
-    rng = np.random.default_rng(rng)
-    model, inliers = None, np.zeros(len(points), dtype=bool)
-    if len(points) < 3:
-        return model, inliers
-    for _ in range(max_iterations):
-        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
-        if candidate is None:
-            continue
-        near = point_plane_distance(points, candidate) <= distance_tolerance
-        if near.sum() > inliers.sum():
-            inliers = near
-        model = candidate
-    return model, inliers
-
 # %% wrong: refits the plane and keeps the old mask
-# loses: mask_belongs_to_model
+# loses only: mask_belongs_to_model, follows_the_tolerance, test_masks, test_tolerances
 # says: The mask does not belong to the returned model
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -279,8 +251,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return np.append(normal, -normal @ centre), inliers
 
 # %% wrong: no guard against a line
-# loses: survives_degenerate_samples, test_degenerate
-# says: Something is None
+# loses only: survives_degenerate_samples, finds_nothing_on_a_line, test_forms, test_degenerate
+# says: Something in this line is None
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -304,7 +276,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: waits for ever for a good sample
-# loses: survives_degenerate_samples
+# loses: finds_nothing_on_a_line
 # says: is there a loop that never ends?
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -331,7 +303,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: draws with replacement
-# loses: test_three_points
+# loses only: draws_three_rows, test_three_points
 # says: with replacement a row comes up twice
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -358,7 +330,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: always the same samples
-# loses: follows_the_generator
+# loses only: follows_the_generator
 # says: do not come from rng
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -385,7 +357,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: NumPy's global random numbers
-# loses: follows_the_generator
+# loses only: follows_the_generator
 # says: The same seed gave two different planes
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -411,8 +383,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: takes generators only
-# loses: takes_a_seed
-# says: makes a generator of a whole number
+# loses only: takes_a_seed
+# says: rng may be a whole number
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -437,8 +409,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: a tolerance of its own
-# loses: follows_the_tolerance, mask_belongs_to_model
-# says: mask does not belong
+# loses only: follows_the_tolerance, test_tolerances
+# says: away from the returned plane is an inlier
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -463,9 +435,9 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
             model, inliers = candidate, near
     return model, inliers
 
-# %% wrong: a hundred iterations for everybody
-# loses: follows_max_iterations
-# says: tried more than it was allowed
+# %% wrong: a thousand iterations for everybody
+# loses only: tries_no_more
+# says: More are tried than allowed
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -490,9 +462,9 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
             model, inliers = candidate, near
     return model, inliers
 
-# %% wrong: one iteration too few by far
-# loses: test_many_outliers
-# says: A plane with many more inliers exists
+# %% wrong: ten iterations at most
+# loses: tries_enough, test_many_outliers
+# says: A plane with many more points near it exists
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -518,7 +490,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: indices instead of a mask
-# loses: finds_the_plane, mask_belongs_to_model, test_streets
+# loses only: mask_belongs_to_model, follows_the_tolerance, finds_nothing_on_a_line, test_masks, test_tolerances
 # says: must be a mask
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -573,7 +545,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: inliers first
 # loses: finds_the_plane, test_streets
-# says: four numbers (a, b, c, d)
+# says: the model comes first
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -599,7 +571,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return inliers, model
 
 # %% wrong: outliers for inliers
-# loses: finds_the_plane, mask_belongs_to_model
+# loses only: mask_belongs_to_model, follows_the_tolerance, finds_nothing_on_a_line, test_masks, test_tolerances
 # says: mask does not belong
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -625,63 +597,9 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
             model, inliers = candidate, near
     return model, ~inliers
 
-# %% wrong: the normal is not normalised
-# loses: finds_the_plane, mask_belongs_to_model, test_any_direction
-# says: not 1. Divide by it
-def plane_through(p, q, r):
-    normal = np.cross(q - p, r - p)
-    length = np.linalg.norm(normal)
-    if length < 1e-9:
-        return None
-    return np.append(normal, -normal @ p)
-
-def point_plane_distance(points, plane):
-    return np.abs(points[:, :3] @ plane[:3] + plane[3])
-# ---- another cell ----
-def ransac_plane(points, max_iterations, distance_tolerance, rng):
-    rng = np.random.default_rng(rng)
-    model, inliers = None, np.zeros(len(points), dtype=bool)
-    if len(points) < 3:
-        return model, inliers
-    for _ in range(max_iterations):
-        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
-        if candidate is None:
-            continue
-        near = point_plane_distance(points, candidate) <= distance_tolerance
-        if near.sum() > inliers.sum():
-            model, inliers = candidate, near
-    return model, inliers
-
-# %% wrong: the distance without abs
-# loses: finds_the_plane, test_any_direction
-# says: mask does not belong
-def plane_through(p, q, r):
-    normal = np.cross(q - p, r - p)
-    length = np.linalg.norm(normal)
-    if length < 1e-9:
-        return None
-    return np.append(normal, -normal @ p) / length
-
-def point_plane_distance(points, plane):
-    return points[:, :3] @ plane[:3] + plane[3]
-# ---- another cell ----
-def ransac_plane(points, max_iterations, distance_tolerance, rng):
-    rng = np.random.default_rng(rng)
-    model, inliers = None, np.zeros(len(points), dtype=bool)
-    if len(points) < 3:
-        return model, inliers
-    for _ in range(max_iterations):
-        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
-        if candidate is None:
-            continue
-        near = point_plane_distance(points, candidate) <= distance_tolerance
-        if near.sum() > inliers.sum():
-            model, inliers = candidate, near
-    return model, inliers
-
 # %% wrong: four columns in the sample
-# loses: takes_four_columns, test_forms
-# says: Use points[:, :3]
+# loses only: searches_without_intensity, test_streets, test_forms
+# says: np.cross takes x, y, z
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -707,8 +625,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: fails for few points
-# loses: gives_up_politely, test_degenerate
-# says: Ask for len(points) < 3 first
+# loses only: gives_up_politely, test_few_points
+# says: look at len(points) first
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -732,8 +650,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: roads only
-# loses: takes_four_columns, test_any_direction
-# says: None, but there is such a plane
+# loses only: finds_a_wall, test_streets, test_any_direction
+# says: A plane with many more points
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -759,15 +677,264 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: every point is an inlier of a flat road
-# loses: finds_the_plane, mask_belongs_to_model, survives_degenerate_samples, takes_four_columns, test_streets
-# says: mask does not belong
+# loses: finds_the_plane, mask_belongs_to_model, survives_degenerate_samples, searches_without_intensity, test_streets
+# says: A plane with many more points near it exists
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
     if len(points) < 3:
         return None, np.zeros(len(points), dtype=bool)
     return (0.0, 0.0, 1.0, -points[:, 2].mean()), np.ones(len(points), dtype=bool)
 
 # %% wrong: finds nothing, ever
-# loses: finds_the_plane, mask_belongs_to_model, follows_the_tolerance, follows_max_iterations, survives_degenerate_samples, gives_up_politely, takes_four_columns, follows_the_generator, test_streets, test_three_points
-# says: None, but there is such a plane
+# loses: finds_the_plane, mask_belongs_to_model, follows_the_tolerance, tries_enough, tries_no_more, survives_degenerate_samples, gives_up_politely, searches_without_intensity, follows_the_generator, test_streets, test_three_points
+# says: none was found: the model is None
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return None, np.zeros(len(points), dtype=bool)
+
+# %% wrong: the mask of the last sample
+# loses only: mask_belongs_to_model, follows_the_tolerance, test_masks, test_tolerances
+# says: The mask does not belong to the returned model
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers, most = None, np.zeros(len(points), dtype=bool), 0
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        inliers = near
+        if near.sum() > most:
+            model, most = candidate, near.sum()
+    return model, inliers
+
+# %% wrong: the model of the last sample
+# loses: finds_the_plane, test_streets, test_many_outliers
+# says: A plane with many more points near it exists
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            inliers = near
+        model = candidate
+    return model, inliers
+
+# %% wrong: break for continue
+# loses only: survives_degenerate_samples, test_degenerate
+# says: go on with the next sample
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            break
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: an unseeded generator
+# loses only: follows_the_generator
+# says: The same seed gave two different planes
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng()
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: the first sample after all
+# loses: finds_the_plane, test_any_direction
+# says: A plane with many more points near it exists
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+        return model, inliers
+
+# %% wrong: a seed of its own for whole numbers
+# loses only: takes_a_seed
+# says: The seed 3, given twice
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    if isinstance(rng, int):
+        rng = np.random.default_rng()
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: lowers the cloud in place
+# loses only: leaves_the_cloud
+# says: changed its input
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    points[:, 2] -= 0.01
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    if model is not None:
+        model[3] -= 0.01 * model[2]
+    return model, inliers
+
+# %% wrong: parameters renamed
+# loses only: keeps_the_names_of_ransac
+# says: another name
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: the normal is made long in the end
+# loses only: model_has_a_unit_normal
+# says: has length
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return (None if model is None else model / abs(model[3])), inliers

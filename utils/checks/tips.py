@@ -246,6 +246,32 @@ _TIPS = (
         "",
         "rng may be a whole number: begin with rng = np.random.default_rng(rng).",
     ),
+    (
+        "ValueError",
+        r"larger sample than population|a (must be a positive integer|cannot be empty) unless",
+        "",
+        "More rows are to be drawn here than there are: look at len(points) first.",
+    ),
+    (
+        "ValueError",
+        r"incompatible dimensions for cross product|must be \(arrays of\) 3-dimensional",
+        "",
+        "np.cross takes x, y, z and nothing more: leave out the intensity, with [:, :3] of a "
+        "cloud or [:3] of a point.",
+    ),
+    (
+        "ValueError",
+        r"math domain error|expected a positive input",
+        r"\blog",
+        "0 has no logarithm, and no negative number has one: look at that case first.",
+    ),
+    (
+        "ZeroDivisionError",
+        r"",
+        r"\blog",
+        "The logarithm of 1 is 0, by which nobody can divide: look at that case first. (1 minus "
+        "something tiny is 1, too.)",
+    ),
     ("SystemExit", r"", "", "Leave out exit() and quit(): they end the whole notebook."),
     (
         "EOFError",
