@@ -163,7 +163,7 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: labels from 0
-# loses only: counts_from_one, takes_the_smallest
+# loses only: counts_from_one
 # says: not 1 to N
 # claims: start from 0
 def euclidean_clustering(cloud, threshold=0.5):

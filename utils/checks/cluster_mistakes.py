@@ -7,13 +7,14 @@ neighbours.
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
 from utils.checks.vocabulary import CheckFailed, as_array, frozen
 
-# The line of `on_a_line`: distances in the plane, or along the axes, are others than in space.
-WAY = frozen(np.array([2.0, 1.0, 2.0]) / 3)
+# Along this line distances in the plane, or along the axes, are others than in space.
+_WAY = frozen(np.array([2.0, 1.0, 2.0]) / 3)
 
 
 def same_clusters(answer: object, predicted: np.ndarray) -> bool:
@@ -29,7 +30,9 @@ def same_clusters(answer: object, predicted: np.ndarray) -> bool:
     return np.array_equal(names, np.unique(predicted)) and pairs.shape[1] == len(names)
 
 
-def on_a_line(places: Sequence[float], brightness: float = 0.0) -> np.ndarray:
+def on_a_line(
+    places: Sequence[float], brightness: float = 0.0, way: ArrayLike = _WAY
+) -> np.ndarray:
     """Points of one straight line through the sensor.
 
     Parameters
@@ -38,12 +41,14 @@ def on_a_line(places: Sequence[float], brightness: float = 0.0) -> np.ndarray:
         Metres from the sensor, behind it where below 0.
     brightness : float
         Intensity per metre; 0 for a cloud without intensities.
+    way : array_like, shape (3,)
+        Direction of the line, of length 1 and nowhere below 0.
 
     Returns
     -------
     numpy.ndarray, shape (n, 3) or (n, 4)
     """
-    cloud = np.outer(places, WAY)
+    cloud = np.outer(places, way)
     return np.column_stack([cloud, brightness * np.array(places)]) if brightness else cloud
 
 
@@ -61,7 +66,7 @@ def parted(cloud: np.ndarray, holds: Callable) -> np.ndarray:
     -------
     numpy.ndarray of int, shape (n,)
     """
-    order = np.argsort(cloud[:, :3] @ WAY)
+    order = np.argsort(cloud[:, :3].sum(axis=1))
     labels = np.empty(len(cloud), dtype=int)
     labels[order] = np.concatenate([[0], np.cumsum(~holds(cloud[order], order))])
     return in_order(labels)
@@ -74,7 +79,7 @@ def by_steps(measure: Callable) -> Callable:
     ----------
     measure : callable
         Takes the way from each point to the next, shape (n - 1, columns), and the threshold;
-        returns the gaps that a right answer would have to find there, in thresholds.
+        returns how long each way seems to be, in thresholds, shape (n - 1,).
 
     Returns
     -------
@@ -96,7 +101,7 @@ def length(steps: np.ndarray) -> np.ndarray:
 def right_on_a_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Right labels for points on a line, (n,): a gap of a threshold and more parts them."""
     gaps = by_steps(lambda steps, limit: length(steps[:, :3]) / limit)
-    return gaps(np.empty(0), cloud, threshold)
+    return gaps(None, cloud, threshold)
 
 
 def measured_wrongly() -> tuple[Mistake, ...]:
