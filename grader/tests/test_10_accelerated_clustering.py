@@ -84,6 +84,24 @@ def test_crowded_cells(student, seed):
 
 @hidden(
     NAME,
+    weight=3,
+    title="Parts that are hardly apart stay apart, wherever cells begin",
+    hint="Is the side of a cell threshold / sqrt(3), so that nobody in it is too far from anybody "
+    "else?",
+)
+def test_hardly_apart(student, seed):
+    assert_works(student.euclidean_clustering_accelerated)
+    # Too large a cell holds few such pairs: it must be one that lies well, along its diagonal.
+    rng = np.random.default_rng(seed)
+    grid = np.stack(np.meshgrid(np.arange(60), np.arange(50), [0]), axis=-1).reshape(-1, 3)
+    low = 5.0 * grid + rng.uniform(0, 0.7, grid.shape) - [150, 125, 0]
+    cloud = np.stack([low, low + 1.002 / np.sqrt(3)], axis=1).reshape(-1, 3)
+    answer = student.euclidean_clustering_accelerated(cloud.copy(), 1.0)
+    assert_partition(answer, np.arange(len(cloud)), cloud)
+
+
+@hidden(
+    NAME,
     weight=2,
     title="Long winding chains stay whole",
     hint="Joining goes on from cell to cell, as far as it reaches.",

@@ -47,6 +47,8 @@ from utils.checks.vocabulary import (
 )
 
 _NAME = "euclidean_clustering_accelerated"
+# Of a cell whose diagonal is the threshold, in thresholds.
+_SIDE = 1 / np.sqrt(3)
 
 
 @visible(
@@ -114,9 +116,9 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
 )
 def parts_what_is_apart(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
-    cloud = _pairs_of_points(1.01)
-    answer = euclidean_clustering_accelerated(cloud.copy(), 1.0)
-    assert_clusters(answer, np.arange(len(cloud)), cloud, 1.0)
+    for cloud in (_pairs_of_points(1.01), _diagonal_pairs()):
+        answer = euclidean_clustering_accelerated(cloud.copy(), 1.0)
+        assert_clusters(answer, np.arange(len(cloud)), cloud, 1.0)
 
 
 @visible(
@@ -150,7 +152,7 @@ def parts_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
 def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
     cloud, labels = _touching_rods()
-    assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
+    assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.3), labels, cloud, 0.3)
 
 
 @visible(
@@ -404,7 +406,7 @@ def has_whole_labels(euclidean_clustering_accelerated: Callable) -> None:
 )
 def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     cloud, _ = _touching_rods()
-    assert_from_one(euclidean_clustering_accelerated(cloud, 1.0), len(cloud))
+    assert_from_one(euclidean_clustering_accelerated(cloud, 0.3), len(cloud))
 
 
 @noted(
@@ -438,8 +440,16 @@ def _pairs_of_points(gap: float) -> np.ndarray:
     return np.stack([places, places + gap * way], axis=1).reshape(-1, 3)
 
 
+def _diagonal_pairs() -> np.ndarray:
+    """Points (200, 3) in pairs, 1.01 m apart, that a cube of 1 / sqrt(2) m holds if well placed."""
+    grid = np.stack(np.meshgrid(np.arange(10), np.arange(10), [0]), axis=-1).reshape(-1, 3)
+    corners = (7 * grid + 1) / np.sqrt(2)
+    low = corners + np.random.default_rng(5).uniform(0.005, 0.115, corners.shape)
+    return np.stack([low, low + 1.01 * _SIDE], axis=1).reshape(-1, 3)
+
+
 def _touching_rods() -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of rods (m, 3) of which only the ends are close at 1 m, and their labels."""
+    """Points of pairs of rods, (n, 3), of which only the ends are close at 0.3 m; their labels."""
     rng = np.random.default_rng(8)
     rod = np.column_stack([np.linspace(0, 0.57, 15), np.zeros((15, 2))])
     clouds = []
@@ -449,7 +459,7 @@ def _touching_rods() -> tuple[np.ndarray, np.ndarray]:
         place = np.array([3.0 + 8 * (number % 6), 3.0 + 8 * (number // 6), 3.0])
         clouds.append(both @ turn.T + place + rng.uniform(0, 0.6, 3))
     order = rng.permutation(30 * 30)
-    return np.vstack(clouds)[order], np.repeat(np.arange(30), 30)[order]
+    return 0.3 * np.vstack(clouds)[order], np.repeat(np.arange(30), 30)[order]
 
 
 def _directions(n: int) -> np.ndarray:
@@ -488,9 +498,6 @@ def _same(answer: object, predicted: np.ndarray) -> bool:
     except CheckFailed:
         return False
     return same_clusters(in_order(yours) + yours.min(), in_order(predicted) + predicted.min())
-
-
-_SIDE = 1 / np.sqrt(3)
 
 
 # Places on a line, in thresholds. Along an axis, where a cell is 0.577 long, close points may be
