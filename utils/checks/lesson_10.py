@@ -333,12 +333,12 @@ def assert_in_time(
     assert_works(euclidean_clustering)
     allowed = times * min(_seconds_to_find_neighbours(cloud) for _ in range(3))
     best = np.inf
-    for _ in range(3):  # the first may have been disturbed
+    for turn in range(3):  # one of them may be disturbed
         begin = perf_counter()
         answer = euclidean_clustering(cloud.copy(), 0.5)
         best = min(best, perf_counter() - begin)
         assert_in_clusters(answer, labels, cloud)
-        if best <= allowed or best > 3 * allowed:
+        if best <= allowed or (turn and best > 3 * allowed):
             break
     if best > allowed:
         raise CheckFailed(
