@@ -440,7 +440,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return np.argsort(np.argsort(start))[which] + 1
 
 # %% wrong: side of a square's diagonal
-# loses only: parts_what_is_apart, parts_around_the_sensor, test_hardly_apart
+# loses only: parts_what_is_apart, test_hardly_apart
 # says: In space the diagonal
 # claims: threshold / sqrt(2)
 def euclidean_clustering_accelerated(cloud, threshold=0.5):

@@ -320,8 +320,8 @@ def assert_in_time(
 ) -> None:
     """Clusters at 0.5 m are right, and come within so many searches for nearest neighbours.
 
-    Such a search takes n log n steps, here and now: a slow or a busy machine is no excuse, and
-    none is needed. A right answer needs a tenth of what it is given, or less.
+    Such a search takes n log n steps, and longer on a slow or a busy machine. A right answer,
+    also one in plain Python, needs a fifth of what it is given, or less.
 
     Parameters
     ----------
