@@ -17,7 +17,7 @@ from utils.checks.vocabulary import (
 )
 
 # In larger clouds nobody looks for the pair of points that shows what is wrong.
-_MOST_COMPARED = 500
+_MOST_COMPARED = 1000
 
 
 def row_of_points(
