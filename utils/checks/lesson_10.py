@@ -312,8 +312,8 @@ def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
 )
 def takes_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
     # A little more than the threshold lies between them: the exact test must go to the end.
-    cloud, labels = _two_heaps(4000, 0.51)
-    assert_in_time(euclidean_clustering_accelerated, cloud, labels, 25)
+    cloud, labels = _two_heaps(3000, 0.51)
+    assert_in_time(euclidean_clustering_accelerated, cloud, labels, 20)
 
 
 def assert_in_time(
