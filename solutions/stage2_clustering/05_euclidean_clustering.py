@@ -170,7 +170,7 @@ print("close and free:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 # - **Friends stand strictly closer than `threshold`**, in x, y and z. Intensity is not a place.
 # - **Find them by comparing with all points at once**, in one line of NumPy. The KD-tree of lesson 04 and other short cuts have their turn in lesson 10.
 # - **No recursion.** A function that calls itself for every friend hits Python's limit of about a thousand nested calls; a wall in a full scan has many thousands of points.
-# - **Allowed:** NumPy, `deque`, and look-ups of neighbours such as `scipy.spatial`. **Not allowed:** libraries that do the clustering, such as `sklearn.cluster` and `scipy.cluster`.
+# - **Allowed:** NumPy, `deque`, and look-ups of neighbours such as `scipy.spatial`. **Not allowed:** libraries that do the clustering, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`.
 
 # %% nbgrader={"grade": false, "grade_id": "euclidean_clustering", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def euclidean_clustering(cloud, threshold=0.5):

@@ -110,7 +110,9 @@ def euclidean_clustering(cloud, threshold=0.5):
             clusterer.grow(i, number)
     return clusterer.labels
 
-# %% right: connected components of a sparse graph
+# %% wrong: connected components of a sparse graph
+# loses: separates_groups, test_course_cloud, test_fresh_streets
+# says: not allowed in this lesson
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -124,7 +126,7 @@ def euclidean_clustering(cloud, threshold=0.5):
     return connected_components(graph, directed=False)[1] + 1
 
 # %% wrong: labels of eight bits
-# loses: test_extremes
+# loses only: test_many_clusters
 # says: different clusters have the same label
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
@@ -147,8 +149,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: compares with the first point of the cluster only
-# loses: follows_chains, test_long_chain, test_fresh_streets
+# loses: follows_chains, takes_a_long_wall, test_long_chain, test_fresh_streets
 # says: Points that belong together
+# claims: balls instead of chains
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -160,8 +163,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: labels from 0
-# loses: counts_from_one
+# loses only: counts_from_one
 # says: not 1 to N
+# claims: start from 0
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.full(len(cloud), -1)
     current = -1
@@ -180,8 +184,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: squared distance against plain threshold
-# loses: follows_the_threshold, test_other_thresholds
-# says: its square
+# loses only: follows_the_threshold, test_course_cloud, test_other_thresholds
+# says: Take the root first
+# claims: The squared distance
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -200,8 +205,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: plain distance against squared threshold
-# loses: follows_the_threshold, separates_groups, test_other_thresholds
+# loses only: follows_the_threshold, test_course_cloud, test_other_thresholds
 # says: belong together
+# claims: threshold ** 2
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -220,8 +226,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: intensity is a coordinate
-# loses: ignores_intensity
-# says: a fourth column
+# loses only: ignores_intensity, test_intensity
+# says: cloud[:, :3] are the coordinates
+# claims: a fourth coordinate
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -240,8 +247,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: forgets the height
-# loses: ignores_intensity
-# says: Points of different clusters
+# loses: measures_alike
+# says: are close along z
+# claims: The height is left out
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -260,8 +268,8 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: recursion
-# loses: test_long_chain
-# says: use a queue and a loop
+# loses only: takes_a_long_wall, test_deep_chain
+# says: RecursionError
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
 
@@ -280,8 +288,9 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: the threshold is written into the function
-# loses: follows_the_threshold, test_other_thresholds
-# says: written into the function
+# loses only: follows_the_threshold, test_other_thresholds, test_fresh
+# says: Compare with the parameter threshold
+# claims: A fixed threshold
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -299,9 +308,10 @@ def euclidean_clustering(cloud, threshold=0.5):
             queue.extend(near)
     return labels
 
-# %% wrong: lists of points instead of labels
+# %% wrong: one number for each cluster
 # loses: separates_groups, test_course_cloud
 # says: one label for each
+# claims: one number for each cluster
 def euclidean_clustering(cloud, threshold=0.5):
     left, clusters = list(range(len(cloud))), []
     while left:
@@ -352,11 +362,336 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: everything is one cluster
 # loses: separates_groups, counts_from_one, test_course_cloud, test_fresh_streets
 # says: Points of different clusters
+# claims: All points have the same label
 def euclidean_clustering(cloud, threshold=0.5):
     return np.ones(len(cloud), dtype=int)
 
 # %% wrong: every point is its own cluster
 # loses: separates_groups, follows_chains, test_course_cloud, test_fresh_streets
 # says: Points that belong together
+# claims: nobody joins anybody
 def euclidean_clustering(cloud, threshold=0.5):
     return np.arange(1, len(cloud) + 1)
+
+# %% wrong: a hierarchy of SciPy
+# loses: separates_groups, test_course_cloud
+# says: not allowed in this lesson
+from scipy.cluster.hierarchy import fclusterdata
+
+def euclidean_clustering(cloud, threshold=0.5):
+    if len(cloud) < 2:
+        return np.ones(len(cloud), dtype=int)
+    return fclusterdata(cloud[:, :3], threshold, criterion="distance", method="single")
+
+# %% wrong: connected components, reached through the package
+# loses: separates_groups, test_course_cloud
+# says: not allowed in this lesson
+import scipy.sparse as sparse
+from scipy.spatial.distance import cdist
+
+def euclidean_clustering(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    near = cdist(cloud[:, :3], cloud[:, :3]) < threshold
+    return sparse.csgraph.connected_components(near, directed=False)[1] + 1
+
+# %% wrong: each point as somebody before it
+# loses: follows_chains, test_long_chain, test_fresh_streets
+# says: Make one cluster complete
+# claims: clusters that meet later
+def euclidean_clustering(cloud, threshold=0.5):
+    labels = np.zeros(len(cloud), dtype=int)
+    current = 0
+    for i in range(len(cloud)):
+        gaps = np.linalg.norm(cloud[:i, :3] - cloud[i, :3], axis=1)
+        near = np.flatnonzero(gaps < threshold)
+        if len(near):
+            labels[i] = labels[near[0]]
+        else:
+            current += 1
+            labels[i] = current
+    return labels
+
+# %% wrong: labelled on leaving the queue
+# loses: takes_a_dense_wall, test_fresh_streets
+# says: did not answer
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        waiting = deque([start])
+        while waiting:
+            point = waiting.popleft()
+            labels[point] = cluster
+            distance = np.linalg.norm(xyz - xyz[point], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: the counter goes up at every point
+# loses only: counts_from_one
+# says: not 1 to N
+# claims: at every point
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        cluster += 1
+        if labels[start] > 0:
+            continue
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: distances without an axis
+# loses: separates_groups, follows_chains, test_course_cloud
+# says: axis=1
+# claims: nobody joins anybody
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()])
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: distances along the wrong axis
+# loses: separates_groups, follows_chains, test_course_cloud
+# says: euclidean_clustering raised
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=0)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: append for extend
+# loses: separates_groups, test_course_cloud
+# says: euclidean_clustering
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.append(newcomers)
+    return labels
+
+# %% wrong: no parentheses around the masks
+# loses: separates_groups, test_course_cloud
+# says: parentheses
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero(distance < threshold & labels == 0)
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: the ways along the axes added up
+# loses: measures_alike, test_course_cloud
+# says: root of
+# claims: are added up
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.abs(xyz - xyz[waiting.popleft()]).sum(axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: the longest way along an axis
+# loses: measures_alike, test_fresh_streets
+# says: root of
+# claims: Only the longest
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.abs(xyz - xyz[waiting.popleft()]).max(axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: distance 0 does not count
+# loses only: joins_equal_points, test_extremes
+# says: Equal points are at distance 0
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((0 < distance) & (distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: parameters renamed
+# loses only: keeps_the_names
+# says: another name
+def euclidean_clustering(points, radius=0.5):
+    xyz = points[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < radius) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: default changed
+# loses only: keeps_the_default
+# says: Keep the first line
+def euclidean_clustering(cloud, threshold=1.0):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: writes labels into the cloud
+# loses only: leaves_its_input
+# says: changed its input
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    cloud[:, 2] = labels
+    return labels
+
+# %% wrong: moves the cloud to its middle
+# loses: takes_the_smallest
+# says: can be empty
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3] - cloud[:, :3].min(axis=0)
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: forgets to return
+# loses: separates_groups, test_course_cloud
+# says: returned None
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)

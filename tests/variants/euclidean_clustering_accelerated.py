@@ -168,7 +168,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return (components(count, joined_pairs)[grid.of_point] + 1).tolist()
 
 # %% wrong: labels of eight bits
-# loses: test_extremes
+# loses: test_many_clusters
 # says: different clusters have the same label
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
@@ -189,8 +189,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return (np.unique(label[cell_of_point], return_inverse=True)[1].ravel() + 1).astype(np.uint8)
 
 # %% wrong: the queue of lesson 05
-# loses: is_quick, test_whole_scan, test_heaps
-# says: work with cells instead of points
+# loses: is_quick, test_whole_scan, test_dense_walls
+# says: Comparing each point with all others
 from collections import deque
 
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
@@ -211,8 +211,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return labels
 
 # %% wrong: a list of all pairs
-# loses: test_heaps
-# says: a list of all pairs is as long as the square
+# loses only: takes_a_heap, takes_two_heaps, test_dense_walls, test_heaps, test_touching_heaps
+# says: no pair of points inside has to be listed
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -220,8 +220,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return components(len(cloud), pairs) + 1
 
 # %% wrong: a queue that asks a KD-tree for every point
-# loses: test_heaps
-# says: whoever shares a small cell belongs together anyway
+# loses: takes_a_heap, takes_two_heaps, test_dense_walls, test_heaps, test_touching_heaps
+# says: no pair of points inside has to be listed
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     if len(cloud) == 0:
@@ -242,8 +242,9 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return labels
 
 # %% wrong: representatives only
-# loses: compares_the_points, test_crowded_cells
-# says: Representatives far apart prove nothing
+# loses: compares_the_points, test_crowded_cells, test_touching_heaps
+# says: compare all their points
+# claims: Only the representatives
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -256,7 +257,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: neighbouring cells joined without measuring
 # loses: parts_what_is_apart, test_fresh_streets, test_crowded_cells
-# says: really measured
+# says: Neighbours may be close
+# claims: without measuring
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -268,7 +270,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: side of a cell = threshold
 # loses: parts_what_is_apart, test_fresh_streets
-# says: Is the side of a cell threshold / sqrt(3)
+# says: The side is threshold / sqrt(3)
+# claims: Cells have the side threshold:
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -288,6 +291,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: only the 26 cells around a cell
 # loses: joins_across_borders, test_fresh_streets
 # says: corners included
+# claims: Only the next cell
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -305,8 +309,9 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return label[which] + 1
 
 # %% wrong: rounds towards zero
-# loses: parts_what_is_apart
-# says: below zero np.floor and .astype(int) differ
+# loses: parts_around_the_sensor
+# says: rounds down on both sides
+# claims: rounded towards 0
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -325,7 +330,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: intensity is a coordinate
 # loses: ignores_intensity
-# says: a fourth column, if there is one, is not
+# says: cloud[:, :3] are the coordinates
+# claims: a fourth coordinate
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -349,7 +355,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: the threshold is written into the function
 # loses: follows_the_threshold, test_other_thresholds
-# says: Everything scales with the parameter threshold
+# says: Compare with the parameter threshold
+# claims: A fixed threshold
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -357,8 +364,9 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return components(len(cloud), pairs) + 1
 
 # %% wrong: labels from 0
-# loses: separates_groups
+# loses: counts_from_one
 # says: not 1 to N
+# claims: start from 0
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -367,7 +375,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: fails on an empty cloud
 # loses: takes_the_smallest
-# says: Return an array of length 0 early
+# says: can be empty
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3] - cloud[:, :3].min(axis=0)
     pairs = cKDTree(points).query_pairs(threshold, output_type="ndarray")
@@ -392,11 +400,233 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: everything is one cluster
 # loses: separates_groups, parts_what_is_apart, test_course_cloud, test_heaps
 # says: Points of different clusters
+# claims: All points have the same label
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return np.ones(len(cloud), dtype=int)
 
 # %% wrong: stub left in place
 # loses: separates_groups, takes_the_smallest, test_whole_scan
-# says: still raises NotImplementedError
+# says: is not started
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     raise NotImplementedError
+
+# %% wrong: one given line
+# loses only: takes_a_heap, takes_two_heaps, test_dense_walls, test_heaps, test_touching_heaps
+# says: no pair of points inside has to be listed
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    return join_all_pairs(cloud[:, :3], threshold) + 1
+
+# %% wrong: the exact step as a table of distances
+# loses only: takes_two_heaps, test_touching_heaps
+# says: cKDTree(p).query(q)
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = np.linalg.norm(
+                points[members[a]][:, None] - points[members[b]][None], axis=2).min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: side of a square's diagonal
+# loses only: parts_what_is_apart, test_hardly_apart
+# says: In space the diagonal
+# claims: threshold / sqrt(2)
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(2))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: every cell a cluster
+# loses: follows_chains, test_course_cloud
+# says: Join neighbouring cells
+# claims: Each cell is a cluster
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    cells = np.floor(cloud[:, :3] / (threshold / np.sqrt(3)))
+    if len(cells) == 0:
+        return np.zeros(0, dtype=int)
+    return np.unique(cells, axis=0, return_inverse=True)[1].ravel() + 1
+
+# %% wrong: the exact step without what it found
+# loses: compares_the_points, test_crowded_cells, test_touching_heaps
+# says: compare all their points
+# claims: Only the representatives
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[b] == label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: only the one cell is renamed
+# loses: test_crowded_cells
+# says: have different labels
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[b] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: squared distance against plain threshold
+# loses: follows_the_threshold
+# says: Take the root first
+# claims: The squared distance
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    threshold = threshold ** 0.5
+    points = cloud[:, :3]
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: forgets the height
+# loses: measures_in_space, test_fresh_streets
+# says: z among them
+# claims: The height is left out
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3] * [1, 1, 0]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: parameters renamed
+# loses only: keeps_the_names
+# says: another name
+def euclidean_clustering_accelerated(points, radius=0.5):
+    points, threshold = points[:, :3], radius
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: default changed
+# loses only: keeps_the_default
+# says: Keep the first line
+def euclidean_clustering_accelerated(cloud, threshold=1.0):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: sorts the cloud
+# loses only: leaves_its_input
+# says: changed its input
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3].copy()
+    cloud.sort(axis=0)
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = np.unique(np.floor(points / (threshold / np.sqrt(3))), axis=0,
+                                            return_index=True, return_inverse=True)
+    cell_of_point = cell_of_point.ravel()
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    gap = np.linalg.norm(points[first[pairs[:, 0]]] - points[first[pairs[:, 1]]], axis=1)
+    label = components(len(cells), pairs[gap < threshold])
+    members = np.split(np.argsort(cell_of_point), np.cumsum(np.bincount(cell_of_point))[:-1])
+    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[a] != label[b]:
+            closest = cKDTree(points[members[a]]).query(points[members[b]])[0].min()
+            if closest < threshold:
+                label[label == label[b]] = label[a]
+    _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1

@@ -1,39 +1,48 @@
-"""Visible checks of lesson 05: `euclidean_clustering`."""
+"""Visible checks of lesson 05: `euclidean_clustering`.
 
-from collections.abc import Callable, Sequence
+The clouds are such that one slip about the threshold shows in one check: 0.5 instead of the
+parameter, or a square too many or too few, gets all the others right.
+"""
+
+import sys
+from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.core import visible
+from utils.checks.cluster_mistakes import (
+    by_steps,
+    length,
+    lines_of_points,
+    measured_wrongly,
+    mixed_up,
+    right_on_a_line,
+    same_clusters,
+)
+from utils.checks.clusters import (
+    GROUPS,
+    LABELS,
+    assert_clusters,
+    assert_default,
+    assert_from_one,
+    assert_joins_equal_points,
+    assert_numbered_by_appearance,
+    assert_parts_at_the_threshold,
+    assert_takes_the_smallest,
+    assert_whole,
+    assert_works,
+    row_of_points,
+)
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
-    assert_partition,
     assert_untouched,
-    frozen,
 )
 
-
-def _line(start: Sequence[float], step: float, n: int) -> np.ndarray:
-    """A row of points (n, 3) along x, `step` metres apart."""
-    return np.array(start) + np.outer(np.arange(n) * step, [1.0, 0.0, 0.0])
-
-
-def _mixed(step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Three groups far apart whose points come in any order, and their labels."""
-    groups = [
-        _line([2.0, 1.0, 0.0], step, 4),
-        _line([8.0, -2.0, 0.5], step, 3),
-        _line([3.0, -6.0, 0.2], step, 3),
-    ]
-    order = np.array([7, 0, 4, 1, 8, 5, 2, 9, 3, 6])
-    return np.vstack(groups)[order], np.repeat([1, 2, 3], [4, 3, 3])[order]
-
-
-_GROUPS, _LABELS = frozen(_mixed(0.3))
-# The same, so tight that even balls around a first point get them right: for checks of something
-# else, which should not fail, with a hint that misleads, because chains break.
-_TIGHT, _ = frozen(_mixed(0.1))
+# A step and a threshold at which each point of a row has one neighbour on either side, also for
+# whoever squares one of the two.
+_STEP, _REACH = 0.45, 0.8
 
 
 @visible(
@@ -45,23 +54,23 @@ _TIGHT, _ = frozen(_mixed(0.1))
     "everything that can be reached from it.",
 )
 def separates_groups(euclidean_clustering: Callable) -> None:
-    assert_partition(euclidean_clustering(_GROUPS.copy(), 0.5), _LABELS, _GROUPS)
+    assert_clusters(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)
 
 
 @visible(
     "euclidean_clustering",
-    weight=6,
+    weight=5,
     title="A chain of neighbours is one cluster, however long",
     why="A wall is metres long and its ends are far apart, but it is one obstacle.",
-    hint="Each point that you label must itself be asked for its neighbours: put it into "
-    "the queue. Comparing with the first point only finds a ball.",
+    hint="Each point that you label must itself be asked for its neighbours: let it wait in the "
+    "queue.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
-    wall = _line([0.0, 0.0, 0.0], 0.4, 30)
+    wall = row_of_points([0.0, 0.0, 0.0], _STEP, 30)
     order = np.random.default_rng(5).permutation(60)
     cloud = np.vstack([wall, wall + [0.0, 3.0, 0.0]])[order]
     labels = np.repeat([1, 2], 30)[order]
-    assert_partition(euclidean_clustering(cloud.copy(), 0.5), labels, cloud)
+    assert_clusters(euclidean_clustering(cloud.copy(), _REACH), labels, cloud, _REACH)
 
 
 @visible(
@@ -70,82 +79,127 @@ def follows_chains(euclidean_clustering: Callable) -> None:
     title="Labels are the whole numbers 1 to N",
     why='Later lessons use 0 for "belongs to no obstacle" and count obstacles by the '
     "largest label.",
-    hint="The first cluster gets 1. The counter goes up when a new cluster begins, not at "
-    "each point.",
+    hint="The first cluster gets 1. The counter goes up when a new cluster begins, and only then.",
 )
 def counts_from_one(euclidean_clustering: Callable) -> None:
-    labels = as_labels(euclidean_clustering(_GROUPS.copy(), 0.5), len(_GROUPS))
-    found = np.unique(labels)
-    assert_partition(labels, _LABELS, _GROUPS)
-    if not np.array_equal(found, np.arange(1, len(found) + 1)):
-        raise CheckFailed(
-            "The labels in use are not 1 to N.",
-            yours=str(found.tolist()),
-            expected=str(list(range(1, len(found) + 1))),
-        )
+    assert_works(euclidean_clustering)
+    assert_from_one(euclidean_clustering(GROUPS.copy(), 1.0), len(GROUPS))
 
 
 @visible(
     "euclidean_clustering",
     weight=4,
-    title="Follows threshold, given by position, by name or left out",
+    title="The parameter threshold decides who is close",
     why="The threshold decides what counts as one object: at half a metre parked cars stay "
     "apart, at two metres a cyclist melts into the car beside.",
-    hint="Compare distances with the parameter threshold itself: not its square, not 0.5 "
-    "written into the function. Keep its default of 0.5.",
+    hint="Compare distances, not their squares, with the parameter threshold, by its name.",
 )
 def follows_the_threshold(euclidean_clustering: Callable) -> None:
     # Gaps of 0.2, 0.45, 0.6 and 0.9 m: each threshold below joins a different number.
-    x = np.cumsum([0.0, 0.2, 0.45, 0.6, 0.9])
-    cloud = np.column_stack([x, 0 * x, 0 * x])
+    cloud = np.outer(np.cumsum([0.0, 0.2, 0.45, 0.6, 0.9]), [1.0, 0.0, 0.0])
     for threshold, labels in (
         (0.3, [1, 1, 2, 3, 4]),
         (0.5, [1, 1, 1, 2, 3]),
         (0.7, [1, 1, 1, 1, 2]),
         (1.0, [1, 1, 1, 1, 1]),
     ):
-        assert_partition(euclidean_clustering(cloud.copy(), threshold), np.array(labels), cloud)
-        assert_partition(
-            euclidean_clustering(cloud=cloud.copy(), threshold=threshold), np.array(labels), cloud
-        )
-    assert_partition(euclidean_clustering(cloud.copy()), np.array([1, 1, 1, 2, 3]), cloud)
+        answer = euclidean_clustering(cloud.copy(), threshold)
+        assert_clusters(answer, np.array(labels), cloud, threshold)
+
+
+@visible(
+    "euclidean_clustering",
+    weight=1,
+    title="The threshold is 0.5 m unless another one is given",
+    why="Later cells call euclidean_clustering(obstacles) and rely on it.",
+    hint="Keep the first line of the function as it was given: threshold=0.5.",
+)
+def keeps_the_default(euclidean_clustering: Callable) -> None:
+    assert_works(euclidean_clustering)
+    assert_default(euclidean_clustering)
+
+
+@visible(
+    "euclidean_clustering",
+    weight=1,
+    title="The parameters keep their names",
+    why="Somebody may call euclidean_clustering(cloud, threshold=0.3).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(euclidean_clustering: Callable) -> None:
+    assert_works(euclidean_clustering)
+    answer = euclidean_clustering(cloud=GROUPS.copy(), threshold=1.0)
+    assert_clusters(answer, LABELS, GROUPS, 1.0)
 
 
 @visible(
     "euclidean_clustering",
     weight=3,
-    title="Measures distance in x, y and z, and not in intensity",
-    why="A white stripe on a black bumper is bright, not far away; and a bridge is above "
-    "the road, not on it.",
+    title="Measures the straight distance in space, alike in every direction",
+    why="A bridge is above the road, not on it; and a car that turns keeps its size.",
+    hint="The distance is the root of dx² + dy² + dz²: np.linalg.norm(..., axis=1) over three "
+    "columns.",
+)
+def measures_alike(euclidean_clustering: Callable) -> None:
+    assert_works(euclidean_clustering)
+    # Pairs in five directions. Whatever the function makes of a length, it is the same in all.
+    ways = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, -1, 0]], dtype=float)
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    places = np.outer(np.arange(5), [20.0, 0.0, 0.0])
+    for gap in (0.15, 0.35, 0.65, 0.75, 0.95, 1.25, 1.55):
+        cloud = np.vstack([places, places + gap * ways])
+        labels = as_labels(euclidean_clustering(cloud.copy(), 1.0), len(cloud))
+        close = labels[:5] == labels[5:]
+        if close.any() and not close.all():
+            parts = [f"{_text(ways[np.argmax(close == one)])}" for one in (True, False)]
+            raise CheckFailed(
+                f"{gap:.2f} m are close along {parts[0]} and not close along {parts[1]}.",
+                given=f"pairs of points, {gap:.2f} m apart, in different directions; threshold 1 m",
+            )
+
+
+def _text(way: np.ndarray) -> str:
+    """A direction: an axis by its name, a diagonal by its signs."""
+    signs = np.sign(way).astype(int)
+    return f"{'xyz'[np.argmax(way)]}" if abs(signs).sum() == 1 else f"{tuple(signs.tolist())}"
+
+
+@visible(
+    "euclidean_clustering",
+    weight=3,
+    title="Intensity is not a place",
+    why="A white stripe on a black bumper is bright, not far away. Many recordings count "
+    "intensity from 0 to 255.",
     hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
 )
 def ignores_intensity(euclidean_clustering: Callable) -> None:
-    bright = np.column_stack([_TIGHT, np.tile([0.0, 0.9], 5)])
-    assert_partition(euclidean_clustering(bright.copy(), 0.5), _LABELS, bright)
-    above = np.vstack([_line([2.0, 1.0, 0.0], 0.1, 3), _line([2.0, 1.0, 2.0], 0.1, 3)])
-    above, labels = above[[0, 3, 1, 4, 5, 2]], np.array([1, 2, 1, 2, 2, 1])
-    assert_partition(euclidean_clustering(above.copy(), 0.5), labels, above)
+    bright = np.column_stack([GROUPS, np.tile([7.0, 200.0], 5)])
+    assert_clusters(euclidean_clustering(bright.copy(), 1.0), LABELS, bright, 1.0)
 
 
 @visible(
     "euclidean_clustering",
     weight=2,
-    title="Takes an empty cloud, one point and equal points",
-    why="After filtering nothing may be left, and recordings do hold the same point twice.",
+    title="Takes an empty cloud and one point",
+    why="After filtering nothing may be left.",
     hint="A loop over the points does nothing when there are none: an array of length 0 is "
-    "the answer. Equal points are at distance 0 and belong together.",
+    "the answer.",
 )
 def takes_the_smallest(euclidean_clustering: Callable) -> None:
-    for columns in (3, 4):
-        assert_partition(
-            euclidean_clustering(np.empty((0, columns)), 0.5),
-            np.empty(0, dtype=int),
-            np.empty((0, columns)),
-        )
-    one = np.array([[1.0, 2.0, 3.0]])
-    assert_partition(euclidean_clustering(one.copy(), 0.5), np.array([1]), one)
-    equal = np.array([[1.0, 2.0, 3.0], [5.0, 0.0, 0.0], [1.0, 2.0, 3.0], [5.0, 9.0, 0.0]])
-    assert_partition(euclidean_clustering(equal.copy(), 0.5), np.array([1, 2, 1, 3]), equal)
+    assert_works(euclidean_clustering)
+    assert_takes_the_smallest(euclidean_clustering)
+
+
+@visible(
+    "euclidean_clustering",
+    weight=1,
+    title="Equal points belong together",
+    why="Recordings do hold the same point twice.",
+    hint="Equal points are at distance 0, which is below every threshold.",
+)
+def joins_equal_points(euclidean_clustering: Callable) -> None:
+    assert_works(euclidean_clustering)
+    assert_joins_equal_points(euclidean_clustering)
 
 
 @visible(
@@ -156,6 +210,131 @@ def takes_the_smallest(euclidean_clustering: Callable) -> None:
     hint="Keep labels in an array of their own; do not write into cloud.",
 )
 def leaves_its_input(euclidean_clustering: Callable) -> None:
-    assert_untouched(euclidean_clustering, _TIGHT, 0.5)
-    labels = euclidean_clustering(_TIGHT.copy(), 0.5)
-    assert_partition(labels, _LABELS, _TIGHT)
+    assert_works(euclidean_clustering)
+    assert_untouched(euclidean_clustering, GROUPS, 1.0)
+
+
+@visible(
+    "euclidean_clustering",
+    weight=3,
+    title="A wall of thousands of points needs no recursion",
+    why="A function that calls itself for each friend ends at Python's limit of nested calls: "
+    "at the first wall of a full scan.",
+    hint="Let points wait in a queue, and work in a loop until it is empty.",
+)
+def takes_a_long_wall(euclidean_clustering: Callable) -> None:
+    assert_works(euclidean_clustering)
+    # Python allows 1000 nested calls, and 3000 where something in the notebook has asked for more.
+    n = min(sys.getrecursionlimit(), 3000) + 200
+    wall = row_of_points([-n * _STEP / 2, 5.0, 0.0], _STEP, n)
+    assert_clusters(euclidean_clustering(wall.copy(), _REACH), np.ones(n, int), wall, _REACH)
+
+
+@visible(
+    "euclidean_clustering",
+    weight=3,
+    title="Nobody waits in the queue twice: a dense wall is done at once",
+    why="A wall close by has dozens of friends for each point. Who gets the label on leaving the "
+    "queue, and not on entering it, enters it dozens of times, and lets others in as often.",
+    hint="Label new friends before, or when, they join the queue.",
+)
+def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
+    assert_works(euclidean_clustering)
+    wall = np.stack(np.meshgrid(np.arange(20) * 0.1, [3.0], np.arange(20) * 0.1), axis=-1)
+    cloud = wall.reshape(-1, 3)
+    assert_clusters(euclidean_clustering(cloud.copy(), 0.8), np.ones(400, int), cloud, 0.8)
+
+
+# ---- what costs no points ----------------------------------------------------------------------
+
+
+@noted(
+    "euclidean_clustering",
+    title="Labels are whole numbers by type",
+    why="np.bincount(labels), in the next cell, takes no floating point numbers: let the array of "
+    "labels begin as np.zeros(n, dtype=int).",
+)
+def has_whole_labels(euclidean_clustering: Callable) -> None:
+    assert_whole(euclidean_clustering)
+
+
+@noted(
+    "euclidean_clustering",
+    title="Clusters are numbered as they first appear in the cloud",
+    why="The docstring says so, and the text speaks of clusters by their numbers; yours have "
+    "others there.",
+)
+def numbers_by_appearance(euclidean_clustering: Callable) -> None:
+    assert_numbered_by_appearance(euclidean_clustering)
+
+
+@noted(
+    "euclidean_clustering",
+    title="Two points exactly at the threshold are not close",
+    why='The docstring says "closer than", which is <; on measured points it hardly ever matters, '
+    "on a regular grid it does.",
+)
+def parts_at_the_threshold(euclidean_clustering: Callable) -> None:
+    assert_parts_at_the_threshold(euclidean_clustering)
+
+
+# ---- what people do ----------------------------------------------------------------------------
+
+
+def _around_first_points(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+    """As the balls of the lesson: who is near the first point that is still free."""
+    places, labels = cloud[:, :3], np.zeros(len(cloud), dtype=int)
+    while 0 in labels:
+        near = length(places - places[np.argmin(labels)]) < threshold
+        labels[near & (labels == 0)] = labels.max() + 1
+    return labels
+
+
+def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+    """Each point as the first before it that is near."""
+    labels = []
+    for place in cloud[:, :3]:
+        near = np.flatnonzero(length(cloud[: len(labels), :3] - place) < threshold)
+        labels.append(labels[near[0]] if len(near) else max(labels, default=0) + 1)
+    return np.array(labels)
+
+
+def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
+    """For each point the row, from 1, of the first point of its cluster."""
+    return np.array([right.tolist().index(label) + 1 for label in right])
+
+
+mistakes(
+    "euclidean_clustering",
+    *measured_wrongly(),
+    Mistake(
+        "The ways along x, y and z are added up: that is longer than the straight distance.",
+        by_steps(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
+        "The distance is the root of dx² + dy² + dz².",
+    ),
+    Mistake(
+        "Only the longest of the ways along x, y and z counts.",
+        by_steps(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
+        "The distance is the root of dx² + dy² + dz².",
+    ),
+    Mistake(
+        "Only those join who are close to the first point of a cluster: balls instead of chains.",
+        _around_first_points,
+        "Put each point that joins into the queue, and ask it for its own neighbours.",
+    ),
+    Mistake(
+        "Each point takes the label of somebody before it, and clusters that meet later keep two "
+        "labels.",
+        _in_one_pass,
+        "Make one cluster complete, with a queue, before the next begins.",
+    ),
+    Mistake(
+        "The counter goes up at every point; it should only where a new cluster begins.",
+        _first_rows,
+        "Count after you know that the point has no label yet.",
+    ),
+    *mixed_up(),
+    cases=lines_of_points(),
+    right=right_on_a_line,
+    same=same_clusters,
+)

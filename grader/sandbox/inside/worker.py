@@ -30,6 +30,8 @@ import wire  # noqa: E402
 from utils.notebooks import slicing  # noqa: E402
 
 LONGEST_TEXT = 400
+# Names that are not there because the lesson does not allow what they are imported from.
+_REFUSED: dict[str, str] = {}
 
 
 def main(read_end: int, write_end: int) -> None:
@@ -46,12 +48,22 @@ def main(read_end: int, write_end: int) -> None:
     sys.meta_path.append(importing.Beside(start["modules"]))
     statements, problems = slicing.parse_notebook(start["cells"])
     statements = with_given_code(statements, start["names"], start["given"])
-    for cell, module in dict.fromkeys(slicing.imported_modules(statements)):
-        if importing.is_forbidden(module, rules["forbidden"]):
+    for statement in statements:
+        imported = [module for _, module in slicing.imported_modules([statement])]
+        refused = [one for one in imported if importing.is_forbidden(one, rules["forbidden"])]
+        if refused:
             problems.append(
-                f"Code cell {cell} imports {module}, which is not allowed in this "
+                f"Code cell {statement.cell} imports {refused[0]}, which is not allowed in this "
                 "lesson: it does the exercise for you."
             )
+            _REFUSED.update(dict.fromkeys(statement.binds, refused[0]))
+    problems = list(dict.fromkeys(problems))
+    # Said already; what else would fail in there is not the student's.
+    statements = [
+        one
+        for one in statements
+        if not (isinstance(one.node, (ast.Import, ast.ImportFrom)) and one.binds & _REFUSED.keys())
+    ]
     needed = slicing.slice_for(start["names"], statements)
     wire.send(write_end, {"problems": problems})
 
@@ -235,6 +247,10 @@ def describe(error: BaseException) -> dict:
         message = str(error)
     except BaseException:
         message = ""
+    if isinstance(error, NameError) and error.name in _REFUSED:
+        module = _REFUSED[error.name]
+        error = ImportError()
+        message = f"{module} is not allowed in this lesson: it does the exercise for you"
     if isinstance(error, ModuleNotFoundError) and "." not in str(error.name):
         message += ", where notebooks are judged: only the packages that the lesson needs are there"
     return {

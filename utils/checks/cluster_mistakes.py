@@ -1,0 +1,180 @@
+"""What people do wrong when they cluster, predicted on points of a straight line.
+
+There a cluster ends where a gap is too wide, so that what a slip does to it is a formula about
+neighbours.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from utils.checks.clusters import in_order
+from utils.checks.diagnosis import Mistake
+from utils.checks.vocabulary import CheckFailed, as_array, frozen
+
+# Along this line distances in the plane, or along the axes, are others than in space.
+_WAY = frozen(np.array([2.0, 1.0, 2.0]) / 3)
+
+
+def same_clusters(answer: object, predicted: np.ndarray) -> bool:
+    """Whether an answer groups the points as predicted and uses the same labels, in any order."""
+    try:
+        yours = as_array(answer)
+    except CheckFailed:
+        return False
+    if yours.shape != predicted.shape or yours.ndim != 1:
+        return False
+    names = np.unique(yours)
+    pairs = np.unique(np.stack([yours, predicted]), axis=1)
+    return np.array_equal(names, np.unique(predicted)) and pairs.shape[1] == len(names)
+
+
+def on_a_line(
+    places: Sequence[float], brightness: float = 0.0, way: ArrayLike = _WAY
+) -> np.ndarray:
+    """Points of one straight line through the sensor.
+
+    Parameters
+    ----------
+    places : sequence of float, length n
+        Metres from the sensor, behind it where below 0.
+    brightness : float
+        Intensity per metre; 0 for a cloud without intensities.
+    way : array_like, shape (3,)
+        Direction of the line, of length 1 and nowhere below 0.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n, 3) or (n, 4)
+    """
+    cloud = np.outer(places, way)
+    return np.column_stack([cloud, brightness * np.array(places)]) if brightness else cloud
+
+
+def parted(cloud: np.ndarray, holds: Callable) -> np.ndarray:
+    """Labels of points on a line, which is cut wherever two neighbours do not hold together.
+
+    Parameters
+    ----------
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    holds : callable
+        Takes the points as they follow each other, and their rows in the cloud; returns for
+        each but the last whether it holds on to the next, shape (n - 1,).
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+    """
+    order = np.argsort(cloud[:, :3].sum(axis=1))
+    labels = np.empty(len(cloud), dtype=int)
+    labels[order] = np.concatenate([[0], np.cumsum(~holds(cloud[order], order))])
+    return in_order(labels)
+
+
+def by_steps(measure: Callable) -> Callable:
+    """What a mistake predicts that takes a wrong measure of the gaps.
+
+    Parameters
+    ----------
+    measure : callable
+        Takes the way from each point to the next, shape (n - 1, columns), and the threshold;
+        returns how long each way seems to be, in thresholds, shape (n - 1,).
+
+    Returns
+    -------
+    callable
+        As `Mistake.predicts`.
+    """
+
+    def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+        return parted(cloud, lambda line, _: measure(np.diff(line, axis=0), threshold) < 1)
+
+    return predicts
+
+
+def length(steps: np.ndarray) -> np.ndarray:
+    """How long each step is, over all its columns; shape (n,)."""
+    return np.linalg.norm(steps, axis=1)
+
+
+def right_on_a_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
+    """Right labels for points on a line, (n,): a gap of a threshold and more parts them."""
+    gaps = by_steps(lambda steps, limit: length(steps[:, :3]) / limit)
+    return gaps(None, cloud, threshold)
+
+
+def measured_wrongly() -> tuple[Mistake, ...]:
+    """Mistakes about the distance that both lessons know."""
+    return (
+        Mistake(
+            "The distance is compared with threshold ** 2: 0.5 acts as 0.25.",
+            by_steps(lambda steps, limit: length(steps[:, :3]) / limit**2),
+            "np.linalg.norm gives distances; these go with threshold itself.",
+        ),
+        Mistake(
+            "The squared distance is compared with threshold itself: 0.5 acts as 0.71.",
+            by_steps(lambda steps, limit: length(steps[:, :3]) ** 2 / limit),
+            "Take the root first, as np.linalg.norm does.",
+        ),
+        Mistake(
+            "A fixed threshold of 0.5 decides, whatever is given.",
+            by_steps(lambda steps, limit: length(steps[:, :3]) / 0.5),
+            "Compare with the parameter threshold.",
+        ),
+        Mistake(
+            "Intensity counts as a fourth coordinate.",
+            by_steps(lambda steps, limit: length(steps) / limit),
+            "cloud[:, :3] are the coordinates.",
+        ),
+        Mistake(
+            "The height is left out: distances are measured in x and y alone.",
+            by_steps(lambda steps, limit: length(steps[:, :2]) / limit),
+            "cloud[:, :3] are the coordinates, z among them.",
+        ),
+    )
+
+
+def mixed_up() -> tuple[Mistake, ...]:
+    """Mistakes about labels that both lessons know."""
+    return (
+        Mistake(
+            "The clusters are right, and their labels start from 0.",
+            lambda right, *case: right - 1,
+            "Labels start from 1: add 1 to all, or count up before the first cluster.",
+        ),
+        Mistake(
+            "Every point has a label of its own: nobody joins anybody.",
+            lambda right, *case: np.arange(len(right)) + 1,
+            "Look at the distances: is there one for each point (axis=1), and do those below the "
+            "threshold get the label?",
+        ),
+        Mistake(
+            "All points have the same label, however far apart.",
+            lambda right, *case: np.ones(len(right), dtype=int),
+        ),
+        Mistake(
+            "What is returned has one number for each cluster.",
+            lambda right, *case: np.unique(right),
+            "There must be one label for each point, in the order of the points.",
+        ),
+    )
+
+
+def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
+    """Cases in which each wrong measure parts others of the gaps: (cloud, threshold)."""
+    rng = np.random.default_rng(9)
+    found = []
+    for gaps, threshold, brightness in (
+        ([0.3, 0.42, 0.55, 0.7, 0.85, 1.2, 0.31, 0.41, 0.2, 3.0, 0.54], 0.6, 0.0),
+        ([1.0, 1.3, 1.5, 1.8, 2.4, 2.8, 0.3, 3.5, 7.0, 0.9, 1.7], 2.0, 0.75),
+        ([0.33, 0.44, 0.53, 0.58, 1.1, 0.1, 0.4, 0.7, 0.2, 0.84, 0.55], 0.6, 2.5),
+    ):
+        places = rng.permutation(1 + np.cumsum([0, *gaps]))
+        found.append((on_a_line(places, brightness), threshold))
+    return frozen_cases(found)
+
+
+def frozen_cases(cases: list[tuple[np.ndarray, float]]) -> tuple[tuple[np.ndarray, float], ...]:
+    """Cases whose clouds nobody changes by accident."""
+    return tuple((frozen(cloud), threshold) for cloud, threshold in cases)
