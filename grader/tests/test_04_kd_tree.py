@@ -19,6 +19,7 @@ from utils.checks.lesson_04 import (
     assert_indices,
     assert_lower_medians,
     assert_pruned,
+    assert_root,
     assert_same_tree,
     assert_shallow,
     assert_tree,
@@ -63,6 +64,7 @@ def balanced(points):
 
 
 def inserted(student, points, indices=None):
+    assert_root(student.KdTree)
     tree = student.KdTree()
     for index, point in zip(indices or range(len(points)), points, strict=True):
         tree.insert(copy.copy(point), index)
@@ -161,6 +163,7 @@ def test_two_trees(student, seed):
     hint="Only the tree changes.",
 )
 def test_point(student, seed):
+    assert_root(student.KdTree)
     points = along_the_diagonal(np.random.default_rng(seed).permutation(9) / 4, 3)
     tree = student.KdTree()
     for index, point in enumerate(points):

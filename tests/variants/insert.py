@@ -422,6 +422,23 @@ def insert(tree, point, index):
             return
         here, depth = getattr(here, side), depth + 1
 
+# %% wrong: never goes down
+# loses: axes_alternate, grows_the_quiz, test_plane
+# says: is there a loop that never ends
+def insert(tree, point, index):
+    node = Node(point, index)
+    if tree.root is None:
+        tree.root = node
+        return
+    here, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        side = "left" if point[axis] < here.point[axis] else "right"
+        if getattr(here, side) is None:
+            setattr(here, side, node)
+            return
+        depth += 1
+
 # %% wrong: walks past the last node
 # loses: compares_x_first, test_plane
 # says: Something in this line is None

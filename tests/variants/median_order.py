@@ -289,7 +289,7 @@ def median_order(points):
 
 # %% wrong: the median first and the rest as it came
 # loses: halves_every_part, takes_turns, least_depth, test_halves, test_depth
-# says: of a part at depth 1
+# says: In a part at depth 1
 def median_order(points):
     if len(points) == 0:
         return []

@@ -440,7 +440,7 @@ def assert_found(
         given=f"target {_exactly(target)}, tolerance {tolerance:g}",
         yours=_indices(yours),
         expected=_indices(expected),
-        draw=_missed(root, target, tolerance, yours & set(where)),
+        draw=_drawn(root, target, tolerance, yours & set(where), "What your search found"),
     )
 
 
@@ -454,8 +454,8 @@ def _indices(found: set[int]) -> str:
     return f"{sorted(found)}" if len(found) <= 8 else f"{len(found)} indices"
 
 
-def _missed(
-    root: _Node | None, target: Sequence[float], tolerance: float, found: set[int]
+def _drawn(
+    root: _Node | None, target: Sequence[float], tolerance: float, found: set[int], title: str
 ) -> Callable | None:
     """Draw a search in the plane; in space there is nothing to draw."""
     if len(target) != 2:
@@ -468,7 +468,7 @@ def _missed(
         target,
         tolerance,
         found=[rows[index] for index in found],
-        title="What your search found",
+        title=title,
     )
 
 
@@ -518,11 +518,13 @@ def assert_pruned(
             given=f"target {_exactly(target)}, tolerance {tolerance:g}",
             yours=f"asks node {trap}",
             expected="leaves its whole region out",
+            draw=_drawn(root, target, tolerance, {trap}, f"Node {trap} is beyond the box"),
         )
     if decoy not in answer:
         raise CheckFailed(
             "A node was left out that a search meets when it goes by the splits, on the target's "
-            "own side of each."
+            "own side of each.",
+            hint="The splits alone decide where to go: no other test may leave nodes out.",
         )
 
 
@@ -583,7 +585,7 @@ def nested(
     while len(points) < len(sizes):
         size = sizes[len(points)]
         point = rng.uniform(lowest * size, size, k).round(3)
-        point[len(points) % k] = size
+        point[len(points) % k] = round(size, 3)
         if allowed(point):
             points.append(point)
     return np.array(points)
@@ -624,12 +626,15 @@ def as_order(answer: object, n: int) -> np.ndarray:
             yours=brief(order),
             expected=f"the numbers 0 to {n - 1}",
         )
-    if len(order) != n or not np.array_equal(np.sort(order), np.arange(n)):
-        repeated = len(order) - len(np.unique(order))
+    strange = [row for row in order.tolist() if not 0 <= row < n]
+    missing = [row for row in range(n) if row not in set(order.tolist())]
+    if strange or missing or len(order) != n:
+        odd = f"{strange[0]} is no row number" if strange else "some rows are there more than once"
+        text = f"row {missing[0]} is missing" if missing else odd
         raise CheckFailed(
-            "Each row number from 0 to n - 1 must occur exactly once.",
-            yours=f"{len(order)} number{'s' * (len(order) != 1)}, {repeated} of them repeated",
-            expected=f"{n} different numbers",
+            f"Each row number from 0 to n - 1 must occur exactly once; {text}.",
+            yours=brief(order),
+            expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
         )
     return order
 
@@ -675,10 +680,12 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
         return
     values, depth, axis, median = odd
     letter = "xyz"[axis]
-    where = "" if depth == 0 else f" of a part at depth {depth}"
+    first = "The first point of the order"
+    if depth:
+        first = f"In a part at depth {depth}, the point that comes first"
     raise CheckFailed(
-        f"The first point{where} to be inserted is not the {'lower ' * (len(values) % 2 == 0)}"
-        f"median of its {len(values)} points along {letter}.",
+        f"{first} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
+        f"along {letter}.",
         given=f"{letter} of these points, sorted: {_values(np.sort(values))}",
         yours=f"{letter} = {values[0]:g}",
         expected=f"{letter} = {median:g}",
@@ -784,10 +791,22 @@ _DIAGONAL = frozen(along_the_diagonal([4, 2, 6, 1, 3, 5, 7]))
 
 
 def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
+    assert_root(KdTree)
     tree = KdTree()
     for index, point in zip(indices or range(len(points)), np.array(points), strict=True):
         tree.insert(point, index)
     return tree
+
+
+def assert_root(KdTree: Callable) -> None:
+    """The first point becomes the root; where not, a walk down the tree may never end.
+
+    Parameters
+    ----------
+    KdTree : callable
+    """
+    with needs("the first point becomes the root"):
+        first_is_root(KdTree)
 
 
 def _assert_sides(KdTree: Callable) -> None:
@@ -911,6 +930,7 @@ def keeps_the_index(KdTree: Callable) -> None:
     hint="point[axis] and len(point) serve every kind; .shape, .size and .tolist() are an array's.",
 )
 def takes_any_notation(KdTree: Callable) -> None:
+    assert_root(KdTree)
     for kind in (list, tuple):
         tree = KdTree()
         for index, point in enumerate(_DIAGONAL.tolist()):
@@ -926,6 +946,7 @@ def takes_any_notation(KdTree: Callable) -> None:
     hint="All that is known about a tree hangs on its root: keep nothing outside.",
 )
 def keeps_trees_apart(KdTree: Callable) -> None:
+    assert_root(KdTree)
     trees = KdTree(), KdTree()
     for row, point in enumerate(_DIAGONAL.copy()):
         trees[row % 2].insert(point, row)
@@ -941,6 +962,7 @@ def keeps_trees_apart(KdTree: Callable) -> None:
     hint="Read point[axis], and write to the tree only.",
 )
 def leaves_the_point(KdTree: Callable) -> None:
+    assert_root(KdTree)
     tree = KdTree()
     for index, point in enumerate(_DIAGONAL.copy()):
         assert_left_alone(observe(tree.insert, point, index), point, index)
@@ -974,7 +996,7 @@ def copes_with_depth(KdTree: Callable) -> None:
         last = last.right
         if last is None:
             raise CheckFailed(
-                "A point that belongs below the deepest node of a tree of 1200 levels is not there.",
+                "A point that belongs below the last of 1200 levels is not there.",
                 hint="Begin at tree.root, whoever made it, and walk until there is no child.",
             )
 
@@ -989,7 +1011,12 @@ def _chain(count: int) -> _Node:
 
 def _ways_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
     """Index by the way to a node, in a student's tree."""
-    found, waiting = {}, [("", _inserted(KdTree, points).root)]
+    tree = KdTree()
+    for index, point in enumerate(points):
+        tree.insert(point, index)
+        if index == 0 and tree.root is not None:
+            assert_tree(tree, points[:1])  # below itself, there would be no end
+    found, waiting = {}, [("", tree.root)]
     for way, node in waiting:  # grows while it is walked
         if node is not None and len(found) < _MOST_NODES:
             found[way] = node.index
@@ -1511,8 +1538,8 @@ def _assert_halves(median_order: Callable) -> None:
     weight=2,
     title="Names every row exactly once",
     why="A point that is left out is an obstacle that nobody will find.",
-    hint="The median comes first; then all smaller ones and all others, each part in the "
-    "same way. Nothing is left over, and nothing is added.",
+    hint="np.argsort of a part gives places within the part: rows[np.argsort(...)] leads back to "
+    "row numbers. The median goes into the order, and into neither of the two parts that wait.",
 )
 def names_every_row(median_order: Callable) -> None:
     for points in (QUIZ[:5], _SEVEN):
@@ -1545,8 +1572,7 @@ def starts_with_the_median(median_order: Callable) -> None:
     title="The median comes first in every part, before both halves",
     why="One bad split near the root doubles the work of every search below it.",
     hint="A part gives its median to the order and two parts that wait: the rows before it and "
-    "the rows after it. Mind that sorting a part gives places within the part: "
-    "rows[np.argsort(...)] leads back to rows of points.",
+    "the rows after it.",
 )
 def halves_every_part(median_order: Callable) -> None:
     rng = np.random.default_rng(47)
