@@ -330,7 +330,7 @@ def insert(tree, point, index):
 
 # %% wrong: forgets to count the depth
 # loses only: axes_alternate, grows_the_quiz, takes_three, test_plane, test_space
-# says: Compare only one coordinate
+# says: y is compared
 # claims: the axis does not change
 def insert(tree, point, index):
     depth = 0

@@ -131,7 +131,7 @@ class KdTree:
 
 # %% wrong: strictly greater on the right
 # loses only: reaches_the_split, test_search_split
-# says: with the equals sign
+# says: where the box ends exactly at the split
 # claims: `>` stands
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]

@@ -457,11 +457,15 @@ def _indices(found: set[int]) -> str:
 def _drawn(
     root: _Node | None, target: Sequence[float], tolerance: float, found: set[int], title: str
 ) -> Callable | None:
-    """Draw a search in the plane; in space there is nothing to draw."""
-    if len(target) != 2:
+    """Draw a search in the plane; in space and without points there is nothing to draw."""
+    if root is None or len(target) != 2:
         return None
     points, _, _, indices = table_of(root)
     rows = {index: row for row, index in enumerate(sorted(indices))}
+    reach = [np.subtract(target, tolerance), np.add(target, tolerance)]
+    corners = np.vstack([*points, *reach])
+    pad = 0.08 * np.ptp(corners, axis=0).max()
+    limits = np.column_stack([corners.min(axis=0) - pad, corners.max(axis=0) + pad])
     return lambda: utils.plots.kd_search(
         np.array(points)[np.argsort(indices)],
         root,
@@ -469,6 +473,7 @@ def _drawn(
         tolerance,
         found=[rows[index] for index in found],
         title=title,
+        limits=limits,
     )
 
 
@@ -1131,7 +1136,7 @@ def finds_the_target(KdTree: Callable) -> None:
 )
 def looks_on_both_sides(KdTree: Callable) -> None:
     # The root is far away, and its cut goes between two neighbours.
-    root = grown([[0.0, 9.0], [-0.5, 0.0], [0.5, 0.1]])
+    root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
         assert_found(planted(KdTree, root), root, np.array([x, 0.0]), 1.0)
     for target, tolerance in (([-6.0, 7.0], 3.0), ([-6.5, 7.5], 2.5)):
