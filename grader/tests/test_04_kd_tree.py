@@ -32,7 +32,7 @@ from utils.checks.lesson_04 import (
     planted,
     regions_of,
 )
-from utils.checks.vocabulary import assert_left_alone, assert_untouched, needs, observe
+from utils.checks.vocabulary import assert_left_alone, assert_untouched, frozen, needs, observe
 
 
 @visible_checks("insert", "search", "median_order")
@@ -174,7 +174,7 @@ def test_point(student, seed):
 
 # ---------------------------------------------------------------------------------- search
 
-RINGS = np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)])
+RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 
 
 def clear(rng, points, number):
