@@ -485,6 +485,7 @@ def assert_pruned(
     trap: int,
     decoy: int,
     place: Sequence[float],
+    as_given: bool = False,
 ) -> None:
     """A search leaves a region alone that cannot hold a neighbour, and follows the splits.
 
@@ -505,8 +506,14 @@ def assert_pruned(
         comes to it; whoever sorts out nodes in wrong places, to compare with the others, does not.
     place : sequence of float
         Where it is moved: within the tolerance, and beyond a split.
+    as_given : bool
+        Whether the class must be the lesson's, which plants; in a notebook it may be another.
     """
-    if not _method(KdTree(), "plant"):  # inserted, the nodes would stand where they may be found
+    if not _method(KdTree(), "plant"):
+        if as_given:
+            raise CheckFailed("KdTree cannot plant a tree: leave the class as the lesson gives it.")
+        # Inserted, the nodes would stand where they may be found.
+        assert_found(planted(KdTree, root), root, target, tolerance)
         return
     points, left, right, indices = table_of(root)
     rows = indices.index(trap), indices.index(decoy)
