@@ -540,3 +540,29 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
             assert isinstance(one.error, CheckFailed), (one.name, one.error)
             assert SECRET not in one.error.message
             assert SECRET not in text_of(told(one))
+
+
+# ---- exercises of one class ----------------------------------------------------------------------
+
+
+def test_exercises_of_one_class_answer_for_themselves_alone(monkeypatch, capsys):
+    KdTree = load_reference("04_kd_tree").KdTree
+
+    def search(tree, target, tolerance):
+        import scipy.spatial  # noqa: F401 (the lesson forbids it)
+
+        return []
+
+    search.__module__ = KdTree.__module__
+    space = KdTree.search.__globals__
+    monkeypatch.setitem(space, "search", search)
+    check(KdTree, exercise="insert")
+    with pytest.raises(AssertionError):
+        check(KdTree, exercise="search")
+    assert "not allowed" in capsys.readouterr().out
+    monkeypatch.setitem(space, "search", lambda tree, target, tolerance: [])
+    with pytest.raises(AssertionError):
+        check(KdTree, exercise="search")
+    said = capsys.readouterr().out
+    assert "Not found" in said
+    assert "Begin there" not in said

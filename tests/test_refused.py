@@ -86,6 +86,7 @@ def test_what_does_the_exercise_is_refused_in_05(way, sandbox, tmp_path, capsys)
     assert "not allowed in this lesson" in shown and "[passed]" not in shown
     score, said = score_of(*FIVE, source, sandbox, tmp_path)
     assert score == 0 and "not allowed in this lesson" in said
+    assert "spelt" not in said, "a name that is refused is no typing mistake"
 
 
 @pytest.mark.parametrize("way", DONE_BY_A_LIBRARY)

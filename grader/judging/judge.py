@@ -19,7 +19,7 @@ from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.student import Student, StudentError, StudentStopped
 from utils.checks import CheckFailed
-from utils.checks.diagnosis import Mistake, diagnose
+from utils.checks.diagnosis import Mistake, asked_through, diagnose
 from utils.checks.story import resolve
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -184,7 +184,9 @@ def _claims(lesson: Lesson, outcomes: list[Outcome], student: Student) -> dict[s
         mine = [one.error for one in outcomes if one.mark["exercise"] == exercise.name]
         if any(isinstance(error, CheckFailed) for error in mine):
             student.exercise = exercise.name
-            found[exercise.name] = diagnose(exercise.name, getattr(student, exercise.name))
+            found[exercise.name] = diagnose(
+                exercise.name, getattr(student, asked_through(exercise.name))
+            )
     return found
 
 

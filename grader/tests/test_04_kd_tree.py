@@ -1,7 +1,8 @@
 """Hidden tests of lesson 04. Titles and hints are shown to students; the code is not.
 
-Trees for `search` are planted ready-made where the student's class allows it, so that each
-exercise stands on its own; and a tree crosses the pipe in one message.
+Trees for `search` are planted ready-made, so that each exercise stands on its own; and a tree
+crosses the pipe in one message. Apart from the tests that are about them, searches have a radius
+of 1 (whose square is the same), nobody in the corners of the box around it and nobody on its rim.
 """
 
 import copy
@@ -12,34 +13,31 @@ import pytest
 from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
 from utils.checks.lesson_04 import (
+    along_the_diagonal,
     assert_found,
+    assert_halves,
+    assert_indices,
     assert_lower_medians,
     assert_pruned,
+    assert_root,
+    assert_same_tree,
     assert_shallow,
     assert_tree,
+    distinct,
     grown,
-    leaves_within_reach,
+    nested,
+    off_the_corners,
+    off_the_rim,
+    places_of,
     planted,
-    table_of,
+    regions_of,
 )
-from utils.checks.vocabulary import CheckFailed, assert_untouched
+from utils.checks.vocabulary import assert_left_alone, assert_untouched, frozen, needs, observe
 
 
 @visible_checks("insert", "search", "median_order")
 def test_visible(student, check):
     check.run(student.median_order if check.exercise == "median_order" else student.KdTree)
-
-
-def inserted(student, points, indices=None):
-    tree = student.KdTree()
-    for index, point in zip(indices or range(len(points)), copy.copy(points), strict=True):
-        tree.insert(point, index)
-    return tree
-
-
-def distinct(rng, n, k):
-    """n points of which no two share a coordinate, in random order; (n, k)."""
-    return (np.stack([rng.permutation(4 * n)[:n] for _ in range(k)], axis=1) - 2 * n) / 16 + 0.01
 
 
 def order_of_medians(points):
@@ -65,6 +63,14 @@ def balanced(points):
 # ---------------------------------------------------------------------------------- insert
 
 
+def inserted(student, points, indices=None):
+    assert_root(student.KdTree)
+    tree = student.KdTree()
+    for index, point in zip(indices or range(len(points)), points, strict=True):
+        tree.insert(copy.copy(point), index)
+    return tree
+
+
 @hidden(
     "insert",
     weight=4,
@@ -83,7 +89,10 @@ def test_plane(student, seed):
     hint="The number of axes is len(point).",
 )
 def test_space(student, seed):
-    points = samples.obstacles_of_street(seed, 40)[:, :3]
+    # float32 leaves no doubt about what is smaller, whoever keeps points in single precision.
+    street = samples.obstacles_of_street(seed, 80)[:, :3].astype(np.float32)
+    alone = [np.unique(street[:, axis], return_index=True)[1] for axis in range(3)]
+    points = street[sorted(set(alone[0]) & set(alone[1]) & set(alone[2]))][:40].astype(float)
     assert_tree(inserted(student, points), points)
 
 
@@ -94,24 +103,40 @@ def test_space(student, seed):
     hint="Equal is not smaller, so it goes right, at every depth.",
 )
 def test_equal_coordinates(student, seed):
-    points = np.random.default_rng(seed).integers(0, 4, (30, 2)).astype(float)
+    rng = np.random.default_rng(seed)
+    points = along_the_diagonal(rng.integers(0, 6, 30), 2 + seed % 2)
     assert_tree(inserted(student, points), points)
+    for y in (-2.0, 2.0):
+        points = np.array([[1.0, 4.0], [1.0, 4.0 + y], [-3.0, 4.0 + y]])
+        assert_tree(inserted(student, points), points)
 
 
 @hidden(
     "insert",
     weight=2,
-    title="Right for lists, tuples and single precision, and any index",
-    hint="Keep the point and the index as they are given.",
+    title="Right for lists, tuples and single precision",
+    hint="Take the coordinates as they are given, one by one.",
 )
 def test_notations(student, seed):
+    points = along_the_diagonal(np.random.default_rng(seed).permutation(12) / 4, 3)
+    for kind in (points.tolist(), list(map(tuple, points.tolist())), points.astype(np.float32)):
+        assert_tree(inserted(student, kind), points, either_way=True)
+
+
+@hidden(
+    "insert",
+    weight=2,
+    title="Keeps whatever index comes with a point",
+    hint="Pass it on to Node.",
+)
+def test_indices(student, seed):
     rng = np.random.default_rng(seed)
-    points = distinct(rng, 12, 3)
+    points = along_the_diagonal(rng.permutation(12) / 4)
     indices = rng.permutation(1000)[:12].tolist()
-    single = points.astype(np.float32)
-    assert_tree(inserted(student, points.tolist(), indices), points, indices)
-    assert_tree(inserted(student, [tuple(p) for p in points.tolist()], indices), points, indices)
-    assert_tree(inserted(student, single, indices), single, indices)
+    tree = inserted(student, points, indices)
+    with needs("every point is where it belongs"):
+        assert_tree(tree, points, indices, either_way=True)
+    assert_indices(tree, points, indices)
 
 
 @hidden(
@@ -121,32 +146,50 @@ def test_notations(student, seed):
     hint="All that is known about a tree hangs on its root: nothing may be kept outside.",
 )
 def test_two_trees(student, seed):
-    points = distinct(np.random.default_rng(seed), 20, 2)
-    first = planted(student.KdTree, grown(points[:10]))
+    points = along_the_diagonal(np.random.default_rng(seed).permutation(20) / 4)
+    first = inserted(student, points[:10])
     second = student.KdTree()
     for row in range(10, 20):
         first.insert(points[row].copy(), row)
         second.insert(points[row].copy(), row)
-    assert_tree(first, points)
-    assert_tree(second, points[10:], list(range(10, 20)))
+    assert_tree(first, points, either_way=True)
+    assert_tree(second, points[10:], list(range(10, 20)), either_way=True)
+
+
+@hidden(
+    "insert",
+    weight=1,
+    title="Never writes into the point that it is given",
+    hint="Only the tree changes.",
+)
+def test_point(student, seed):
+    assert_root(student.KdTree)
+    points = along_the_diagonal(np.random.default_rng(seed).permutation(9) / 4, 3)
+    tree = student.KdTree()
+    for index, point in enumerate(points):
+        assert_left_alone(observe(tree.insert, point, index), point, index)
+    with needs("every point is where it belongs"):
+        assert_tree(tree, points, either_way=True)
 
 
 # ---------------------------------------------------------------------------------- search
 
+RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 
-def assert_searches(student, points, root, rng, number=15):
-    """Searches of all sizes, at least a thousandth of a metre clear of any point."""
-    points = np.asarray(points, dtype=float)
+
+def clear(rng, points, number):
+    """Some targets, and the points without those on a rim or in a corner about one of them."""
+    targets = points[rng.choice(len(points), number, replace=False)]
+    targets = targets + rng.normal(0, 0.3, targets.shape)
+    for target in targets:
+        points = points[[off_the_corners(point - target) for point in points]]
+    return points, targets
+
+
+def assert_searches(student, targets, root):
     tree = planted(student.KdTree, root)
-    for _ in range(number):
-        target = points[rng.integers(len(points))] + rng.normal(0, 0.3, points.shape[1])
-        distances = np.sort(np.linalg.norm(points - target, axis=1))
-        # Somewhere after the first few neighbours there is a gap: there the circle ends.
-        gaps = np.flatnonzero(np.diff(distances) > 4e-3)
-        beyond = gaps[gaps >= rng.geometric(0.1)]
-        last = beyond[0] if len(beyond) else len(points) - 1
-        tolerance = float(distances[last]) + 2e-3
-        assert_found(tree, root, target, tolerance)
+    for target in targets:
+        assert_found(tree, root, target, 1.0)
 
 
 @hidden(
@@ -158,8 +201,9 @@ def assert_searches(student, points, root, rng, number=15):
 )
 def test_search_plane(student, seed):
     rng = np.random.default_rng(seed)
-    points = rng.uniform(-10, 10, (250, 2))
-    assert_searches(student, points, balanced(points), rng)
+    for width in (4, 12):
+        points, targets = clear(rng, rng.uniform(-width, width, (250, 2)), 8)
+        assert_searches(student, targets, balanced(points))
 
 
 @hidden(
@@ -170,8 +214,10 @@ def test_search_plane(student, seed):
 )
 def test_search_street(student, seed):
     rng = np.random.default_rng(seed)
-    points = samples.obstacles_of_street(seed, 300)[:, :3]
-    assert_searches(student, points, balanced(points), rng)
+    street = samples.obstacles_of_street(seed, 300)[:, :3].astype(float)
+    for scale in (1.0, 0.4):
+        points, targets = clear(rng, street * scale, 8)
+        assert_searches(student, targets, balanced(points))
 
 
 @hidden(
@@ -182,37 +228,81 @@ def test_search_street(student, seed):
 )
 def test_search_crooked(student, seed):
     rng = np.random.default_rng(seed)
-    points = rng.integers(-6, 7, (120, 2)) / 2
-    assert_searches(student, points, grown(points), rng)
-    points = np.sort(rng.uniform(-10, 10, (150, 3)), axis=0)
-    assert_searches(student, points, grown(points), rng)
+    points, targets = clear(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
+    assert_searches(student, targets, grown(points))
+    points, targets = clear(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
+    assert_searches(student, targets, grown(points))
 
 
 @hidden(
     "search",
-    weight=4,
-    title="Finds what lies at exactly the tolerance, in every direction",
-    hint="Right when the box reaches the split (>=); near when the distance is at most the "
-    "tolerance (<=).",
+    weight=3,
+    title="Leaves out what is in the corners of the box, in the plane and in space",
+    hint="A point counts when its distance is at most the tolerance, wherever the box ends.",
 )
 @pytest.mark.parametrize("k", [2, 3])
-def test_search_border(student, seed, k):
-    # Whole numbers: all distances along an axis are exact, and 3-4-5 triangles are, too.
+def test_search_circle(student, seed, k):
     rng = np.random.default_rng(seed + k)
-    steps = np.array(np.meshgrid(*[np.arange(-4, 5)] * k)).reshape(k, -1).T.astype(float)
-    points = steps[rng.choice(len(steps), 80, replace=False)]
-    points = np.vstack([points, 5 * np.eye(k), -5 * np.eye(k), [[3, 4, 0][:k], [-3, -4, 0][:k]]])
     for _ in range(3):
-        root = grown(points[rng.permutation(len(points))])
-        tree = planted(student.KdTree, root)
-        for tolerance in (1.0, 2.0, 5.0):
-            assert_found(tree, root, np.zeros(k), tolerance)
-            assert_found(tree, root, points[rng.integers(80)], tolerance)
+        points = nested(rng, np.linspace(0.97, 0.6, 16), k, off_the_rim, -1)
+        assert_searches(student, [np.zeros(k)], grown(points))
 
 
 @hidden(
     "search",
     weight=4,
+    title="Right for small and for large tolerances",
+    hint="Compare a distance with the tolerance, not its square.",
+)
+def test_search_radius(student, seed):
+    rng = np.random.default_rng(seed)
+    for tolerance in (0.2, 0.5, 3.0, 40.0):
+        points = nested(rng, RINGS, 2, off_the_corners, -1)
+        root = grown(points * tolerance)
+        assert_found(planted(student.KdTree, root), root, np.zeros(2), tolerance)
+
+
+@hidden(
+    "search",
+    weight=3,
+    title="Finds what lies at exactly the tolerance, in every direction",
+    hint="Near is who has a distance of at most the tolerance (<=).",
+)
+def test_search_border(student, seed):
+    # Whole numbers: along an axis the distance is exactly 1. Each cuts itself off.
+    rng = np.random.default_rng(seed)
+    for _ in range(2):
+        signs = rng.choice([-1, 1], 2)
+        target = rng.integers(-9, 10, 2).astype(float)
+        points = np.vstack([np.diag(signs), np.diag(-signs)]) + target
+        root = grown(points)
+        tree = planted(student.KdTree, root)
+        assert_found(tree, root, target, 1.0)
+        assert_found(tree, root, points[rng.integers(4)], 0.0)
+
+
+@hidden(
+    "search",
+    weight=2,
+    title="Goes right wherever the box ends exactly at the split",
+    hint="Right, when the box reaches the split (>=).",
+)
+def test_search_split(student, seed):
+    # Whoever has the target's coordinate plus 1 along an axis stands to the right of a node that
+    # has it, too, and is far away.
+    rng = np.random.default_rng(seed)
+    for k in (2, 3):
+        target = rng.integers(-9, 10, k).astype(float)
+        for axis in range(k):
+            above = -4.0 - np.arange(axis + 1)[:, None] * np.ones(k)
+            above[axis, axis] = 1.0
+            root = grown(np.vstack([above, np.eye(k)[[axis]]]) + target)
+            assert_found(planted(student.KdTree, root), root, target, 1.0)
+
+
+@hidden(
+    "search",
+    weight=10,
     title="Leaves out what lies beyond the box, at every level",
     hint="Both children need a condition of their own before they are looked at.",
 )
@@ -220,71 +310,108 @@ def test_search_prunes(student, seed):
     rng = np.random.default_rng(seed)
     tried = 0
     while tried < 6:
-        points = rng.uniform(-10, 10, (100, 2 + tried % 2))
-        root, tolerance = balanced(points), (1.5, 4.0)[tried % 2]
-        target = points[rng.integers(100)] + rng.normal(0, 0.1, 2 + tried % 2)
-        traps = pruned_leaves(root, target, tolerance)
-        decoys = leaves_within_reach(root, target, tolerance)
-        if traps and decoys:
-            trap, decoy = traps[rng.integers(len(traps))], decoys[rng.integers(len(decoys))]
-            assert_pruned(student.KdTree, root, trap, target, tolerance, decoy)
-            tried += 1
-
-
-def pruned_leaves(root, target, tolerance):
-    """Indices of leaves that lie beyond a split that the box does not reach, by a clear margin."""
-    leaves, waiting = [], [(root, 0, False)]
-    while waiting:
-        node, depth, pruned = waiting.pop()
-        if node is None:
+        root = balanced(rng.uniform(-10, 10, (50, 2)))
+        regions = {leaf: np.clip(region, -12, 12) for leaf, region in leaves_of(root).items()}
+        decoy = sorted(regions)[rng.integers(len(regions))]
+        low, high = regions[decoy]
+        axis = rng.integers(2)
+        if (high - low < 1.7).any() or high[axis] > 11:
             continue
-        if pruned and node.left is None and node.right is None:
-            leaves.append(node.index)
-        axis = depth % len(target)
-        gap = target[axis] - node.point[axis]
-        waiting += [
-            (node.left, depth + 1, pruned or gap > 1.2 * tolerance),
-            (node.right, depth + 1, pruned or gap < -1.2 * tolerance),
-        ]
-    return sorted(leaves)
+        # The target is near one side of the decoy's region, and the decoy goes beyond it.
+        target = rng.uniform(low + 1.05, high - 0.1)
+        target[axis], place = high[axis] - 0.5, target.copy()
+        place[axis] = high[axis] + 0.3
+        # Only what stands to its left, or only what stands to its right, hides the trap.
+        hidden_by = hidden_leaves(root, target, 1.2)
+        traps = [leaf for leaf, letters in hidden_by.items() if letters == {"lr"[tried % 2]}]
+        if not traps:
+            continue
+        trap = traps[rng.integers(len(traps))]
+        assert_pruned(student.KdTree, root, target, 1.0, trap, decoy, place, as_given=True)
+        tried += 1
+
+
+def hidden_leaves(root, target, margin):
+    """By the index of a leaf, the sides at which the box about a target does not reach it."""
+    places = places_of(root)
+    hidden_by = {}
+    for way, node in places.items():
+        letters = set()
+        for depth, letter in enumerate(way):
+            gap = target[depth % 2] - places[way[:depth]].point[depth % 2]
+            if (gap if letter == "l" else -gap) > margin:
+                letters.add(letter)
+        if node.left is None and node.right is None:
+            hidden_by[node.index] = letters
+    return hidden_by
+
+
+def leaves_of(root):
+    """The regions of the leaves."""
+    regions = regions_of(root)
+    return {index: regions[index] for index in hidden_leaves(root, np.zeros(2), 0.0)}
 
 
 @hidden(
     "search",
     weight=2,
-    title="Right for one point, for all points, for any kind of numbers",
+    title="Right for one point, for all points, and for any index",
     hint="The result holds the index of each node, which need not be its row.",
 )
 def test_search_extremes(student, seed):
     rng = np.random.default_rng(seed)
-    points = rng.uniform(-5, 5, (20, 3))
+    points = nested(rng, np.geomspace(0.9, 0.1, 20), 3, off_the_corners, -1)
     root = grown(points, rng.permutation(500)[:20].tolist())
     tree = planted(student.KdTree, root)
-    assert_found(tree, root, [0.0, 0.0, 0.0], 50.0)
-    assert_found(tree, root, points[7].tolist(), 0.0)
-    assert_found(tree, root, points[3].astype(np.float32), 1e-3)
-    assert_found(tree, root, [100.0, 0.0, 0.0], 3.0)
-    before = table_of(root)
-    tree.search(np.zeros(3), 2.0)
-    assert_tree_is(tree, before)
+    assert_found(tree, root, np.zeros(3), 1.0)
+    assert_found(tree, root, np.array([100.0, 0.0, 0.0]), 1.0)
     one = grown(points[:1])
-    assert_found(planted(student.KdTree, one), one, points[0] + [0.0, 0.0, 1.0], 1.5)
+    assert_found(planted(student.KdTree, one), one, points[0] + [0.0, 0.0, 0.5], 1.0)
 
 
-def assert_tree_is(tree, table):
-    """A search leaves the top of the tree as it was."""
-    points, left, right, indices = table
-    root = tree.root
-    if root is None or root.index != indices[0] or not np.allclose(root.point, points[0]):
-        raise CheckFailed("search changed the tree. Look, and leave it as it is.")
+@hidden(
+    "search",
+    weight=1,
+    title="Takes lists, tuples and single precision",
+    hint="Take the coordinates as they are given, one by one, or make arrays of both.",
+)
+def test_search_notations(student, seed):
+    points = nested(np.random.default_rng(seed), RINGS, 2, off_the_corners)
+    root = grown(points)
+    for as_lists, target in (
+        (True, [0.0, 0.0]),
+        (True, (0.0, 0.0)),
+        (False, np.zeros(2, dtype=np.float32)),
+    ):
+        assert_found(planted(student.KdTree, root, as_lists), root, target, 1.0)
+
+
+@hidden(
+    "search",
+    weight=1,
+    title="Never writes into the tree or the target",
+    hint="Look, and leave both as they are.",
+)
+def test_search_leaves_the_tree(student, seed):
+    target = np.array([20.0, -30.0])
+    points = nested(np.random.default_rng(seed), RINGS, 2, off_the_corners) + target
+    root = grown(points)
+    with needs("the right points are found"):
+        assert_found(planted(student.KdTree, root), root, target, 1.0)
+    tree = planted(student.KdTree, root)
+    assert_untouched(tree.search, target, 1.0)
+    assert_same_tree(tree, points, list(range(len(points))))
 
 
 # ---------------------------------------------------------------------------- median_order
 
+# With as many points every part has one in the middle.
+FULL = (3, 7, 15, 31, 127)
+
 
 @hidden(
     "median_order",
-    weight=5,
+    weight=3,
     title="The least depth, for points you have not seen",
     hint="Does each part go on with the next axis, also when it came from the right?",
 )
@@ -299,14 +426,40 @@ def test_depth(student, seed, k):
 @hidden(
     "median_order",
     weight=5,
-    title="The lower median on top of every part",
-    hint="Of m sorted rows the lower median is number (m - 1) // 2, for odd and even m.",
+    title="Halves every part",
+    hint="The median comes before both halves, and each half is a part of its own.",
+)
+def test_halves(student, seed):
+    rng = np.random.default_rng(seed + 30)
+    for n in FULL:
+        points = distinct(rng, n, 2)
+        assert_halves(student.median_order(points.copy()), points)
+
+
+@hidden(
+    "median_order",
+    weight=3,
+    title="The median along x, y and so on in turn",
+    hint="The axis of a part is its depth modulo the number of columns.",
 )
 @pytest.mark.parametrize("k", [2, 3])
 def test_medians(student, seed, k):
     rng = np.random.default_rng(seed + 10 + k)
-    for n in (2, 4, 6, 15, 50, 128):
+    for n in FULL:
         points = distinct(rng, n, k)
+        assert_lower_medians(student.median_order(points.copy()), points)
+
+
+@hidden(
+    "median_order",
+    weight=4,
+    title="The lower one of two in the middle, in every part",
+    hint="Of m sorted rows the lower median is number (m - 1) // 2, for odd and even m.",
+)
+def test_lower_medians(student, seed):
+    rng = np.random.default_rng(seed + 20)
+    for n in (2, 4, 6, 50, 128):
+        points = distinct(rng, n, 2)
         assert_lower_medians(student.median_order(points.copy()), points)
 
 
@@ -318,13 +471,9 @@ def test_medians(student, seed, k):
 )
 def test_medians_of_street(student, seed):
     points = samples.obstacles_of_street(seed, 500)[:, :3]
-    keep = np.logical_and.reduce(
-        [
-            np.isin(np.arange(len(points)), np.unique(points[:, axis], return_index=True)[1])
-            for axis in range(3)
-        ]
-    )
-    points = points[keep]
+    alone = [np.unique(points[:, axis], return_index=True)[1] for axis in range(3)]
+    points = points[sorted(set(alone[0]) & set(alone[1]) & set(alone[2]))]
+    points = points[: 2 ** (len(points) + 1).bit_length() // 2 - 1]
     order = student.median_order(points.copy())
     assert_shallow(order, points)
     assert_lower_medians(order, points)
@@ -333,15 +482,25 @@ def test_medians_of_street(student, seed):
 @hidden(
     "median_order",
     weight=2,
-    title="Right for two points and for single precision",
+    title="Right for single precision, far from the origin, and however the array is stored",
     hint="Return row numbers of the array that came in.",
 )
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)
-    for points in (np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([[1.0, 2.0], [2.0, 1.0]])):
-        assert_lower_medians(student.median_order(points.copy()), points)
-    points = np.asfortranarray(distinct(rng, 23, 3).astype(np.float32))
+    points = np.asfortranarray(distinct(rng, 31, 2).astype(np.float32))
     assert_lower_medians(student.median_order(points.copy()), points)
+    points = distinct(rng, 15, 2) + 1000
+    assert_lower_medians(student.median_order(points.copy()), points)
+
+
+@hidden(
+    "median_order",
+    weight=1,
+    title="Never sorts the array that it is given",
+    hint="Sort row numbers.",
+)
+def test_median_input(student, seed):
+    points = distinct(np.random.default_rng(seed), 15, 2)
+    with needs("the median comes first in every part"):
+        assert_halves(student.median_order(points.copy()), points)
     assert_untouched(student.median_order, points)
-    turn = distinct(rng, 30, 2)
-    assert_lower_medians(student.median_order(turn + 1000), turn + 1000)

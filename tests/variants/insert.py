@@ -114,8 +114,9 @@ class KdTree:
         return search(self, target, tolerance)
 
 # %% wrong: always compares x
-# loses: axes_alternate, test_plane, test_space
-# says: Compare only one coordinate at each node
+# loses only: axes_alternate, grows_the_quiz, takes_three, test_plane, test_space
+# says: y is compared
+# claims: x is compared at every level
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -130,8 +131,9 @@ def insert(tree, point, index):
         here = getattr(here, side)
 
 # %% wrong: equal goes left
-# loses: equal_goes_right, test_equal_coordinates
-# says: Only strictly smaller
+# loses only: equal_goes_right, test_equal_coordinates
+# says: is not smaller than
+# claims: `<=` stands
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -147,8 +149,9 @@ def insert(tree, point, index):
         here, depth = getattr(here, side), depth + 1
 
 # %% wrong: greater goes left
-# loses: axes_alternate, grows_the_quiz, test_plane
-# says: belongs
+# loses only: compares_x_first, axes_alternate, grows_the_quiz, equal_goes_right, takes_three, copes_with_depth, test_plane, test_space, test_equal_coordinates
+# says: and should go left
+# claims: greater goes left, and smaller or equal right
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -164,8 +167,9 @@ def insert(tree, point, index):
         here, depth = getattr(here, side), depth + 1
 
 # %% wrong: two dimensions are written into the function
-# loses: takes_three, test_space
-# says: do not write 2 into the function
+# loses only: takes_three, test_space
+# says: z is compared
+# claims: z is never compared
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -181,7 +185,7 @@ def insert(tree, point, index):
         here, depth = getattr(here, side), depth + 1
 
 # %% wrong: calls itself for each level
-# loses: copes_with_depth
+# loses only: copes_with_depth
 # says: No function needs to call itself
 def insert(tree, point, index):
     def place(node, depth):
@@ -197,7 +201,8 @@ def insert(tree, point, index):
 
 # %% wrong: a second child replaces the first
 # loses: axes_alternate, grows_the_quiz, test_plane
-# says: Another point than expected
+# says: is not in the tree
+# claims: Each point is hung below the root
 def insert(tree, point, index):
     if tree.root is None:
         tree.root = Node(point, index)
@@ -208,7 +213,8 @@ def insert(tree, point, index):
 
 # %% wrong: the local variable is set, and the tree stays empty
 # loses: first_is_root, test_plane
-# says: Nothing is at the root
+# says: tree.root is None after
+# claims: it stays empty
 def insert(tree, point, index):
     node, depth = tree.root, 0
     while node is not None:
@@ -218,8 +224,9 @@ def insert(tree, point, index):
     node = Node(point, index)
 
 # %% wrong: the first axis is y
-# loses: axes_alternate, grows_the_quiz, test_plane
-# says: with depth 0 at the root
+# loses: compares_x_first, axes_alternate, grows_the_quiz, test_plane
+# says: at depth 0 x is compared
+# claims: The turns begin with y
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -235,8 +242,8 @@ def insert(tree, point, index):
         here, depth = getattr(here, side), depth + 1
 
 # %% wrong: counts the nodes itself and forgets the index
-# loses: first_is_root, takes_three, test_notations
-# says: wrong index
+# loses only: keeps_the_index, test_indices
+# says: another index
 def insert(tree, point, index):
     tree.size = getattr(tree, "size", -1) + 1
     node = Node(point, tree.size)
@@ -270,7 +277,7 @@ def insert(tree, point, index):
         here, depth = here[side], depth + 1
 
 # %% wrong: one tree for all, in a global variable
-# loses: test_two_trees
+# loses: keeps_trees_apart, test_two_trees
 # says: All that is known about a tree
 OLDEST = []
 
@@ -289,14 +296,172 @@ def insert(tree, point, index):
             return
         here, depth = getattr(here, side), depth + 1
 
+# %% wrong: goes on after the first point has become the root
+# loses: first_is_root, compares_x_first, grows_the_quiz, test_plane
+# says: and once more to the right of
+def insert(tree, point, index):
+    new = Node(point, index)
+    if tree.root is None:
+        tree.root = new
+    parent, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        side = "left" if point[axis] < parent.point[axis] else "right"
+        child = getattr(parent, side)
+        if child is None:
+            setattr(parent, side, new)
+            return
+        parent, depth = child, depth + 1
+
+# %% wrong: a second node below the root for the first point
+# loses: first_is_root, compares_x_first, test_plane
+# says: A point that has become the root is done
+def insert(tree, point, index):
+    if tree.root is None:
+        tree.root = Node(point, index)
+    parent, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        side = "left" if point[axis] < parent.point[axis] else "right"
+        if getattr(parent, side) is None:
+            setattr(parent, side, Node(point, index))
+            return
+        parent, depth = getattr(parent, side), depth + 1
+
+# %% wrong: forgets to count the depth
+# loses only: axes_alternate, grows_the_quiz, takes_three, test_plane, test_space
+# says: y is compared
+# claims: the axis does not change
+def insert(tree, point, index):
+    depth = 0
+    if tree.root is None:
+        tree.root = Node(point, index)
+        return
+    node = tree.root
+    while True:
+        axis = depth % len(point)
+        if point[axis] < node.point[axis]:
+            if node.left is None:
+                node.left = Node(point, index)
+                return
+            node = node.left
+        else:
+            if node.right is None:
+                node.right = Node(point, index)
+                return
+            node = node.right
+        depth + 1
+
+# %% wrong: depth counts to one and no further
+# loses: grows_the_quiz, test_plane, test_space
+# says: is compared
+def insert(tree, point, index):
+    node = Node(point, index)
+    if tree.root is None:
+        tree.root = node
+        return
+    here, axis = tree.root, 0
+    while True:
+        side = "left" if point[axis] < here.point[axis] else "right"
+        if getattr(here, side) is None:
+            setattr(here, side, node)
+            return
+        here, axis = getattr(here, side), 1
+
+# %% wrong: not smaller goes left
+# loses: compares_x_first, axes_alternate, grows_the_quiz, test_plane
+# says: and should go right
+# claims: greater or equal goes left
+def insert(tree, point, index):
+    node = Node(point, index)
+    if tree.root is None:
+        tree.root = node
+        return
+    here, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        side = "right" if point[axis] < here.point[axis] else "left"
+        if getattr(here, side) is None:
+            setattr(here, side, node)
+            return
+        here, depth = getattr(here, side), depth + 1
+
+# %% wrong: takes arrays only
+# loses only: takes_any_notation, test_notations
+# says: This is a list, not an array
+def insert(tree, point, index):
+    node = Node(point, index)
+    if tree.root is None:
+        tree.root = node
+        return
+    here, depth = tree.root, 0
+    while True:
+        axis = depth % point.shape[0]
+        side = "left" if point[axis] < here.point[axis] else "right"
+        if getattr(here, side) is None:
+            setattr(here, side, node)
+            return
+        here, depth = getattr(here, side), depth + 1
+
+# %% wrong: wipes the point that it was given
+# loses only: leaves_the_point, test_point
+# says: changed its input
+def insert(tree, point, index):
+    node = Node([float(value) for value in point], index)
+    if isinstance(point, np.ndarray):
+        point[:] = 0
+    if tree.root is None:
+        tree.root = node
+        return
+    here, depth = tree.root, 0
+    while True:
+        axis = depth % len(node.point)
+        side = "left" if node.point[axis] < here.point[axis] else "right"
+        if getattr(here, side) is None:
+            setattr(here, side, node)
+            return
+        here, depth = getattr(here, side), depth + 1
+
+# %% wrong: never goes down
+# loses: axes_alternate, grows_the_quiz, test_plane
+# says: is there a loop that never ends
+def insert(tree, point, index):
+    node = Node(point, index)
+    if tree.root is None:
+        tree.root = node
+        return
+    here, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        side = "left" if point[axis] < here.point[axis] else "right"
+        if getattr(here, side) is None:
+            setattr(here, side, node)
+            return
+        depth += 1
+
+# %% wrong: walks past the last node
+# loses: compares_x_first, test_plane
+# says: Something in this line is None
+def insert(tree, point, index):
+    node = Node(point, index)
+    if tree.root is None:
+        tree.root = node
+        return
+    here, depth = tree.root, 0
+    while here.point is not None:
+        axis = depth % len(point)
+        here = here.left if point[axis] < here.point[axis] else here.right
+        depth += 1
+
 # %% wrong: does nothing
 # loses: first_is_root, grows_the_quiz, copes_with_depth, test_plane
-# says: Nothing is at the root
+# says: The tree is empty
+# claims: it stays empty
 def insert(tree, point, index):
     return None
 
 # %% wrong: stub left in place
 # loses: first_is_root, grows_the_quiz, test_plane
-# says: still raises NotImplementedError
+# says: is not started
 def insert(tree, point, index):
     raise NotImplementedError

@@ -85,8 +85,9 @@ def median_order(points):
     return [int(row) for row in halver.order]
 
 # %% wrong: the upper median
-# loses: starts_with_the_median, medians_everywhere, test_medians
-# says: lower median
+# loses only: takes_the_lower, test_lower_medians
+# says: not the lower median
+# claims: the upper one comes first
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -98,8 +99,9 @@ def median_order(points, rows=None, depth=0):
         + median_order(points, rows[m + 1:], depth + 1)
 
 # %% wrong: always along x
-# loses: medians_everywhere, least_depth, test_depth, test_medians
-# says: sorted along another axis
+# loses only: takes_turns, takes_the_lower, takes_three_axes, least_depth, test_depth, test_medians, test_lower_medians, test_median_extremes
+# says: along y
+# claims: x decides in every part
 def median_order(points, rows=None):
     if rows is None:
         rows = np.argsort(points[:, 0])
@@ -124,8 +126,9 @@ def median_order(points):
     return order
 
 # %% wrong: sorted by x
-# loses: starts_with_the_median, least_depth, test_depth, test_medians
-# says: medians give
+# loses: starts_with_the_median, halves_every_part, least_depth, test_depth, test_medians
+# says: not the median along x
+# claims: sorted by x, and that is all
 def median_order(points):
     return np.argsort(points[:, 0])
 
@@ -159,8 +162,9 @@ def median_order(points):
     return order
 
 # %% wrong: two dimensions are written into the function
-# loses: least_depth, test_depth, test_medians
-# says: medians give
+# loses only: takes_three_axes, test_depth[3, test_medians[3, test_medians_of_street
+# says: along z
+# claims: z is left out
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -172,8 +176,9 @@ def median_order(points, rows=None, depth=0):
         + median_order(points, rows[m + 1:], depth + 1)
 
 # %% wrong: children before their parent
-# loses: starts_with_the_median, medians_everywhere, test_medians
-# says: not the lower median
+# loses: starts_with_the_median, halves_every_part, test_medians
+# says: not the median
+# claims: stands between its two parts
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -186,12 +191,13 @@ def median_order(points, rows=None, depth=0):
 
 # %% wrong: the worksheet's order, the largest first
 # loses: starts_with_the_median, least_depth, test_depth, test_medians
-# says: lower median
+# says: not the median
+# claims: the largest first
 def median_order(points):
     return np.argsort(-points[:, 0])
 
 # %% wrong: sorts its input
-# loses: takes_the_smallest
+# loses only: leaves_its_input, test_median_input
 # says: changed its input
 def median_order(points):
     again = points.copy()
@@ -211,8 +217,8 @@ def median_order(points):
     return order
 
 # %% wrong: fails without points
-# loses: takes_the_smallest
-# says: A part without rows
+# loses only: takes_the_smallest
+# says: of nothing there is none
 def median_order(points):
     def take(rows, depth):
         rows = rows[np.argsort(points[rows, depth % points.shape[1]])]
@@ -225,14 +231,80 @@ def median_order(points):
         return order
     return take(np.arange(len(points)), 0)
 
+# %% wrong: the median comes after its halves
+# loses: starts_with_the_median, halves_every_part, test_halves, test_medians
+# says: not the median
+# claims: stands after its two parts
+def median_order(points, rows=None, depth=0):
+    if rows is None:
+        rows = np.arange(len(points))
+    if len(rows) == 0:
+        return []
+    rows = rows[np.argsort(points[rows, depth % points.shape[1]])]
+    m = (len(rows) - 1) // 2
+    return median_order(points, rows[:m], depth + 1) \
+        + median_order(points, rows[m + 1:], depth + 1) + [rows[m]]
+
+# %% wrong: the first axis is y
+# loses: starts_with_the_median, takes_turns, least_depth, test_medians
+# says: not the median along x
+# claims: The turns begin with y
+def median_order(points, rows=None, depth=1):
+    if rows is None:
+        rows = np.arange(len(points))
+    if len(rows) == 0:
+        return []
+    rows = rows[np.argsort(points[rows, depth % points.shape[1]])]
+    m = (len(rows) - 1) // 2
+    return [rows[m]] + median_order(points, rows[:m], depth + 1) \
+        + median_order(points, rows[m + 1:], depth + 1)
+
+# %% wrong: parts by comparing, so that equal points are lost
+# loses only: takes_equal_points
+# says: exactly once
+def median_order(points):
+    order, parts = [], [(np.arange(len(points)), 0)]
+    while parts:
+        rows, depth = parts.pop()
+        if len(rows) == 0:
+            continue
+        along = points[rows, depth % points.shape[1]]
+        middle = np.sort(along)[(len(rows) - 1) // 2]
+        order.append(rows[along == middle][0])
+        parts += [(rows[along < middle], depth + 1), (rows[along > middle], depth + 1)]
+    return order
+
+# %% wrong: forgets to return
+# loses: names_every_row, takes_the_smallest, test_depth
+# says: returned None
+def median_order(points):
+    order, parts = [], [(np.arange(len(points)), 0)]
+    while parts:
+        rows, depth = parts.pop()
+        if len(rows):
+            rows = rows[np.argsort(points[rows, depth % points.shape[1]])]
+            m = (len(rows) - 1) // 2
+            order.append(rows[m])
+            parts += [(rows[:m], depth + 1), (rows[m + 1:], depth + 1)]
+
+# %% wrong: the median first and the rest as it came
+# loses: halves_every_part, takes_turns, least_depth, test_halves, test_depth
+# says: In a part at depth 1
+def median_order(points):
+    if len(points) == 0:
+        return []
+    first = np.argsort(points[:, 0])[(len(points) - 1) // 2]
+    return [first] + [row for row in range(len(points)) if row != first]
+
 # %% wrong: the order of arrival
-# loses: starts_with_the_median, medians_everywhere, least_depth, test_depth, test_medians
-# says: medians give
+# loses: starts_with_the_median, halves_every_part, least_depth, test_depth, test_medians
+# says: not the median along x
+# claims: in the order in which they came
 def median_order(points):
     return list(range(len(points)))
 
 # %% wrong: stub left in place
 # loses: names_every_row, least_depth, test_depth
-# says: still raises NotImplementedError
+# says: is not started
 def median_order(points):
     raise NotImplementedError

@@ -130,8 +130,9 @@ class KdTree:
         return hits
 
 # %% wrong: strictly greater on the right
-# loses: includes_the_border, test_search_border
-# says: with the equals sign
+# loses only: reaches_the_split, test_search_split
+# says: where the box ends exactly at the split
+# claims: `>` stands
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -148,8 +149,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: only the target's own side
-# loses: looks_on_both_sides, test_search_plane, test_search_street
-# says: two ifs, no else
+# loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
+# says: Not found
+# claims: Only the side on which the target itself lies
 def search(tree, target, tolerance):
     found, node, depth = [], tree.root, 0
     while node is not None:
@@ -161,8 +163,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: else instead of a second if
-# loses: looks_on_both_sides, test_search_plane
-# says: two ifs, no else
+# loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
+# says: Not found
+# claims: The right side is searched only where
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -179,8 +182,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: the box decides
-# loses: measures_a_circle, test_search_plane, test_search_street
-# says: The box only decides where to look
+# loses only: measures_a_circle, test_search_circle
+# says: Found, but farther
+# claims: The box decides
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -197,8 +201,8 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: asks every node
-# loses: leaves_regions_out, test_search_prunes
-# says: beyond the tolerance
+# loses only: leaves_regions_out, test_search_prunes
+# says: lies entirely beyond the tolerance
 def search(tree, target, tolerance):
     found, stack = [], [tree.root]
     while stack:
@@ -210,8 +214,8 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: asks every node but those that stand in the wrong place
-# loses: leaves_regions_out, test_search_prunes
-# says: on the paths that the splits leave open
+# loses only: leaves_regions_out, test_search_prunes
+# says: goes by the splits
 def search(tree, target, tolerance):
     found = []
     stack = [(tree.root, 0, [-np.inf] * len(target), [np.inf] * len(target))]
@@ -229,8 +233,8 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: prunes on one side only
-# loses: leaves_regions_out, test_search_prunes
-# says: beyond the tolerance
+# loses only: leaves_regions_out, test_search_prunes
+# says: lies entirely beyond the tolerance
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -246,8 +250,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: squared distance against plain tolerance
-# loses: measures_a_circle, test_search_plane
-# says: the square root of the sum of squares
+# loses only: takes_the_radius, test_search_radius
+# says: farther than
+# claims: The square of the distance
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -264,8 +269,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: two dimensions are written into the function
-# loses: searches_space, test_search_street
+# loses only: searches_space, test_search_street
 # says: Not found
+# claims: z is never compared
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -282,7 +288,7 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: returns the points
-# loses: finds_the_quiz, test_search_plane, test_search_street
+# loses: finds_the_target, test_search_plane, test_search_street
 # says: returns the indices
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
@@ -300,8 +306,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: strictly closer than the tolerance
-# loses: includes_the_border, test_search_border
-# says: compare the distance with <=
+# loses only: includes_the_border, reaches_the_split, test_search_border, test_search_split
+# says: Not found
+# claims: `<` stands
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -318,8 +325,9 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: the circle prunes instead of the cut
-# loses: measures_a_circle, test_search_plane, test_search_street
+# loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
 # says: Not found
+# claims: Both sides are searched below nodes that are near
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -337,8 +345,8 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: fails on an empty tree
-# loses: takes_an_empty_tree
-# says: With root None
+# loses only: takes_an_empty_tree
+# says: Something in this line is None
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -353,7 +361,7 @@ def search(tree, target, tolerance):
     return found
 
 # %% wrong: SciPy does the search
-# loses: finds_the_quiz, test_search_plane, test_search_street
+# loses: finds_the_target, test_search_plane, test_search_street
 # says: not allowed in this lesson
 from scipy.spatial import cKDTree
 
@@ -366,14 +374,235 @@ def search(tree, target, tolerance):
     rows = cKDTree([node.point for node in nodes]).query_ball_point(target, tolerance)
     return [nodes[row].index for row in rows]
 
+# %% wrong: the sides are swapped
+# loses: finds_the_target, looks_on_both_sides, test_search_plane
+# says: Not found
+# claims: The sides are swapped
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.right, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.left, depth + 1))
+    return found
+
+# %% wrong: the tolerance is left out on the left
+# loses: looks_on_both_sides, test_search_plane
+# says: Not found
+# claims: The tolerance is left out on the left
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: the tolerance is left out on the right
+# loses: looks_on_both_sides, test_search_plane
+# says: Not found
+# claims: The tolerance is left out on the right
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: the first axis is y
+# loses: finds_the_target, test_search_plane
+# says: Not found
+# claims: The turns begin with y
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 1)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: one coordinate decides who is near
+# loses: looks_on_both_sides, measures_a_circle, test_search_plane
+# says: Found, but farther
+# claims: One coordinate decides
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if abs(node.point[axis] - target[axis]) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: whoever is met is found
+# loses: finds_the_target, test_search_plane
+# says: Found, but farther
+# claims: whatever its distance
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if len(found) >= 0:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: notes each index twice
+# loses only: names_each_once
+# says: is there 2 times
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found += [node.index, node.index]
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: forgets to return
+# loses: finds_the_target, takes_an_empty_tree, test_search_plane
+# says: returned None
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+
+# %% wrong: takes arrays only
+# loses only: takes_any_target, test_search_notations
+# says: raised TypeError
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if np.linalg.norm(node.point - target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: wipes the target when it is done
+# loses only: leaves_the_tree, test_search_leaves_the_tree
+# says: changed its input
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    if isinstance(target, np.ndarray):
+        target[:] = 0
+    return found
+
+# %% wrong: cuts off what it has searched
+# loses: leaves_the_tree, test_search_leaves_the_tree
+# says: Not found
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    if tree.root is not None:
+        tree.root.left = None
+    return found
+
+# %% wrong: everybody below a far node is left out
+# loses: looks_on_both_sides, finds_the_target, test_search_plane
+# says: Not found
+# claims: The search ends at each node that is not near
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None or dist(node.point, target) > tolerance:
+            continue
+        found.append(node.index)
+        stack += [(node.left, depth + 1), (node.right, depth + 1)]
+    return found
+
 # %% wrong: finds nobody
-# loses: finds_the_quiz, looks_on_both_sides, leaves_regions_out, test_search_plane
+# loses: finds_the_target, looks_on_both_sides, leaves_regions_out, test_search_plane
 # says: Not found
 def search(tree, target, tolerance):
     return []
 
 # %% wrong: stub left in place
-# loses: finds_the_quiz, takes_an_empty_tree, test_search_plane
-# says: still raises NotImplementedError
+# loses: finds_the_target, takes_an_empty_tree, test_search_plane
+# says: is not started
 def search(tree, target, tolerance):
     raise NotImplementedError

@@ -222,19 +222,27 @@ def check(function: Callable, exercise: str | None = None) -> None:
     exercise = exercise or getattr(function, "__name__", str(function))
     checks = checks_of(exercise)
     table = Table(checks)
-    if refused := refused_modules(function, checks[0].lesson):
+    if refused := refused_modules(_part(function, exercise), checks[0].lesson):
         outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
     else:
         outcomes = _run_all(checks, function, table)
     failed = [outcome for outcome in outcomes if outcome.failure]
     claim = blamed = None
-    if failed and not isinstance(failed[0].failure, NotStarted | Refused | Stopped):
+    # What hangs would hang again, and what was not started or is refused needs no cause.
+    if failed and not any(
+        isinstance(one.failure, NotStarted | Refused | Stopped) for one in failed
+    ):
         claim, blamed = _claim(exercise, function), _blamed(exercise, function)
     notes = [] if failed else [run_check(one, function) for one in notes_of(exercise)]
     story = resolve(outcomes, checks, claim, notes, blamed)
     table.finish(story)
     if story.first:
         raise ChecksFailed(story.in_one_line)
+
+
+def _part(function: Callable, exercise: str) -> Callable:
+    """What an exercise is about: of a class that holds more than one, its own method."""
+    return vars(function).get(exercise, function) if isinstance(function, type) else function
 
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
@@ -265,7 +273,12 @@ def _claim(exercise: str, function: Callable) -> Mistake | None:
 
 
 def _blamed(exercise: str, function: Callable) -> str | None:
-    """An exercise of the same lesson that a function calls and that does not pass its checks."""
+    """An exercise of the same lesson that a function calls and that does not pass its checks.
+
+    The exercises of one class stand side by side and call each other through it.
+    """
+    if isinstance(function, type):
+        return None
     lesson = checks_of(exercise)[0].lesson
     for name, helper in functions_used(function).items():
         if name != exercise and name in _CHECKS and checks_of(name)[0].lesson == lesson:

@@ -41,6 +41,8 @@ class _Known:
     right: Callable
     mistakes: tuple[Mistake, ...]
     same: Callable
+    ask: Callable
+    through: str
 
 
 _KNOWN: dict[str, _Known] = {}
@@ -60,12 +62,18 @@ def same_array(answer: object, predicted: object) -> bool:
     )
 
 
+def _called(function: Callable, *case: object) -> object:
+    return function(*case)
+
+
 def mistakes(
     exercise: str,
     *known: Mistake,
     cases: Sequence[tuple],
     right: Callable,
     same: Callable = same_array,
+    ask: Callable = _called,
+    through: str = "",
 ) -> None:
     """Declare the usual mistakes of an exercise.
 
@@ -79,8 +87,19 @@ def mistakes(
         Takes the arguments of a case; returns the right answer.
     same : callable
         Takes an answer and a prediction: whether they are the same.
+    ask : callable
+        Takes the function and the arguments of a case; returns the answer. By default it calls
+        the function with them.
+    through : str
+        Name of the class that `ask` takes in place of the function, where the exercise is one of
+        its methods.
     """
-    _KNOWN[exercise] = _Known(tuple(cases), right, known, same)
+    _KNOWN[exercise] = _Known(tuple(cases), right, known, same, ask, through)
+
+
+def asked_through(exercise: str) -> str:
+    """Name of what `diagnose` takes: the exercise itself, or the class that it belongs to."""
+    return exercise in _KNOWN and _KNOWN[exercise].through or exercise
 
 
 def known_mistakes(exercise: str) -> tuple[Mistake, ...]:
@@ -95,7 +114,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
     ----------
     exercise : str
     function : callable
-        The student's, or what stands for it in the judge.
+        The student's, or what stands for it in the judge; see `asked_through`.
 
     Returns
     -------
@@ -108,7 +127,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
     fitting, telling = list(known.mistakes), dict.fromkeys(known.mistakes, 0)
     for case in known.cases:
         try:
-            answer = function(*copy.deepcopy(case))
+            answer = known.ask(function, *copy.deepcopy(case))
         except Exception:
             return None
         right = known.right(*copy.deepcopy(case))
