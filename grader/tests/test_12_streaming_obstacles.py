@@ -157,7 +157,7 @@ def test_own_car(student, seed):
 @hidden(
     "detect_obstacles",
     weight=2,
-    title="Bears returns that are not a number, and hundreds at (0, 0, 0)",
+    title="Bears scans with thousands of lost returns",
     hint="Let drop_invalid be the very first step.",
 )
 def test_dirty_scan(student, seed):

@@ -126,7 +126,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the first corner stands for the box
 # loses only: goes_by_the_centres, test_order_of_corners
 # says: mean of all eight
-# claims: One corner stands
+# claims: Corners are compared
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current[:, 0][:, None] - previous[:, 0][None], axis=2)
     partner = np.full(len(current), -1)
@@ -179,7 +179,7 @@ def match_boxes(previous, current, max_distance):
 
 # %% wrong: no boxes, no mercy
 # loses only: takes_no_boxes
-# says: empty table
+# says: nothing to take the smallest
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -228,7 +228,7 @@ def match_boxes(previous, current, max_distance):
 
 # %% wrong: parameters renamed
 # loses only: keeps_the_names
-# says: A parameter was renamed
+# says: A parameter has another name
 def match_boxes(old, new, limit):
     table = np.linalg.norm(new.mean(axis=1)[:, None] - old.mean(axis=1)[None], axis=2)
     partner = np.full(len(new), -1)
@@ -306,7 +306,7 @@ def match_boxes(previous, current, max_distance):
 
 # %% wrong: argmin of the whole table, without an axis
 # loses: finds_again, is_one_to_one, test_many_boxes
-# says: was previous box
+# says: which is no row of previous
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     return np.where(table.min(axis=1, initial=np.inf) <= max_distance, table.argmin(), -1)
@@ -338,3 +338,28 @@ def match_boxes(previous, current, max_distance):
         return np.full(len(current), -1)
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     return table.argmin(axis=1)
+
+# %% wrong: a distance of 1 m is written into the function
+# loses: ends_at_the_limit, test_many_boxes, test_limit
+# says: Compare the distance itself
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() < 1.0:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: corner against corner
+# loses only: goes_by_the_centres, test_order_of_corners
+# says: mean of all eight
+# claims: Corners are compared
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current[:, None] - previous[None], axis=3).mean(axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner

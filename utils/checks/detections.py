@@ -318,10 +318,6 @@ _TOO_LARGE = (
     "Draw the clusters before the boxes. Is the road gone? Is the threshold smaller than the gaps "
     "between things?"
 )
-_NOT_THERE = (
-    "Follow the returns near that place: how many are left after each step, and at which do they "
-    "vanish?"
-)
 
 
 def _assert_found(
@@ -355,13 +351,13 @@ def _assert_found(
 
 
 def _how_missed(thing: Box, boxes: np.ndarray) -> tuple[str, str]:
-    """What is over a thing instead of its box, and what to do about it."""
+    """What is over a thing instead of its box, and what to do about that."""
     over = boxes[_covering(boxes, thing.centre)]
     pieces = len(_standing_on(thing, boxes))
     if pieces > PIECES:
         return f"there are {pieces} boxes on it", IN_PIECES
     if not len(over):
-        return "no box is over it", _NOT_THERE
+        return "no box is over it", ""  # the hint of the check
     longest = max(max(_sides(box)) for box in over)
     if longest > max(thing.size[:2]) + 1.0:
         return (

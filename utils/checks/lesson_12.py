@@ -36,7 +36,7 @@ from utils.checks.vocabulary import (
     observe,
 )
 
-SQUARE, WALK = 5, 5
+SQUARE, WALK = 5, 7
 
 # ---- detect_obstacles: each property is looked at where at least a car is found ------------------
 
@@ -46,7 +46,8 @@ SQUARE, WALK = 5, 5
     weight=5,
     title="Each car that stands free near the sensor has a box of its own",
     why="This is what the other eleven lessons were for.",
-    hint="Draw the clusters before the boxes.",
+    hint="Follow the returns near that place: how many are left after each step, and at which do "
+    "they vanish?",
 )
 def finds_cars(detect_obstacles: Callable) -> None:
     frames = [street(), street_before()]
@@ -320,6 +321,11 @@ def assert_matched(
     first = wrong[0]
     if expected[first] < 0:
         message = f"Current box {first} has no partner: it gets -1."
+    elif yours[first] not in range(-1, len(previous)):
+        message = (
+            f"Current box {first} gets {yours[first]:g}, which is no row of previous: there are "
+            f"{len(previous)}."
+        )
     else:
         message = f"Current box {first} was previous box {expected[first]}."
     raise CheckFailed(
@@ -331,13 +337,17 @@ def assert_matched(
     )
 
 
-def assert_one_to_one(answer: object, previous: np.ndarray, current: np.ndarray) -> None:
+def assert_one_to_one(
+    answer: object, previous: np.ndarray, current: np.ndarray, given: str | None = None
+) -> None:
     """No previous box has two partners; whether they are the right ones is not asked.
 
     Parameters
     ----------
     answer : object
     previous, current : numpy.ndarray, shape (N, 8, 3)
+    given : str, optional
+        What else the function was given, for the message.
     """
     yours = as_indices(answer, previous, current)
     taken, times = np.unique(yours[yours >= 0], return_counts=True)
@@ -347,7 +357,7 @@ def assert_one_to_one(answer: object, previous: np.ndarray, current: np.ndarray)
         raise CheckFailed(
             f"Previous box {twice:.0f} is given to several current boxes, for example to "
             f"{owners[0]} and {owners[1]}.",
-            given=_centres(previous, current),
+            given=_centres(previous, current, given),
             yours=brief(yours),
             draw=functools.partial(_draw_matches, previous, current, yours, np.empty(0)),
         )
@@ -469,7 +479,8 @@ def is_one_to_one(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
     # The nearer one comes first, and nobody is where previous box 0 was.
     previous, current = cubes([[-20, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
-    assert_one_to_one(match_boxes(previous.copy(), current.copy(), 2.0), previous, current)
+    answer = match_boxes(previous.copy(), current.copy(), 2.0)
+    assert_one_to_one(answer, previous, current, "max_distance 2")
 
 
 @visible(
@@ -572,7 +583,7 @@ def has_whole_indices(match_boxes: Callable) -> None:
 # "near" boxes are large, and their corners start elsewhere in the second frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
 _CALLS = {
-    "moved": (2.0, (*_ROW, (30, 0)), ((20, 0.8), (0, 0.8), (30, 0.8), (10, 0.8)), (2, 0, 3, 1)),
+    "moved": (2.0, (*_ROW, (30, 0)), ((20, 1.1), (0, 1.1), (30, 1.1), (10, 1.1)), (2, 0, 3, 1)),
     "rivals": (1.9, _ROW, ((10.9, 0.8), (10.2, 0), (20.8, 0), (40, 0)), (-1, 1, 2, -1)),
     "crowd": (1.7, ((0, 0),), ((1.2, 0), (0.2, 0), (0, 0.9)), (-1, 0, -1)),
     "merge": (1.6, ((1.2, 0), (0.2, 0), (0, -0.9)), ((0, 0),), (1,)),
@@ -676,7 +687,8 @@ mistakes(
         "Start from np.full(len(current), -1).",
     ),
     Mistake(
-        "One corner stands for each box. Another box may start its corners elsewhere.",
+        "Corners are compared, one or all of them, and not centres. Another box may start its "
+        "corners elsewhere.",
         _but(far=(-1, -1, -1), near=(-1, -1)),
         "Compare the centres: the mean of all eight corners.",
     ),
