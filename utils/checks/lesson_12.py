@@ -36,9 +36,9 @@ from utils.checks.vocabulary import (
     observe,
 )
 
-SQUARE, WALK = 5, 7
+SQUARE, WALK = 25, 7
 
-# ---- detect_obstacles: each property is looked at where at least a car is found ------------------
+# ---- detect_obstacles: each property is looked at where cars are found ------------------
 
 
 @visible(
