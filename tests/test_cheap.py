@@ -387,7 +387,7 @@ def nearest(previous, current, max_distance):
 
 # Share of the points that each may keep, and why.
 PARTLY = {
-    # Right wherever nobody contends for a box: five properties of seven that an exercise asks for.
+    # Right wherever nobody contends for a box, which is all but one property, the weightiest.
     "match_boxes": {"the nearest, rivals ignored": (nearest, 0.75)},
     # A permutation that begins with the right median: two properties, each of them checked alone.
     "median_order": {

@@ -141,9 +141,10 @@ for notebook, functions in useful.items():
 # The judge shows it scans of a 64-beam scanner 1.73 m above streets that you have not seen. It asks that
 #
 # - cars which stand free within 10 m have a box of their own, turned with them;
+# - people who stand free within 7 m have one, too: of a person 20 to 40 points are left after thinning;
 # - at least six of ten boxes hold obstacles and not road, and a single raindrop in the air gets no box;
-# - no box stands where our own car is: from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4), as in lesson 07;
-# - no frame stops it: an empty one, an empty road, three columns, returns that are not a number.
+# - no box stands where our own car is: from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4), as in lesson 07, however much of its bonnet and roof the scanner sees;
+# - no frame stops it: an empty one, an empty road, three columns, returns that are not a number or at (0, 0, 0).
 #
 # How far you look beyond 10 m is up to you. A call that takes ten seconds is stopped; a tenth of a second is the aim.
 

@@ -459,9 +459,33 @@ def detect_obstacles(cloud):
             result = np.append(result, [box], axis=0)
     return result
 
+# %% right: no drop_invalid: the region takes out what is not a number, the minimum what is at (0, 0, 0)
+from scipy.spatial import cKDTree
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+def detect_obstacles(cloud, threshold=0.5, minimum=10):
+    p = np.array(cloud[:, :3], dtype=float)
+    p = p[(np.abs(p[:, 0] - 5) < 20) & (np.abs(p[:, 1] - 1) < 8) & (p[:, 2] < 1) & (p[:, 2] >= -1.2)]
+    p = p[~((p >= (-1.5, -1.7, -1.0)) & (p <= (2.6, 1.7, -0.4))).all(axis=1)]
+    if len(p) == 0:
+        return np.empty((0, 8, 3))
+    p = p[np.unique(np.floor(p / 0.2), axis=0, return_index=True)[1]]
+    i, j = cKDTree(p).query_pairs(threshold, output_type="ndarray").T
+    labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)[1]
+    boxes = []
+    for label in np.flatnonzero(np.bincount(labels) >= minimum):
+        points = p[labels == label]
+        middle = points[:, :2].mean(axis=0)
+        axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+        a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+        ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+        boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
 # %% wrong: nothing is ever in the way
-# loses: returns_boxes, finds_cars, leaves_the_road, test_fresh_streets, test_few_ghosts, test_city
-# says: hardly any boxes
+# loses: finds_cars, finds_people, leaves_the_road, test_fresh_streets, test_few_ghosts, test_city
+# says: no box is over it
 def detect_obstacles(cloud):
     return np.empty((0, 8, 3))
 
@@ -478,7 +502,7 @@ def detect_obstacles(cloud):
 
 # %% wrong: boxes of the road
 # loses: finds_cars, leaves_the_road, test_fresh_streets, test_few_ghosts, test_empty_road
-# says: hold more road than obstacle
+# says: have no box of their own
 from scipy import ndimage
 
 def detect_obstacles(cloud):
@@ -527,8 +551,8 @@ def detect_obstacles(cloud):
     return boxes_of_cells(cloud, lambda z: z > -9.0)
 
 # %% wrong: boxes along the axes
-# loses: turns_boxes, test_turned_cars
-# says: must be turned with
+# loses only: turns_boxes, test_turned_cars
+# says: much larger than the cars
 from scipy import ndimage
 
 def detect_obstacles(cloud, cell=0.3, minimum=20):
@@ -548,15 +572,96 @@ def detect_obstacles(cloud, cell=0.3, minimum=20):
             boxes.append([[x[i], y[j], z[k]] for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
     return np.array(boxes).reshape(-1, 8, 3)
 
-# %% wrong: its own car and invalid returns stay in
-# loses: forgets_itself, test_dirty_scan
+# %% wrong: its own car stays in, thinned to patches or not
+# loses only: forgets_itself, test_own_car
 # says: where the own car is
+from scipy.spatial import cKDTree
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+def detect_obstacles(cloud, threshold=0.5, minimum=10):
+    p = np.array(cloud[:, :3], dtype=float)
+    p = p[np.isfinite(p).all(axis=1) & p.any(axis=1)]
+    p = p[(np.abs(p[:, 0] - 5) < 20) & (np.abs(p[:, 1] - 1) < 8) & (p[:, 2] < 1) & (p[:, 2] >= -1.2)]
+    if len(p) == 0:
+        return np.empty((0, 8, 3))
+    p = p[np.unique(np.floor(p / 0.2), axis=0, return_index=True)[1]]
+    i, j = cKDTree(p).query_pairs(threshold, output_type="ndarray").T
+    labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)[1]
+    boxes = []
+    for label in np.flatnonzero(np.bincount(labels) >= minimum):
+        points = p[labels == label]
+        middle = points[:, :2].mean(axis=0)
+        axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+        a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+        ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+        boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: the own car is thought to be smaller than it is
+# loses only: forgets_itself, test_own_car
+# says: the whole box of the own car
+from scipy.spatial import cKDTree
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+def detect_obstacles(cloud, threshold=0.5, minimum=10):
+    p = np.array(cloud[:, :3], dtype=float)
+    p = p[np.isfinite(p).all(axis=1) & p.any(axis=1)]
+    p = p[(np.abs(p[:, 0] - 5) < 20) & (np.abs(p[:, 1] - 1) < 8) & (p[:, 2] < 1) & (p[:, 2] >= -1.2)]
+    p = p[np.hypot(p[:, 0], p[:, 1]) > 2.0]
+    if len(p) == 0:
+        return np.empty((0, 8, 3))
+    p = p[np.unique(np.floor(p / 0.2), axis=0, return_index=True)[1]]
+    i, j = cKDTree(p).query_pairs(threshold, output_type="ndarray").T
+    labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)[1]
+    boxes = []
+    for label in np.flatnonzero(np.bincount(labels) >= minimum):
+        points = p[labels == label]
+        middle = points[:, :2].mean(axis=0)
+        axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+        a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+        ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+        boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: the minimum of lesson 09 on a thinned cloud
+# loses only: finds_people, test_people
+# says: cubes of 0.2 m
+from scipy.spatial import cKDTree
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+def detect_obstacles(cloud, threshold=0.5, minimum=100):
+    p = np.array(cloud[:, :3], dtype=float)
+    p = p[np.isfinite(p).all(axis=1) & p.any(axis=1)]
+    p = p[(np.abs(p[:, 0] - 5) < 20) & (np.abs(p[:, 1] - 1) < 8) & (p[:, 2] < 1) & (p[:, 2] >= -1.2)]
+    p = p[~((np.abs(p[:, 0] - 0.55) < 2.1) & (np.abs(p[:, 1]) < 1.75))]
+    if len(p) == 0:
+        return np.empty((0, 8, 3))
+    p = p[np.unique(np.floor(p / 0.2), axis=0, return_index=True)[1]]
+    i, j = cKDTree(p).query_pairs(threshold, output_type="ndarray").T
+    labels = connected_components(coo_matrix((np.ones(len(i)), (i, j)), (len(p), len(p))), False)[1]
+    boxes = []
+    for label in np.flatnonzero(np.bincount(labels) >= minimum):
+        points = p[labels == label]
+        middle = points[:, :2].mean(axis=0)
+        axes = np.linalg.eigh(np.cov(points[:, :2].T))[1]
+        a, b = ((points[:, :2] - middle) @ axes).min(0), ((points[:, :2] - middle) @ axes).max(0)
+        ring = np.array([a, (b[0], a[1]), b, (a[0], b[1])]) @ axes.T + middle
+        boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max()) for corner in ring])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: lost returns at (0, 0, 0) stay in
+# loses only: drops_invalid, test_dirty_scan
+# says: around (0, 0, 0)
 from scipy import ndimage
 
-def detect_obstacles(cloud, cell=0.3, minimum=2):
+def detect_obstacles(cloud, cell=0.3, minimum=20):
     xyz = np.asarray(cloud, dtype=float)[:, :3]
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
     xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
+    xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75) & (xyz[:, 2] < -0.1))]
     fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
     grid = np.zeros((500, 500), dtype=bool)
     grid[tuple(fine.T)] = True
@@ -574,7 +679,7 @@ def detect_obstacles(cloud, cell=0.3, minimum=2):
 
 # %% wrong: cars and walls are one cluster
 # loses: finds_cars, turns_boxes, test_fresh_streets
-# says: threshold too large
+# says: smaller than the gaps between things
 from scipy.spatial import cKDTree
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -595,7 +700,7 @@ def detect_obstacles(cloud, threshold=5.0):
 
 # %% wrong: every cell of the voxel grid is an obstacle
 # loses: finds_cars, leaves_the_road, turns_boxes, test_fresh_streets, test_few_ghosts
-# says: pieces
+# says: boxes on it
 def detect_obstacles(cloud):
     p = cloud[np.isfinite(cloud[:, :3]).all(axis=1), :3]
     p = p[(p[:, 2] > -1.2) & (np.hypot(p[:, 0], p[:, 1]) < 15) & (np.hypot(p[:, 0], p[:, 1]) > 2.7)]
@@ -604,8 +709,8 @@ def detect_obstacles(cloud):
     return cells[:, None] + corners
 
 # %% wrong: cannot bear that nothing is left
-# loses: takes_what_comes, test_empty_road
-# says: can leave nothing
+# loses only: takes_an_empty_scan, test_empty_road, test_small_scans
+# says: nothing to take the smallest
 from scipy import ndimage
 
 def detect_obstacles(cloud, cell=0.3, minimum=20):
@@ -630,7 +735,7 @@ def detect_obstacles(cloud, cell=0.3, minimum=20):
     return np.array(boxes)
 
 # %% wrong: needs intensity
-# loses: takes_what_comes, test_order_and_precision
+# loses only: takes_three_columns
 # says: may have three columns
 from scipy import ndimage
 
@@ -656,7 +761,7 @@ def detect_obstacles(cloud, cell=0.3, minimum=20):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: functions from another notebook, which the judge does not have
-# loses: returns_boxes, finds_cars, test_fresh_streets
+# loses: finds_cars, finds_people, test_fresh_streets
 # says: paste what it needs into that notebook
 def detect_obstacles(cloud, threshold=0.5, min_num_points=10):
     from utils import load_my_functions
@@ -666,7 +771,7 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10):
     return load_my_functions("11_pca_boxes.ipynb").get_oriented_boxes(points, labels)
 
 # %% wrong: returns that are not a number
-# loses: takes_what_comes, test_dirty_scan
+# loses only: drops_invalid, test_dirty_scan
 # says: raised ValueError
 from scipy.spatial import cKDTree
 from scipy.sparse import coo_matrix
@@ -693,7 +798,7 @@ def detect_obstacles(cloud, threshold=0.5):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: boxes tilted in three dimensions
-# loses: returns_boxes
+# loses only: stands_upright, turns_boxes, test_turned_cars
 # says: stand upright
 from scipy import ndimage
 
@@ -718,7 +823,7 @@ def detect_obstacles(cloud, cell=0.3, minimum=20):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: middles instead of boxes
-# loses: returns_boxes, finds_cars, test_city
+# loses: finds_cars, stands_upright, test_city
 # says: N boxes of 8 corners
 def detect_obstacles(cloud):
     p = cloud[np.isfinite(cloud[:, :3]).all(axis=1), :3]
@@ -727,7 +832,7 @@ def detect_obstacles(cloud):
     return np.array([p[which.ravel() == k].mean(axis=0) for k in range(len(cells))])
 
 # %% wrong: cleans its input
-# loses: takes_what_comes
+# loses only: leaves_the_cloud
 # says: changed its input
 from scipy import ndimage
 
@@ -752,7 +857,7 @@ def detect_obstacles(cloud, cell=0.3, minimum=20):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: cars where cars usually stand
-# loses: leaves_the_road, test_few_ghosts, test_empty_road
+# loses: turns_boxes, leaves_the_road, finds_people, test_fresh_streets, test_few_ghosts, test_empty_road
 # says: hold more road than obstacle
 def detect_obstacles(cloud):
     car = np.array([[x, y, z] for z in (-1.6, -0.3) for x, y in ((2.1, .9), (-2.1, .9), (-2.1, -.9), (2.1, -.9))])
@@ -761,7 +866,7 @@ def detect_obstacles(cloud):
     return np.array(rows)[:, None] + car
 
 # %% wrong: what filter_clusters took out gets a box of its own
-# loses: finds_cars, turns_boxes
+# loses: finds_cars, finds_people, test_city
 # says: the box over it is
 from scipy.spatial import cKDTree
 from scipy.sparse import coo_matrix
@@ -789,7 +894,7 @@ def detect_obstacles(cloud, threshold=0.5):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: left and right are clustered apart and share their labels
-# loses: finds_cars, turns_boxes, test_fresh_streets, test_city, test_turned_cars
+# loses: finds_cars, turns_boxes, test_fresh_streets, test_city
 # says: the box over it is
 from scipy import ndimage
 
@@ -818,13 +923,13 @@ def detect_obstacles(cloud, minimum=20):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: small clusters stay
-# loses: test_rain
+# loses only: ignores_rain, test_rain
 # says: Single returns in the air
 from scipy import ndimage
 
 def detect_obstacles(cloud, cell=0.3):
     xyz = np.asarray(cloud, dtype=float)[:, :3]
-    xyz = xyz[np.isfinite(xyz).all(axis=1)]
+    xyz = xyz[np.isfinite(xyz).all(axis=1) & xyz.any(axis=1)]
     xyz = xyz[(np.abs(xyz[:, 0] - 5) < 20) & (np.abs(xyz[:, 1] - 1) < 8) & (xyz[:, 2] > -1.2)]
     xyz = xyz[~((np.abs(xyz[:, 0] - 0.55) < 2.1) & (np.abs(xyz[:, 1]) < 1.75))]
     fine = (np.floor(xyz[:, :2] / cell) + 200).astype(int)
@@ -867,7 +972,7 @@ def detect_obstacles(cloud, cell=0.3, minimum=20, ground_level=0.0):
 
 # %% wrong: threshold far below the distance between points
 # loses: finds_cars, turns_boxes, test_turned_cars
-# says: pieces
+# says: boxes on it
 from scipy.spatial import cKDTree
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -893,7 +998,7 @@ def detect_obstacles(cloud, threshold=0.12, minimum=4):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: stub left in place
-# loses: returns_boxes, finds_cars, test_fresh_streets, test_small_scans
-# says: still raises NotImplementedError
+# loses: finds_cars, finds_people, test_fresh_streets, test_small_scans
+# says: is not started
 def detect_obstacles(cloud):
     raise NotImplementedError

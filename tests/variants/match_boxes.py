@@ -74,8 +74,9 @@ def match_boxes(previous, current, max_distance):
     return Matcher(max_distance)(np.asarray(previous).mean(axis=1), np.asarray(current).mean(axis=1))
 
 # %% wrong: the nearest, whoever else has it
-# loses: is_one_to_one, test_rivals
+# loses only: is_one_to_one, test_one_to_one
 # says: several current boxes
+# claims: also where that one has a nearer partner
 def match_boxes(previous, current, max_distance):
     if len(previous) == 0:
         return np.full(len(current), -1)
@@ -83,8 +84,9 @@ def match_boxes(previous, current, max_distance):
     return np.where(table.min(axis=1) <= max_distance, table.argmin(axis=1), -1)
 
 # %% wrong: first come, first served
-# loses: is_one_to_one, test_rivals
-# says: whoever comes first
+# loses only: prefers_the_nearer, test_nearer
+# says: closest of all pairs first
+# claims: Whichever current box comes first
 def match_boxes(previous, current, max_distance):
     partner, taken = np.full(len(current), -1), set()
     for i, box in enumerate(current.mean(axis=1)):
@@ -96,8 +98,9 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: never too far
-# loses: knows_new_ones, test_many_boxes, test_lengths
-# says: is new and has no partner
+# loses only: ends_at_the_limit, test_limit
+# says: it has no partner
+# claims: pairs are made as long as
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -108,8 +111,9 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: the other way round
-# loses: knows_new_ones, finds_again, test_many_boxes
-# says: one index for each current box
+# loses: finds_again, test_many_boxes, test_lengths
+# says: was previous box
+# claims: wrong way round
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(previous), -1)
@@ -120,8 +124,9 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: the first corner stands for the box
-# loses: test_order_of_corners
-# says: The mean of all eight
+# loses only: goes_by_the_centres, test_order_of_corners
+# says: mean of all eight
+# claims: Corners are compared
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current[:, 0][:, None] - previous[:, 0][None], axis=2)
     partner = np.full(len(current), -1)
@@ -132,8 +137,9 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: squared distance
-# loses: knows_new_ones, test_many_boxes
-# says: Compare the distance with max_distance
+# loses only: ends_at_the_limit, test_limit
+# says: Take the root
+# claims: square of the distance
 def match_boxes(previous, current, max_distance):
     table = ((current.mean(axis=1)[:, None] - previous.mean(axis=1)[None]) ** 2).sum(axis=2)
     partner = np.full(len(current), -1)
@@ -144,8 +150,9 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: the distance is written into the function
-# loses: knows_new_ones, test_many_boxes
-# says: Compare the distance with max_distance
+# loses only: ends_at_the_limit, test_limit
+# says: Compare with max_distance
+# claims: A fixed distance
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -156,21 +163,23 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: box k is box k
-# loses: finds_again, knows_new_ones, is_one_to_one, test_many_boxes, test_rivals
+# loses: finds_again, is_one_to_one, test_many_boxes
 # says: was previous box
+# claims: Box k of the one
 def match_boxes(previous, current, max_distance):
     index = np.arange(len(current))
     return np.where(index < len(previous), index, -1)
 
 # %% wrong: everything is new
-# loses: finds_again, knows_new_ones, is_one_to_one, test_many_boxes, test_rivals
+# loses: finds_again, is_one_to_one, test_many_boxes
 # says: was previous box
+# claims: No box gets a partner
 def match_boxes(previous, current, max_distance):
     return np.full(len(current), -1)
 
 # %% wrong: no boxes, no mercy
-# loses: takes_no_boxes
-# says: empty table
+# loses only: takes_no_boxes
+# says: nothing to take the smallest
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -182,7 +191,7 @@ def match_boxes(previous, current, max_distance):
 
 # %% wrong: a list of pairs
 # loses: finds_again, is_one_to_one, test_many_boxes
-# says: one index for each current box
+# says: If these are pairs
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     pairs = []
@@ -193,8 +202,9 @@ def match_boxes(previous, current, max_distance):
     return pairs
 
 # %% wrong: every previous box takes the nearest, however far
-# loses: knows_new_ones, test_many_boxes
-# says: Compare the distance with max_distance
+# loses only: ends_at_the_limit, test_limit, test_second_choice, test_lengths
+# says: it has no partner
+# claims: Each previous box takes
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -205,8 +215,8 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: None for new ones
-# loses: knows_new_ones, test_many_boxes
-# says: expected an array of indices
+# loses: marks_new_ones, ends_at_the_limit, test_new_ones
+# says: None is no index
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = [None] * len(current)
@@ -217,8 +227,8 @@ def match_boxes(previous, current, max_distance):
     return partner
 
 # %% wrong: parameters renamed
-# loses: finds_again
-# says: A parameter was renamed
+# loses only: keeps_the_names
+# says: A parameter has another name
 def match_boxes(old, new, limit):
     table = np.linalg.norm(new.mean(axis=1)[:, None] - old.mean(axis=1)[None], axis=2)
     partner = np.full(len(new), -1)
@@ -229,7 +239,7 @@ def match_boxes(old, new, limit):
     return partner
 
 # %% wrong: moves the boxes it has used out of the way
-# loses: takes_no_boxes
+# loses only: leaves_the_boxes
 # says: changed its input
 def match_boxes(previous, current, max_distance):
     partner = np.full(len(current), -1)
@@ -241,4 +251,115 @@ def match_boxes(previous, current, max_distance):
         partner[row] = column
         previous[column] += 1e6
         current[row] -= 1e6
+    return partner
+
+# %% wrong: 0 for new ones
+# loses: marks_new_ones, ends_at_the_limit, test_new_ones, test_limit
+# says: -1
+# claims: 0 stands where
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.zeros(len(current), dtype=int)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: NaN for new ones
+# loses only: marks_new_ones, test_new_ones
+# says: it gets -1
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), np.nan)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: strikes out the row and forgets the column
+# loses only: is_one_to_one, test_one_to_one
+# says: several current boxes
+# claims: also where that one has a nearer partner
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row] = np.inf
+    return partner
+
+# %% wrong: strikes out the column and forgets the row
+# loses only: takes_the_nearer, test_second_choice
+# says: put infinity into table[row, :]
+# claims: gets another, farther one later
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[:, column] = np.inf
+    return partner
+
+# %% wrong: argmin of the whole table, without an axis
+# loses: finds_again, is_one_to_one, test_many_boxes
+# says: which is no row of previous
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    return np.where(table.min(axis=1, initial=np.inf) <= max_distance, table.argmin(), -1)
+
+# %% wrong: the table of distances itself
+# loses: finds_again, is_one_to_one, test_many_boxes
+# says: a table of all pairs
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    return np.where(table <= max_distance, table, -1)
+
+# %% wrong: forgets to return
+# loses: finds_again, is_one_to_one, test_many_boxes
+# says: returned None
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+
+# %% wrong: the nearest, however far and whoever else has it
+# loses only: marks_new_ones, test_new_ones, is_one_to_one, ends_at_the_limit, test_one_to_one, test_limit
+# says: it has no partner
+# claims: however far it is and whoever else has it
+def match_boxes(previous, current, max_distance):
+    if not len(previous):
+        return np.full(len(current), -1)
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    return table.argmin(axis=1)
+
+# %% wrong: a distance of 1 m is written into the function
+# loses: ends_at_the_limit, test_many_boxes, test_limit
+# says: Compare the distance itself
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() < 1.0:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
+    return partner
+
+# %% wrong: corner against corner
+# loses only: goes_by_the_centres, test_order_of_corners
+# says: mean of all eight
+# claims: Corners are compared
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current[:, None] - previous[None], axis=3).mean(axis=2)
+    partner = np.full(len(current), -1)
+    while table.size and table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partner[row] = column
+        table[row], table[:, column] = np.inf, np.inf
     return partner

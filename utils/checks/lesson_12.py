@@ -1,479 +1,44 @@
-"""Visible checks of lesson 12: `detect_obstacles` and `match_boxes`.
-
-Detectors differ in what they look at, how they thin the cloud and where they cut. So they are
-asked about what every sensible one sees: cars near by that stand free. What they say beyond
-that only has to be real.
-"""
+"""Visible checks of lesson 12: `detect_obstacles` and `match_boxes`."""
 
 from __future__ import annotations
 
-import dataclasses
 import functools
-import itertools
-import math
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
-from utils.boxes import Box, distance_outside
-from utils.checks.boxes import footprint
-from utils.checks.core import visible
+from utils.checks.core import noted, visible
+from utils.checks.detections import (
+    as_boxes,
+    assert_boxes_real,
+    assert_boxes_turned,
+    assert_cars_found,
+    assert_dry,
+    assert_nothing_at_sensor,
+    assert_own_car_free,
+    assert_people_found,
+    assert_sees,
+    assert_upright,
+)
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.scans import own_car, rain, square, street, street_before, walk, with_invalid
 from utils.checks.vocabulary import (
     CheckFailed,
+    WrongForm,
     as_array,
     assert_left_alone,
     assert_untouched,
     brief,
     frozen,
+    needs,
     observe,
 )
 
-if TYPE_CHECKING:
-    from utils.simulator import Sensor
-    from utils.simulator.frames import Frame
-    from utils.simulator.world import Obstacle
+SQUARE, WALK = 25, 7
 
-NEAR = 7.5  # m to the middle of a car: all of it is then within 10 m
-MANY = 1500  # returns, of every second azimuth
-FREE = 1.2  # m to the nearest other thing
-HELD = 0.8  # of a car's returns, that its box must hold
-PIECES = 4  # boxes that may stand on one car: its own, a mirror, what is seen through its windows
-MOST_BOXES = 1000  # to look at; comparing more takes long, and none of them is right
-OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # m from and to, x and y
-# Boxes so many times as large as the cars in them are not turned. Over forty squares, turned ones
-# stay below 1.25 times the area of the cars, boxes along the axes above 1.5.
-UNTURNED = 1.33
-
-
-def half_sensor() -> Sensor:
-    """The 64-beam scanner with every second azimuth: half the returns, half the time.
-
-    Returns
-    -------
-    utils.simulator.Sensor
-    """
-    from utils.simulator import hdl64
-
-    sensor = hdl64()
-    return dataclasses.replace(sensor, azimuth_step=2 * sensor.azimuth_step)
-
-
-@functools.cache
-def street(further: float = 0.0) -> Frame:
-    """The street of `data/cloud.txt`, or the same from a place `further` along the road.
-
-    Parameters
-    ----------
-    further : float
-        In metres.
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
-    from utils.scenes import ROAD
-    from utils.simulator.frames import observe
-    from utils.simulator.layouts import lesson_obstacles
-    from utils.simulator.pose import Pose
-    from utils.simulator.streets import EGO_LANE, world_of
-
-    world = world_of(ROAD, lesson_obstacles()).seen_from(Pose(further, EGO_LANE))
-    return observe(world, half_sensor(), 12)
-
-
-def street_before() -> Frame:
-    """The street 4 m earlier: its clear cars stand where the other frame has none.
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
-    return street(-4.0)
-
-
-@functools.lru_cache(maxsize=64)
-def square(seed: int) -> Frame:
-    """Three cars around the sensor, anywhere and turned in any way, between two rows of houses.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
-    frames = (_some_square((seed, 12, attempt)) for attempt in itertools.count())
-    return next(frame for frame in frames if len(clear_cars(frame)) == 3)
-
-
-def _some_square(seed: Sequence[int]) -> Frame:
-    from utils.simulator.frames import observe
-    from utils.simulator.ground import Ground
-    from utils.simulator.streets import Plan, placed, some_car, some_walker, street, world_of
-
-    rng = np.random.default_rng(seed)
-    things = []
-    for _ in range(200):
-        # Diagonal, so that a box along the axes is much too large; ahead or behind, not beside.
-        yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
-        x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
-        thing = placed(some_car(rng), x, y, yaw)
-        if len(things) < 3 and _has_room(thing, things):
-            things.append(thing)
-    things += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
-    empty = float("inf")
-    houses = Plan(((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0)
-    ground = Ground(slope=0.02 * rng.uniform(-1, 1), width=10.0, crown=0.01, kerb=0.1)
-    return observe(world_of(ground, [*things, *street(rng, houses)]), half_sensor(), seed)
-
-
-def _has_room(thing: Obstacle, others: Sequence[Obstacle]) -> bool:
-    """Whether a car stands near the sensor, but free of our own car and of others."""
-    rim = _rim(thing)
-    beside = ((rim > OWN_CAR[0] - FREE) & (rim < OWN_CAR[1] + FREE)).all(axis=1).any()
-    gaps = [np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in others]
-    distance = math.hypot(thing.pose.x, thing.pose.y)
-    return not beside and 4.0 < distance < 0.98 * NEAR and min(gaps, default=9.0) > 1.2 * FREE
-
-
-def _rim(thing: Obstacle) -> np.ndarray:
-    """Places (m, 2) all around the footprint of an obstacle."""
-    side = np.linspace(-0.5, 0.5, 20)
-    half = np.full(20, 0.5)
-    rim = (
-        np.vstack(
-            [
-                np.column_stack(pair)
-                for pair in ((side, half), (side, -half), (half, side), (-half, side))
-            ]
-        )
-        * thing.size[:2]
-    )
-    cosine, sine = math.cos(thing.pose.yaw), math.sin(thing.pose.yaw)
-    turn = np.array([[cosine, sine], [-sine, cosine]])
-    return rim @ turn + [thing.pose.x, thing.pose.y]
-
-
-def as_boxes(answer: object) -> np.ndarray:
-    """An answer as boxes of any number.
-
-    Parameters
-    ----------
-    answer : object
-
-    Returns
-    -------
-    numpy.ndarray, shape (N, 8, 3)
-    """
-    if isinstance(answer, (list, tuple)) and not answer:
-        return np.empty((0, 8, 3))
-    boxes = as_array(answer, what="an array of boxes")
-    if boxes.size == 0 and boxes.shape[:1] == (0,):
-        return np.empty((0, 8, 3))
-    if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
-        raise CheckFailed(
-            "The answer must hold N boxes of 8 corners (rows) of 3 coordinates.",
-            yours=f"shape {boxes.shape}",
-            expected="shape (N, 8, 3)",
-        )
-    if len(boxes) > MOST_BOXES:
-        raise CheckFailed(
-            "There are more than a thousand boxes, in a street of some dozens of things. Do "
-            "obstacles fall to pieces?",
-            yours=f"{len(boxes)} boxes",
-            expected="about 10 to 80",
-        )
-    if not np.isfinite(boxes).all():
-        bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))[0]
-        raise CheckFailed(
-            "A box has a corner that is not finite. Did returns that are not a "
-            "number stay in the cloud?",
-            yours=brief(boxes[bad]),
-        )
-    return boxes.astype(float)
-
-
-@functools.lru_cache(maxsize=64)
-def clear_cars(frame: Frame) -> tuple[Box, ...]:
-    """The cars of a frame that no detector may miss: near, well seen, standing free.
-
-    Parameters
-    ----------
-    frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    tuple of utils.boxes.Box
-    """
-    from scipy.spatial import cKDTree
-
-    xyz, objects = frame.cloud[:, :3], frame.scan.objects
-    chosen = []
-    for box in frame.boxes:
-        if box.kind != "car" or math.hypot(*box.centre[:2]) > NEAR or box.returns < MANY:
-            continue
-        close = np.hypot(*(xyz[:, :2] - box.centre[:2]).T) < 6.0
-        others = xyz[close & (objects > 0) & (objects != box.identity)]
-        own = xyz[objects == box.identity]
-        gaps = cKDTree(others).query(own, distance_upper_bound=FREE)[0] if len(others) else np.inf
-        if np.isinf(gaps).all():
-            chosen.append(box)
-    return tuple(chosen)
-
-
-def box_of(car: Box, boxes: np.ndarray, frame: Frame) -> int | None:
-    """Number of the box that holds nearly all of a car and is not much larger; or None.
-
-    None also for a car in pieces, and for one that stands in a much larger box besides.
-
-    Parameters
-    ----------
-    car : utils.boxes.Box
-    boxes : numpy.ndarray, shape (N, 8, 3)
-    frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    int or None
-    """
-    returns = frame.cloud[frame.scan.objects == car.identity, :3]
-    # Where the ground is cut is everyone's own choice, and wheels are nobody's.
-    returns = returns[returns[:, 2] > car.centre[2] - car.size[2] / 2 + 0.55]
-    if len(_standing_on(car, boxes)) > PIECES:
-        return None
-    holding = {
-        int(number): _within(returns, boxes[number], 0.2).mean()
-        for number in _covering(boxes, car.centre, 4.0)
-    }
-    if any(share >= 0.9 and not _fits(boxes[number], car) for number, share in holding.items()):
-        return None
-    return next(
-        (
-            number
-            for number, share in holding.items()
-            if share >= HELD and _fits(boxes[number], car)
-        ),
-        None,
-    )
-
-
-def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> None:
-    """At least half of the clear cars have a box of their own.
-
-    A sensible detector misses one in a hundred of them, at the edge of its region.
-
-    Parameters
-    ----------
-    answers : sequence of object
-        For each frame what the detector said.
-    frames : sequence of utils.simulator.frames.Frame
-    """
-    missed, count = [], 0
-    for answer, frame in zip(answers, frames, strict=True):
-        boxes = as_boxes(answer)
-        for car in clear_cars(frame):
-            count += 1
-            if box_of(car, boxes, frame) is None:
-                missed.append((car, boxes, frame))
-    if len(missed) <= count // 2:
-        return
-    car, boxes, frame = missed[0]
-    over = boxes[_covering(boxes, car.centre)]
-    longest = max((max(_sides(box)) for box in over), default=0)
-    pieces = len(_standing_on(car, boxes))
-    how = (
-        f"it is in {pieces} pieces"
-        if pieces > PIECES
-        else f"the box over it is {longest:.1f} m long, the car {car.size[0]:.1f} m"
-        if longest
-        else "no box is over it"
-    )
-    raise CheckFailed(
-        f"{len(missed)} of {count} cars that stand free near the sensor have no box of their own. "
-        f"One is at x = {car.centre[0]:.1f} m, y = {car.centre[1]:.1f} m: {how}.",
-        yours=f"{len(boxes)} boxes in that scan",
-        expected="for each such car a box around most of its returns and not much else",
-        draw=lambda: _draw(
-            frame,
-            boxes,
-            [item[0].corners for item in missed if item[2] is frame],
-            "missed",
-            "Each dashed car should have a box of its own",
-        ),
-    )
-
-
-def assert_sees(answer: object, frame: Frame) -> None:
-    """At least one clear car is found: who sees nothing is not praised for what they spare.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
-    boxes = as_boxes(answer)
-    if all(box_of(car, boxes, frame) is None for car in clear_cars(frame)):
-        raise CheckFailed(
-            "No car near by has a box of its own, so there is nothing to judge yet.",
-            yours=f"{len(boxes)} boxes",
-            expected="first of all, boxes around cars",
-        )
-
-
-def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> None:
-    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles.
-
-    Parameters
-    ----------
-    answers : sequence of object
-    frames : sequence of utils.simulator.frames.Frame
-    """
-    ghosts, total = [], 0
-    for answer, frame in zip(answers, frames, strict=True):
-        boxes = as_boxes(answer)
-        most = 2 * len(frame.boxes) + 20
-        if len(boxes) > most:
-            raise CheckFailed(
-                "There are far more boxes than things in the street. Do obstacles fall to pieces?",
-                yours=f"{len(boxes)} boxes",
-                expected=f"fewer than {most}",
-                draw=lambda frame=frame, boxes=boxes: _draw(frame, boxes),
-            )
-        total += len(boxes)
-        ghosts += [(box, frame, boxes) for box in boxes if not _holds_obstacle(box, frame)]
-    if len(ghosts) <= 0.4 * total:
-        return
-    box, frame, boxes = ghosts[0]
-    x, y = box[:, :2].mean(axis=0)
-    held = _within(_sorted_by_x(frame)[0], box, 0.05).sum()
-    raise CheckFailed(
-        f"{len(ghosts)} of {total} boxes hold more road than obstacle, or nothing at all: "
-        f"for example the one at x = {x:.1f} m, y = {y:.1f} m.",
-        yours=f"{held} returns in it" if held else "no return in it",
-        expected="cars, people, poles, walls",
-        draw=lambda: _draw(
-            frame, boxes, [ghost for ghost, of, _ in ghosts if of is frame], "nothing in it"
-        ),
-    )
-
-
-def assert_own_car_free(answer: object, frame: Frame) -> None:
-    """No box stands where the own car is.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
-    boxes = as_boxes(answer)
-    middles = boxes[:, :, :2].mean(axis=1)
-    inside = ((middles > OWN_CAR[0]) & (middles < OWN_CAR[1])).all(axis=1)
-    if inside.any():
-        raise CheckFailed(
-            "A box stands where the own car is. Its roof, and returns at exactly (0, 0, 0), are "
-            "no obstacles.",
-            yours=f"a box at x = {middles[inside][0, 0]:.1f} m, y = {middles[inside][0, 1]:.1f} m",
-            expected="none between x = -1.5 and 2.6 m, y = -1.7 and 1.7 m",
-            draw=lambda: _draw(frame, boxes, boxes[inside], "own car"),
-        )
-
-
-def without(car: Box, frame: Frame) -> Frame:
-    """A frame without one of its cars: what it hid stays hidden.
-
-    Parameters
-    ----------
-    car : utils.boxes.Box
-    frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
-    left = frame.scan.objects != car.identity
-    scan = dataclasses.replace(
-        frame.scan,
-        **{
-            field.name: getattr(frame.scan, field.name)[left]
-            for field in dataclasses.fields(frame.scan)
-        },
-    )
-    boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
-    return dataclasses.replace(frame, scan=scan, boxes=boxes)
-
-
-def assert_gone(answer: object, car: Box, frame: Frame) -> None:
-    """No box of about its size stands where a car was.
-
-    Parameters
-    ----------
-    answer : object
-    car : utils.boxes.Box
-        It is not in the frame any more.
-    frame : utils.simulator.frames.Frame
-    """
-    boxes = as_boxes(answer)
-    left = [number for number in _standing_on(car, boxes) if _fits(boxes[number], car)]
-    if left:
-        raise CheckFailed(
-            "A box stands where no car is: in this scan its place is empty.",
-            yours=f"a box at x = {car.centre[0]:.1f} m, y = {car.centre[1]:.1f} m",
-            expected="boxes around what the scan holds",
-            draw=lambda: _draw(frame, boxes, boxes[left], "nothing in it"),
-        )
-
-
-def assert_boxes_turned(answer: object, frame: Frame) -> None:
-    """The boxes of turned cars are hardly larger than the cars.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
-    boxes = as_boxes(answer)
-    pairs = [(car, box_of(car, boxes, frame)) for car in clear_cars(frame)]
-    pairs = [(car, boxes[number]) for car, number in pairs if number is not None]
-    area = sum(np.prod(_sides(box)) for _, box in pairs)
-    true_area = sum(car.size[0] * car.size[1] for car, _ in pairs)
-    if area > UNTURNED * true_area:
-        raise CheckFailed(
-            "The boxes of cars that stand at an angle are much larger than the cars. Boxes must "
-            "be turned with them.",
-            yours=f"{area / len(pairs):.1f} square metres on average",
-            expected=f"about {true_area / len(pairs):.1f} square metres",
-            draw=lambda: _draw(frame, boxes, [car.corners for car, _ in pairs], "true"),
-        )
-
-
-@visible(
-    "detect_obstacles",
-    weight=2,
-    title="Returns upright boxes: a level floor, right angles, a corner above each corner",
-    why="Whoever plans a path asks of each corner how high it stands and what lies between.",
-    hint="Let the last step be your get_oriented_boxes of lesson 11: it returns (N, 8, 3).",
-)
-def returns_boxes(detect_obstacles: Callable) -> None:
-    boxes = as_boxes(detect_obstacles(street_before().cloud.copy()))
-    if len(boxes) < 3:
-        raise CheckFailed(
-            "There are hardly any boxes, in a street full of cars.",
-            yours=f"{len(boxes)} boxes",
-            expected="about 10 to 80, by how far you look",
-        )
-    assert_sees(boxes, street_before())
-    for box in boxes:
-        heights = np.sort(box[:, 2])
-        if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
-            raise CheckFailed(
-                "Not all boxes stand upright on a rectangle.",
-                yours=brief(box),
-                expected="four corners at one height and right angles, four above",
-            )
+# ---- detect_obstacles: each property is looked at where cars are found ------------------
 
 
 @visible(
@@ -481,13 +46,25 @@ def returns_boxes(detect_obstacles: Callable) -> None:
     weight=5,
     title="Each car that stands free near the sensor has a box of its own",
     why="This is what the other eleven lessons were for.",
-    hint="Draw the clusters before the boxes. Is the road gone? Are neighbours one cluster "
-    "(threshold too large), is a car in pieces (too small), or too few points for "
-    "min_num_points?",
+    hint="Follow the returns near that place: how many are left after each step, and at which do "
+    "they vanish?",
 )
 def finds_cars(detect_obstacles: Callable) -> None:
     frames = [street(), street_before()]
     assert_cars_found([detect_obstacles(frame.cloud.copy()) for frame in frames], frames)
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="People who stand free near the sensor have boxes, too",
+    why="They are the smallest that there is on a road, and the ones that matter most.",
+    hint="How many points of a person are left before clustering? min_num_points must be smaller.",
+)
+def finds_people(detect_obstacles: Callable) -> None:
+    answer = detect_obstacles(walk(WALK).cloud.copy())
+    assert_sees(answer, walk(WALK))
+    assert_people_found(answer, walk(WALK))
 
 
 @visible(
@@ -500,22 +77,24 @@ def finds_cars(detect_obstacles: Callable) -> None:
 )
 def leaves_the_road(detect_obstacles: Callable) -> None:
     answer = detect_obstacles(street_before().cloud.copy())
-    assert_boxes_real([answer], [street_before()])
     assert_sees(answer, street_before())
+    assert_boxes_real([answer], [street_before()])
 
 
 @visible(
     "detect_obstacles",
-    weight=2,
+    weight=3,
     title="Does not take its own car for an obstacle",
     why="An obstacle at 0 m means full braking, for ever.",
-    hint="remove_ego_returns takes out the roof, drop_invalid the returns at (0, 0, 0): both "
-    "before anything is averaged or clustered.",
+    hint="Call remove_ego_returns with the whole box of the own car, from (-1.5, -1.7, -1.0) to "
+    "(2.6, 1.7, -0.4), before anything is averaged or clustered. Here the scanner sees bonnet "
+    "and roof from edge to edge.",
 )
 def forgets_itself(detect_obstacles: Callable) -> None:
-    answer = detect_obstacles(street_before().cloud.copy())
-    assert_own_car_free(answer, street_before())
-    assert_sees(answer, street_before())
+    frame = square(SQUARE)
+    answer = detect_obstacles(np.vstack([frame.cloud, own_car(SQUARE)]))
+    assert_sees(answer, frame)
+    assert_own_car_free(answer, frame)
 
 
 @visible(
@@ -527,30 +106,122 @@ def forgets_itself(detect_obstacles: Callable) -> None:
     hint="Fit the box along the main directions of the cluster, seen from above (lesson 11).",
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
-    answer = detect_obstacles(square(5).cloud.copy())
-    assert_cars_found([answer], [square(5)])
-    assert_boxes_turned(answer, square(5))
+    answer = detect_obstacles(square(SQUARE).cloud.copy())
+    assert_sees(answer, square(SQUARE))
+    assert_boxes_turned(answer, square(SQUARE))
 
 
 @visible(
     "detect_obstacles",
-    weight=3,
-    title="Takes an empty scan, three columns and returns that are not a number, and leaves "
-    "its input untouched",
-    why="A stream has no pause button: a bad frame must not stop it.",
-    hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
-    "leave nothing. Use cloud[:, :3].",
+    weight=2,
+    title="Boxes stand upright: a level floor, right angles, a corner above each corner",
+    why="Whoever plans a path asks of each corner how high it stands and what lies between.",
+    hint="Let the last step be your get_oriented_boxes of lesson 11: it turns about z alone.",
 )
-def takes_what_comes(detect_obstacles: Callable) -> None:
-    for columns in (3, 4):
-        boxes = as_boxes(detect_obstacles(np.empty((0, columns))))
-        if len(boxes):
-            raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
-    cloud = street_before().cloud[:, :3].copy()
-    cloud[::50] = np.nan
+def stands_upright(detect_obstacles: Callable) -> None:
+    answer = detect_obstacles(square(SQUARE).cloud.copy())
+    assert_sees(answer, square(SQUARE))
+    assert_upright(answer)
+
+
+@visible(
+    "detect_obstacles",
+    weight=2,
+    title="Single returns in the air, such as drops of rain, are no obstacles",
+    why="In a shower the car would stop at every drop.",
+    hint="filter_clusters removes clusters of a few points. Does the detector call it?",
+)
+def ignores_rain(detect_obstacles: Callable) -> None:
+    frame, drops = square(SQUARE), rain(SQUARE)
+    answer = detect_obstacles(np.vstack([frame.cloud, drops]))
+    assert_sees(answer, frame)
+    assert_dry(answer, frame, drops)
+
+
+@visible(
+    "detect_obstacles",
+    weight=2,
+    title="Bears returns that are not a number, and hundreds at (0, 0, 0)",
+    why="Whatever the scanner loses comes as such a row. A stream has no pause button.",
+    hint="Let drop_invalid be the very first step.",
+)
+def drops_invalid(detect_obstacles: Callable) -> None:
+    frame = square(SQUARE)
+    answer = detect_obstacles(with_invalid(frame.cloud, 1))
+    assert_sees(answer, frame)
+    assert_nothing_at_sensor(answer, frame)
+
+
+@visible(
+    "detect_obstacles",
+    weight=1,
+    title="Takes an empty scan",
+    why="A bad frame must not stop the stream.",
+    hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
+    "leave nothing.",
+)
+def takes_an_empty_scan(detect_obstacles: Callable) -> None:
+    assert_sees(detect_obstacles(square(SQUARE).cloud.copy()), square(SQUARE))
+    boxes = as_boxes(detect_obstacles(np.empty((0, 4))))
+    if len(boxes):
+        raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
+
+
+@visible(
+    "detect_obstacles",
+    weight=1,
+    title="Takes scans without intensity: three columns",
+    why="Not every scanner measures it, and a cloud may come from elsewhere.",
+    hint="Use cloud[:, :3] from the start.",
+)
+def takes_three_columns(detect_obstacles: Callable) -> None:
+    frame = square(SQUARE)
+    assert_sees(detect_obstacles(frame.cloud.copy()), frame)
+    assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
+
+
+@visible(
+    "detect_obstacles",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next cells score and draw the very cloud that the detector was given.",
+    hint="Choose rows with a mask, which makes a new array, and write into none that came in.",
+)
+def leaves_the_cloud(detect_obstacles: Callable) -> None:
+    cloud = square(SQUARE).cloud.copy()
+    cloud[::50, 3] = np.nan  # who mends a cloud in place, mends these
     seen = observe(detect_obstacles, cloud)
+    assert_sees(seen.result, square(SQUARE))
     assert_left_alone(seen, cloud)
-    assert_cars_found([seen.result], [street_before()])
+
+
+@noted(
+    "detect_obstacles",
+    title="Returns an array",
+    why="score and follow, in the next cells, choose boxes with a mask: a list takes none.",
+)
+def returns_an_array(detect_obstacles: Callable) -> None:
+    for cloud in (street_before().cloud.copy(), np.empty((0, 4))):
+        answer = detect_obstacles(cloud)
+        if np.shape(answer)[1:] != (8, 3) or not isinstance(answer, np.ndarray):
+            raise CheckFailed(
+                "np.array(boxes).reshape(-1, 8, 3) is an array also where there are no boxes.",
+                yours=brief(answer),
+            )
+
+
+@noted(
+    "detect_obstacles",
+    title="The four corners of the floor come first, or those of the roof",
+    why="score, in the next cells, takes the first four for the ground that a box covers.",
+)
+def has_the_floor_first(detect_obstacles: Callable) -> None:
+    for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
+        if np.ptp(box[:4, 2]) > 2e-3:
+            raise CheckFailed("The first four corners are not at one height.", yours=brief(box))
+
+
+# ---- match_boxes: each property is looked at where boxes are found again ------------------------
 
 
 def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
@@ -573,8 +244,61 @@ def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
     return centres[:, None] + size / 2 * np.vstack([floor, floor + [0, 0, 2]])
 
 
+# Four boxes that move half a metre, far from each other, and come in another order.
+_ORDER = frozen(np.array([2, 0, 3, 1]))
+_BEFORE = frozen(cubes([[4, 1], [9, -3], [15, 2], [-6, -4]]))
+_AFTER = frozen(_BEFORE[_ORDER] + [-0.5, 0.1, 0.0])
+
+
+def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.ndarray:
+    """An answer as one number for each current box.
+
+    Parameters
+    ----------
+    answer : object
+    previous, current : numpy.ndarray, shape (N, 8, 3)
+
+    Returns
+    -------
+    numpy.ndarray, shape (N_current,)
+    """
+    if isinstance(answer, (list, tuple)) and any(entry is None for entry in answer):
+        raise WrongForm(
+            "None is no index: a box without a partner gets -1.",
+            yours=brief(answer),
+            expected="whole numbers from -1 up",
+        )
+    yours = as_array(answer, what="an array of indices")
+    if yours.size == 0 and not len(current):
+        return np.empty(0)
+    if yours.shape == (len(current),) and yours.dtype.kind != "b":
+        return yours
+    words = ""
+    if yours.dtype.kind == "b":
+        words = " This is a mask, True or False."
+    elif yours.shape == (len(current), len(previous)):
+        words = " This has the shape of a table of all pairs: which column does each row choose?"
+    elif yours.shape == (len(previous),):
+        words = f" There are {len(previous)}, one for each previous box."
+    elif yours.ndim == 2 and yours.shape[1] == 2:
+        words = (
+            " If these are pairs: the second number of each belongs at the place that the first "
+            "one names."
+        )
+    raise WrongForm(
+        f"There must be one index for each of the {len(current)} current boxes.{words}",
+        yours=f"shape {yours.shape}",
+        expected=f"shape ({len(current)},)",
+    )
+
+
 def assert_matched(
-    answer: object, expected: ArrayLike, previous: np.ndarray, current: np.ndarray
+    answer: object,
+    expected: ArrayLike,
+    previous: np.ndarray,
+    current: np.ndarray,
+    look_at: ArrayLike | slice = slice(None),
+    given: str | None = None,
 ) -> None:
     """The answer names for each current box the right previous one.
 
@@ -583,42 +307,116 @@ def assert_matched(
     answer : object
     expected : array_like of int, shape (N_current,)
     previous, current : numpy.ndarray, shape (N, 8, 3)
+    look_at : array_like or slice
+        Which current boxes are looked at; all, if not given.
+    given : str, optional
+        What else the function was given, for the message.
     """
     expected = np.asarray(expected, dtype=int).ravel()
-    yours = as_array(answer, what="an array of indices")
-    if yours.size == 0 and not len(expected):
+    yours = as_indices(answer, previous, current)
+    looked = np.arange(len(expected))[look_at]
+    wrong = looked[yours[looked] != expected[looked]]
+    if not len(wrong):
         return
-    if yours.shape != expected.shape:
-        raise CheckFailed(
-            "There must be one index for each current box.",
-            yours=f"shape {yours.shape}",
-            expected=f"shape {expected.shape}",
+    first = wrong[0]
+    if expected[first] < 0:
+        message = f"Current box {first} has no partner: it gets -1."
+    elif yours[first] not in range(-1, len(previous)):
+        message = (
+            f"Current box {first} gets {yours[first]:g}, which is no row of previous: there are "
+            f"{len(previous)}."
         )
-    draw = functools.partial(_draw_matches, previous, current, yours, expected)
-    if (
-        not np.array_equal(yours, np.round(yours))
-        or yours.min() < -1
-        or yours.max() >= len(previous)
-    ):
-        raise CheckFailed(
-            "Each entry is the index of a previous box, or -1.",
-            yours=brief(yours),
-            expected=brief(expected),
-        )
-    if np.array_equal(yours, expected):
-        return
+    else:
+        message = f"Current box {first} was previous box {expected[first]}."
+    raise CheckFailed(
+        message,
+        given=_centres(previous, current, given),
+        yours=brief(yours),
+        expected=brief(expected),
+        draw=functools.partial(_draw_matches, previous, current, yours, expected),
+    )
+
+
+def assert_one_to_one(
+    answer: object, previous: np.ndarray, current: np.ndarray, given: str | None = None
+) -> None:
+    """No previous box has two partners; whether they are the right ones is not asked.
+
+    Parameters
+    ----------
+    answer : object
+    previous, current : numpy.ndarray, shape (N, 8, 3)
+    given : str, optional
+        What else the function was given, for the message.
+    """
+    yours = as_indices(answer, previous, current)
     taken, times = np.unique(yours[yours >= 0], return_counts=True)
     if (times > 1).any():
-        message = f"Previous box {taken[times > 1][0]:.0f} is given to several current boxes."
-    else:
-        first = np.flatnonzero(yours != expected)[0]
-        right = (
-            "is new and has no partner"
-            if expected[first] < 0
-            else f"was previous box {expected[first]}"
+        twice = taken[times > 1][0]
+        owners = np.flatnonzero(yours == twice)
+        raise CheckFailed(
+            f"Previous box {twice:.0f} is given to several current boxes, for example to "
+            f"{owners[0]} and {owners[1]}.",
+            given=_centres(previous, current, given),
+            yours=brief(yours),
+            draw=functools.partial(_draw_matches, previous, current, yours, np.empty(0)),
         )
-        message = f"Current box {first} {right}."
-    raise CheckFailed(message, yours=brief(yours), expected=brief(expected), draw=draw)
+
+
+def assert_within(
+    answer: object,
+    expected: ArrayLike,
+    previous: np.ndarray,
+    current: np.ndarray,
+    max_distance: float,
+) -> None:
+    """Partners are those boxes that are close enough; what the others get is not asked.
+
+    Parameters
+    ----------
+    answer : object
+    expected : array_like of int, shape (N_current,)
+    previous, current : numpy.ndarray, shape (N, 8, 3)
+    max_distance : float
+    """
+    expected = np.asarray(expected, dtype=int)
+    yours = as_indices(answer, previous, current)
+    wrong = np.flatnonzero(np.where(expected < 0, yours >= 0, yours != expected))
+    if not len(wrong):
+        return
+    first = wrong[0]
+    if not len(previous):
+        raise CheckFailed(
+            f"There is no previous box, and current box {first} has a partner.", yours=brief(yours)
+        )
+    away = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
+    text = "it has no partner" if expected[first] < 0 else "that is its partner"
+    raise CheckFailed(
+        f"Current box {first} is {away:.2f} m from the nearest previous box, and max_distance is "
+        f"{max_distance:g} m: {text}.",
+        given=_centres(previous, current, f"max_distance {max_distance:g}"),
+        yours=brief(yours),
+        expected=brief(expected),
+        draw=functools.partial(_draw_matches, previous, current, yours, expected),
+    )
+
+
+def assert_finds_again(match_boxes: Callable) -> None:
+    """Boxes are found again after a small move; where not, nothing else can be looked at."""
+    with needs("boxes are found again after a small move"):
+        answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
+        assert_matched(answer, _ORDER, _BEFORE, _AFTER)
+
+
+def _centres(previous: np.ndarray, current: np.ndarray, more: str | None = None) -> str | None:
+    """What a function was given, if that is little: the centres of the boxes."""
+    if len(previous) + len(current) > 8:
+        return None
+    parts = []
+    for name, boxes in (("previous", previous), ("current", current)):
+        places = [f"({x:g}, {y:g})" for x, y in boxes.mean(axis=1)[:, :2].round(2)]
+        parts.append(f"{name} at {' '.join(places) or 'no place'}")
+    return "; ".join([*parts, more] if more else parts)
 
 
 @visible(
@@ -630,146 +428,273 @@ def assert_matched(
     "between current and previous centres; the smallest entry is a pair.",
 )
 def finds_again(match_boxes: Callable) -> None:
-    previous = cubes([[4, 1], [9, -3], [15, 2], [-6, -4]])
-    order = [2, 0, 3, 1]
-    current = previous[order] + [-0.5, 0.1, 0.0]
-    assert_matched(match_boxes(previous.copy(), current.copy(), 1.5), order, previous, current)
-    assert_matched(
-        match_boxes(previous=previous.copy(), current=current.copy(), max_distance=1.5),
-        order,
-        previous,
-        current,
-    )
-
-
-@visible(
-    "match_boxes",
-    weight=3,
-    title="A box with no partner within max_distance is new: -1",
-    why="Somebody steps out from behind a lorry. They must not inherit the name of the lorry.",
-    hint="Compare the distance with max_distance before you accept a pair, and start from "
-    "an array full of -1.",
-)
-def knows_new_ones(match_boxes: Callable) -> None:
-    previous, current = cubes([[4, 1], [9, -3]]), cubes([[12, 5], [9.4, -3], [4, 3.5]])
-    assert_matched(
-        match_boxes(previous.copy(), current.copy(), 1.0), [-1, 1, -1], previous, current
-    )
-    assert_matched(match_boxes(previous.copy(), current.copy(), 3.0), [-1, 1, 0], previous, current)
-
-
-@visible(
-    "match_boxes",
-    weight=4,
-    title="One to one: two boxes never get the same partner, and the nearer one gets it",
-    why="Two cars under one name are one car to the planner.",
-    hint="Take the closest of all pairs first, then strike out its row and its column. "
-    "Going through the current boxes in their order gives the partner to whoever comes "
-    "first.",
-)
-def is_one_to_one(match_boxes: Callable) -> None:
-    previous, current = cubes([[5, 0], [20, 0]]), cubes([[6.2, 0], [5.2, 0], [20.3, 0]])
-    assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [-1, 0, 1], previous, current)
-    current = current[::-1]
-    assert_matched(match_boxes(previous.copy(), current.copy(), 2.0), [1, 0, -1], previous, current)
+    answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
+    assert_matched(answer, _ORDER, _BEFORE, _AFTER, given="max_distance 1.5")
 
 
 @visible(
     "match_boxes",
     weight=2,
-    title="Takes no boxes on either side, and leaves its input untouched",
+    title="A box without a partner is new: -1",
+    why="Somebody steps out from behind a lorry. They must not inherit the name of the lorry.",
+    hint="Start from an array full of -1, as long as current, and write into it.",
+)
+def marks_new_ones(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    previous, current = cubes([[4, 1], [9, -3]]), cubes([[20, 5], [9.4, -3], [4, 1.5], [-9, 0]])
+    answer = match_boxes(previous.copy(), current.copy(), 1.5)
+    assert_matched(answer, [-1, 1, 0, -1], previous, current, [0, 3], "max_distance 1.5")
+
+
+@visible(
+    "match_boxes",
+    weight=3,
+    title="Boxes farther apart than max_distance are no partners",
+    why="A name that jumps to somebody far away gives them a speed that they do not have.",
+    hint="Compare the distance itself with max_distance before you accept a pair.",
+)
+def ends_at_the_limit(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    previous = cubes([[0, 0], [20, 0], [40, 0]])
+    current = cubes([[40, 2.6], [0, 0.4], [20, -1.4]])
+    for limit, expected in (
+        (3.0, [2, 0, 1]),
+        (2.0, [-1, 0, 1]),
+        (1.41, [-1, 0, 1]),
+        (1.39, [-1, 0, -1]),
+        (0.3, [-1, -1, -1]),
+    ):
+        answer = match_boxes(previous.copy(), current.copy(), limit)
+        assert_within(answer, expected, previous, current, limit)
+
+
+@visible(
+    "match_boxes",
+    weight=7,
+    title="One to one: two boxes never get the same partner",
+    why="Two cars under one name are one car to the planner.",
+    hint="Once a pair is chosen, strike out its row and its column: neither is free any more.",
+)
+def is_one_to_one(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    # The nearer one comes first, and nobody is where previous box 0 was.
+    previous, current = cubes([[-20, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
+    answer = match_boxes(previous.copy(), current.copy(), 2.0)
+    assert_one_to_one(answer, previous, current, "max_distance 2")
+
+
+@visible(
+    "match_boxes",
+    weight=3,
+    title="Of two that want the same partner the nearer one gets it",
+    why="The name goes to whoever happens to stand first in the list, and cars swap names.",
+    hint="Take the closest of all pairs first. Going through the current boxes in their order "
+    "gives the partner to whoever comes first.",
+)
+def prefers_the_nearer(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    previous, current = cubes([[-20, 0], [5, 0]]), cubes([[6.2, 0.3], [5.2, 0]])
+    answer = match_boxes(previous.copy(), current.copy(), 2.0)
+    assert_matched(answer, [-1, 1], previous, current, [1], "max_distance 2")
+
+
+@visible(
+    "match_boxes",
+    weight=2,
+    title="A box with two earlier ones near by was the nearer of them",
+    why="Where a car and a post stood side by side, the car keeps its name, and its speed.",
+    hint="Strike out the row of a pair, too: a box that has its partner takes no second one.",
+)
+def takes_the_nearer(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    previous, current = cubes([[6.3, 0.4], [5, 0]]), cubes([[5.2, 0]])
+    answer = match_boxes(previous.copy(), current.copy(), 2.0)
+    assert_matched(answer, [1], previous, current, given="max_distance 2")
+
+
+@visible(
+    "match_boxes",
+    weight=2,
+    title="Goes by the centres: the corners of a box may start elsewhere",
+    why="A car that turns, or shows more of itself, gets a box with other corners.",
+    hint="The centre is the mean over all eight corners: boxes.mean(axis=1).",
+)
+def goes_by_the_centres(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    previous = cubes([[4, 1], [15, 2], [-8, -4]], 2.0)
+    current = cubes([[15.2, 2], [-8, -4.3], [4.1, 1]], 2.0, turn=2)
+    answer = match_boxes(previous.copy(), current.copy(), 1.0)
+    assert_matched(answer, [1, 2, 0], previous, current, given="max_distance 1")
+
+
+@visible(
+    "match_boxes",
+    weight=2,
+    title="Takes no boxes on either side",
     why="The first frame has no frame before it, and an empty road has no boxes.",
     hint="argmin of an empty table is an error: return early, an array of -1 as long as current.",
 )
 def takes_no_boxes(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
     some, none = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
-    for previous, current, expected in (
-        (none, some, [-1, -1]),
-        (some, none, []),
-        (none, none, []),
-        (some, some, [0, 1]),
-    ):
+    for previous, current in ((none, some), (some, none), (none, none)):
         answer = match_boxes(previous.copy(), current.copy(), 2.0)
-        assert_matched(answer, expected, previous, current)
-        assert_untouched(match_boxes, previous, current, 2.0)
+        assert_within(answer, np.full(len(current), -1), previous, current, 2.0)
 
 
-def _sides(box: np.ndarray) -> np.ndarray:
-    """Length and width (m) of the rectangle that a box stands on."""
-    rectangle = footprint(box)
-    if rectangle is None:
-        return np.ptp(box[:, :2], axis=0)
-    return np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1)
+@visible(
+    "match_boxes",
+    weight=1,
+    title="The parameters keep their names",
+    why="Whoever writes match_boxes(before, after, max_distance=1.5) relies on them.",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    answer = match_boxes(previous=_BEFORE.copy(), current=_AFTER.copy(), max_distance=1.5)
+    assert_matched(answer, _ORDER, _BEFORE, _AFTER)
 
 
-def _fits(box: np.ndarray, car: Box) -> bool:
-    """Whether a box is not much larger than a car."""
-    long, wide = np.sort(_sides(box))[::-1]
-    return long <= car.size[0] + 2.0 and long * wide <= 2.5 * car.size[0] * car.size[1]
+@visible(
+    "match_boxes",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The boxes of this frame are the previous ones of the next.",
+    hint="Put infinity into a table of your own, and nothing into the boxes.",
+)
+def leaves_the_boxes(match_boxes: Callable) -> None:
+    assert_finds_again(match_boxes)
+    assert_untouched(match_boxes, _BEFORE, _AFTER, 1.5)
 
 
-def _within(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
-    """Which points (n, 3) lie in a box, enlarged by a margin (m): (n,) of bool."""
-    low, high = box.min(axis=0), box.max(axis=0)
-    level = (points[:, 2] >= low[2] - margin) & (points[:, 2] <= high[2] + margin)
-    if np.hypot(*(high - low)[:2]) < 1e-9:
-        return level  # a box of one return has no sides to be within
-    rectangle = footprint(box)
-    if rectangle is None:
-        rectangle = np.array([low[:2], [high[0], low[1]], high[:2], [low[0], high[1]]])
-    return level & (distance_outside(points[:, :2], rectangle) <= margin)
+@noted(
+    "match_boxes",
+    title="Indices are whole numbers",
+    why="follow, in the next cell, looks names up with them, and 2.0 is no index.",
+)
+def has_whole_indices(match_boxes: Callable) -> None:
+    kind = as_array(match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)).dtype
+    if kind.kind not in "iu":
+        raise CheckFailed(f"The indices are of type {kind}.")
 
 
-@functools.lru_cache(maxsize=64)
-def _sorted_by_x(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-    """Returns of a frame by ascending x, and whether each hit an obstacle."""
-    order = np.argsort(frame.cloud[:, 0], kind="stable")
-    return frame.cloud[order, :3], frame.scan.objects[order] > 0
+# Eight small calls that tell the usual mistakes apart, each with a max_distance of its own, by
+# which it is known: where (x, y) the boxes were and are, and who is whose partner. In "far" and
+# "near" boxes are large, and their corners start elsewhere in the second frame.
+_ROW = ((0, 0), (10, 0), (20, 0))
+_CALLS = {
+    "moved": (2.0, (*_ROW, (30, 0)), ((20, 1.1), (0, 1.1), (30, 1.1), (10, 1.1)), (2, 0, 3, 1)),
+    "rivals": (1.9, _ROW, ((10.9, 0.8), (10.2, 0), (20.8, 0), (40, 0)), (-1, 1, 2, -1)),
+    "crowd": (1.7, ((0, 0),), ((1.2, 0), (0.2, 0), (0, 0.9)), (-1, 0, -1)),
+    "merge": (1.6, ((1.2, 0), (0.2, 0), (0, -0.9)), ((0, 0),), (1,)),
+    "between": (1.4, ((0, 0), (1.1, 0), (10, 0)), ((0.4, 0), (10.3, 0)), (0, 2)),
+    "far": (3.0, _ROW, ((20, 2.5), (0, 0.8), (10, 6)), (2, 0, -1)),
+    "small": (0.5, _ROW, ((0, 0.6), (20, 0.3), (10, 0.45)), (-1, 2, 1)),
+    "near": (1.3, _ROW[:2], ((10, 1.2), (0, 1.2)), (1, 0)),
+}
 
 
-def _holds_obstacle(box: np.ndarray, frame: Frame) -> bool:
-    points, obstacle = _sorted_by_x(frame)
-    first, last = np.searchsorted(points[:, 0], [box[:, 0].min() - 0.1, box[:, 0].max() + 0.1])
-    held = obstacle[first:last][_within(points[first:last], box, 0.05)]
-    return 2 * np.count_nonzero(held) > len(held)
+def _called(name: str) -> tuple[np.ndarray, np.ndarray, float]:
+    limit, before, after, _ = _CALLS[name]
+    size, turn = (4.0, 2) if name in ("far", "near") else (1.0, 0)
+    return cubes(before, size), cubes(after, size, turn), limit
 
 
-def _standing_on(car: Box, boxes: np.ndarray) -> np.ndarray:
-    """Numbers of the boxes whose middles lie in the footprint of a car."""
-    middles = boxes.mean(axis=1)
-    middles[:, 2] = car.centre[2]
-    return np.flatnonzero(_within(middles, car.corners, 0.0))
+def _right(previous: np.ndarray, current: np.ndarray, max_distance: float) -> np.ndarray:
+    return next(np.array(call[3]) for call in _CALLS.values() if call[0] == max_distance)
 
 
-def _covering(boxes: np.ndarray, centre: Sequence[float], margin: float = 0.0) -> np.ndarray:
-    """Numbers of the boxes over a place, or within a margin (m) of it along x and y."""
-    low, high = boxes[:, :, :2].min(axis=1) - margin, boxes[:, :, :2].max(axis=1) + margin
-    return np.flatnonzero(((low <= centre[:2]) & (high >= centre[:2])).all(axis=1))
+def _but(**answers: tuple) -> Callable:
+    """Predicts the right answer, but for some of the calls."""
+    by_limit = {_CALLS[name][0]: np.array(answer) for name, answer in answers.items()}
+    return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 
 
-def _draw(
-    frame: Frame,
-    boxes: np.ndarray,
-    reference: Sequence[np.ndarray] = (),
-    label: str = "",
-    title: str | None = None,
-) -> None:
-    above = frame.cloud[frame.scan.objects > 0]
-    axes = utils.plots.boxes(
-        boxes, cloud=above, label="yours", limits=((-15, 25), (-11, 11)), title=title
-    )
-    if len(reference):
-        utils.plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
-        for corners in reference:
-            axes.plot(
-                *corners[:, :2].mean(axis=0),
-                "o",
-                markersize=26,
-                markerfacecolor="none",
-                markeredgecolor="black",
-                markeredgewidth=1.6,
-                zorder=9,
-            )
+mistakes(
+    "match_boxes",
+    Mistake(
+        "Each current box takes the nearest previous one that is close enough, also where that "
+        "one has a nearer partner.",
+        _but(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
+        "Once a pair is chosen, strike out its row and its column.",
+    ),
+    Mistake(
+        "Whichever current box comes first in the list takes the partner, also where a later one "
+        "is nearer.",
+        _but(rivals=(1, -1, 2, -1), crowd=(0, -1, -1)),
+        "Take the closest of all pairs first.",
+    ),
+    Mistake(
+        "max_distance is not looked at: pairs are made as long as there are boxes on both sides.",
+        _but(rivals=(0, 1, 2, -1), far=(2, 0, 1), small=(0, 2, 1)),
+        "Stop at the first pair that is farther apart than max_distance.",
+    ),
+    Mistake(
+        "Each current box takes the nearest previous one, however far it is and whoever else has "
+        "it.",
+        _but(rivals=(1, 1, 2, 2), crowd=(0, 0, 0), far=(2, 0, 1), small=(0, 2, 1)),
+        "Compare with max_distance, and strike out the row and the column of each pair.",
+    ),
+    Mistake(
+        "Each previous box takes the nearest current one, however far it is: max_distance is not "
+        "looked at.",
+        _but(merge=(2,), between=(1, 2), far=(2, 0, 1), small=(0, 2, 1)),
+        "Accept a pair only if it is not farther apart than max_distance.",
+    ),
+    Mistake(
+        "A box that has its partner gets another, farther one later: its row is not struck out.",
+        _but(merge=(0,), between=(1, 2)),
+        "After each pair put infinity into table[row, :], not into the column alone.",
+    ),
+    Mistake(
+        "The square of the distance is compared with max_distance.",
+        _but(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
+        "Take the root, or let np.linalg.norm do it.",
+    ),
+    Mistake(
+        "A fixed distance decides, whatever max_distance is.",
+        _but(far=(-1, 0, -1), small=(0, 2, 1)),
+        "Compare with max_distance, by its name.",
+    ),
+    Mistake(
+        "The answer is the wrong way round: it says for each previous box which current one it "
+        "became.",
+        _but(
+            moved=(1, 3, 0, 2),
+            rivals=(-1, 1, 2),
+            crowd=(1,),
+            merge=(-1, 0, -1),
+            between=(0, -1, 1),
+            far=(1, -1, 0),
+            small=(-1, 2, 1),
+        ),
+        "One entry for each current box; the entries are rows of previous.",
+    ),
+    Mistake(
+        "Box k of the one frame is taken for box k of the other.",
+        lambda right, previous, current, max_distance: np.where(
+            np.arange(len(current)) < len(previous), np.arange(len(current)), -1
+        ),
+        "Boxes come in any order: compare their centres.",
+    ),
+    Mistake(
+        "No box gets a partner: every entry is -1.",
+        lambda right, *case: np.full(len(right), -1),
+    ),
+    Mistake(
+        "0 stands where a box has no partner. That is the index of a previous box.",
+        lambda right, *case: np.where(right < 0, 0, right),
+        "Start from np.full(len(current), -1).",
+    ),
+    Mistake(
+        "Corners are compared, one or all of them, and not centres. Another box may start its "
+        "corners elsewhere.",
+        _but(far=(-1, -1, -1), near=(-1, -1)),
+        "Compare the centres: the mean of all eight corners.",
+    ),
+    cases=tuple(_called(name) for name in _CALLS),
+    right=_right,
+)
 
 
 def _draw_matches(
@@ -785,9 +710,10 @@ def _draw_matches(
             names=True,
             label="current",
             axes=axes,
-            title="Solid lines: your pairs; dotted: the right ones",
+            title="Solid lines: your pairs" + ("; dotted: the right ones" if len(expected) else ""),
         )
-    for pairs, line, wide in ((expected, ":", 4.0), (yours.astype(int), "-", 1.5)):
+    chosen = np.nan_to_num(yours, nan=-1).astype(int)
+    for pairs, line, wide in ((expected, ":", 4.0), (chosen, "-", 1.5)):
         for number, partner in enumerate(pairs):
             if 0 <= partner < len(previous):
                 ends = np.stack([previous[partner], current[number]])[:, :, :2].mean(axis=1)

@@ -1,0 +1,467 @@
+"""Assertions about the boxes that a detector draws around what a scan holds."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import utils
+from utils.boxes import Box, distance_outside
+from utils.checks.boxes import footprint
+from utils.checks.scans import OWN_CAR, clear_cars, clear_people
+from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs, point_text
+
+if TYPE_CHECKING:
+    from utils.simulator.frames import Frame
+
+HELD = 0.8  # of a thing's returns, that its box must hold
+PIECES = 4  # boxes that may stand on one car: its own, a mirror, what is seen through its windows
+MOST_BOXES = 1000  # to look at; comparing more takes long, and none of them is right
+# Boxes so many times as large as the cars in them are not turned. Over forty squares, turned ones
+# stay below 1.25 times the area of the cars, boxes along the axes above 1.5.
+UNTURNED = 1.33
+LARGEST_OF_A_PERSON = 3.0  # square metres
+SEEN = "cars that stand free near the sensor have boxes of their own"
+
+
+def as_boxes(answer: object) -> np.ndarray:
+    """An answer as boxes of any number.
+
+    Parameters
+    ----------
+    answer : object
+
+    Returns
+    -------
+    numpy.ndarray, shape (N, 8, 3)
+    """
+    if isinstance(answer, (list, tuple)) and not answer:
+        return np.empty((0, 8, 3))
+    boxes = as_array(answer, what="an array of boxes")
+    if boxes.size == 0 and boxes.shape[:1] == (0,):
+        return np.empty((0, 8, 3))
+    if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
+        raise WrongForm(
+            "The answer must hold N boxes of 8 corners (rows) of 3 coordinates.",
+            yours=f"shape {boxes.shape}",
+            expected="shape (N, 8, 3)",
+        )
+    if len(boxes) > MOST_BOXES:
+        raise WrongForm(
+            "There are more than a thousand boxes, in a street of some dozens of things.",
+            yours=f"{len(boxes)} boxes",
+            expected="about 10 to 80",
+            hint=IN_PIECES,
+        )
+    if not np.isfinite(boxes).all():
+        bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))[0]
+        raise WrongForm(
+            "A box has a corner that is not finite.",
+            yours=brief(boxes[bad]),
+            hint="Returns that are not a number must be gone before boxes are fitted; and a "
+            "cluster of one point has no direction to divide by.",
+        )
+    return boxes.astype(float)
+
+
+def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
+    """Number of the box that holds nearly all of a car or person and not much else; or None.
+
+    None also for a car in pieces, and for one that stands in a much larger box besides.
+
+    Parameters
+    ----------
+    thing : utils.boxes.Box
+    boxes : numpy.ndarray, shape (N, 8, 3)
+    frame : utils.simulator.frames.Frame
+
+    Returns
+    -------
+    int or None
+    """
+    returns = frame.cloud[frame.scan.objects == thing.identity, :3]
+    # Where the ground is cut is everyone's own choice, and wheels are nobody's.
+    returns = returns[returns[:, 2] > thing.centre[2] - thing.size[2] / 2 + 0.55]
+    if len(_standing_on(thing, boxes)) > PIECES:
+        return None
+    holding = {
+        int(number): _within(returns, boxes[number], 0.2).mean()
+        for number in _covering(boxes, thing.centre, 4.0)
+    }
+    if any(share >= 0.9 and not _fits(boxes[number], thing) for number, share in holding.items()):
+        return None
+    return next(
+        (
+            number
+            for number, share in holding.items()
+            if share >= HELD and _fits(boxes[number], thing)
+        ),
+        None,
+    )
+
+
+def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> None:
+    """At least half of the clear cars have a box of their own.
+
+    A sensible detector misses one in a hundred of them, at the edge of its region.
+
+    Parameters
+    ----------
+    answers : sequence of object
+        For each frame what the detector said.
+    frames : sequence of utils.simulator.frames.Frame
+    """
+    _assert_found(answers, [(frame, clear_cars(frame)) for frame in frames], "cars")
+
+
+def assert_people_found(answer: object, frame: Frame) -> None:
+    """At least half of the clear people have a box of their own.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
+    _assert_found([answer], [(frame, clear_people(frame))], "people")
+
+
+def assert_sees(answer: object, frame: Frame) -> None:
+    """The clear cars are found: who sees nothing is not praised for what they spare.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+
+    Raises
+    ------
+    utils.checks.failures.NotYet
+        Where they are not.
+    """
+    with needs(SEEN):
+        assert_cars_found([answer], [frame])
+
+
+def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> None:
+    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles.
+
+    Parameters
+    ----------
+    answers : sequence of object
+    frames : sequence of utils.simulator.frames.Frame
+    """
+    ghosts, total = [], 0
+    for answer, frame in zip(answers, frames, strict=True):
+        boxes = as_boxes(answer)
+        most = 2 * len(frame.boxes) + 20
+        if len(boxes) > most:
+            raise CheckFailed(
+                "There are far more boxes than things in the street.",
+                yours=f"{len(boxes)} boxes",
+                expected=f"fewer than {most}",
+                draw=lambda frame=frame, boxes=boxes: _draw(frame, boxes),
+                hint=IN_PIECES,
+            )
+        total += len(boxes)
+        ghosts += [(box, frame, boxes) for box in boxes if not _holds_obstacle(box, frame)]
+    if len(ghosts) <= 0.4 * total:
+        return
+    box, frame, boxes = ghosts[0]
+    held = np.count_nonzero(_within(_sorted_by_x(frame)[0], box, 0.05))
+    raise CheckFailed(
+        f"Boxes hold more road than obstacle, or nothing at all: {len(ghosts)} of {total}, "
+        f"for example {point_text(box[:, :2].mean(axis=0))}.",
+        yours=f"{held or 'no'} return{'s' if held != 1 else ''} in that box",
+        expected="boxes around cars, people, poles, walls",
+        draw=lambda: _draw(
+            frame, boxes, [ghost for ghost, of, _ in ghosts if of is frame], "nothing in it"
+        ),
+    )
+
+
+def assert_own_car_free(answer: object, frame: Frame) -> None:
+    """No box stands where the own car is.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
+    boxes = as_boxes(answer)
+    middles = boxes[:, :, :2].mean(axis=1)
+    inside = ((middles > OWN_CAR[0]) & (middles < OWN_CAR[1])).all(axis=1)
+    if inside.any():
+        raise CheckFailed(
+            "A box stands where the own car is.",
+            yours=f"a box with its middle at {point_text(middles[inside][0])}",
+            expected="none between x = -1.5 and 2.6 m, y = -1.7 and 1.7 m",
+            draw=lambda: _draw(frame, boxes, boxes[inside], "own car"),
+        )
+
+
+def assert_nothing_at_sensor(answer: object, frame: Frame) -> None:
+    """No box holds the place of the sensor, where lost returns lie.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
+    boxes = as_boxes(answer)
+    sensor = np.zeros((1, 3))
+    near = _covering(boxes, sensor[0], 0.1)
+    at = [number for number in near if _within(sensor, boxes[number], 0.1).any()]
+    if at:
+        raise CheckFailed(
+            "A box stands around (0, 0, 0): that is where the sensor is, and where it puts returns "
+            "that were lost.",
+            yours=f"a box from {point_text(boxes[at[0]].min(axis=0))} to "
+            f"{point_text(boxes[at[0]].max(axis=0))}",
+            expected="no box there",
+            draw=lambda: _draw(frame, boxes, boxes[at], "lost returns"),
+        )
+
+
+def assert_dry(answer: object, frame: Frame, drops: np.ndarray) -> None:
+    """At most a third of the drops have a box.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    drops : numpy.ndarray, shape (n, 4)
+        Single returns in the air that the detector was given besides.
+    """
+    boxes = as_boxes(answer)
+    small = boxes[np.ptp(boxes, axis=1).max(axis=1) < 1.0]
+    away = np.linalg.norm(small.mean(axis=1)[:, None] - drops[:, :3], axis=2)
+    wet = np.count_nonzero((away < 0.5).any(axis=0))
+    if wet > len(drops) // 3:
+        raise CheckFailed(
+            "Single returns in the air have boxes.",
+            yours=f"boxes around {wet} of {len(drops)} drops of rain",
+            expected="none around clusters of one point",
+            draw=lambda: _draw(frame, boxes, small[(away < 0.5).any(axis=1)], "a drop"),
+        )
+
+
+def assert_gone(answer: object, car: Box, frame: Frame) -> None:
+    """No box of about its size stands where a car was.
+
+    Parameters
+    ----------
+    answer : object
+    car : utils.boxes.Box
+        It is not in the frame any more.
+    frame : utils.simulator.frames.Frame
+    """
+    boxes = as_boxes(answer)
+    left = [number for number in _standing_on(car, boxes) if _fits(boxes[number], car)]
+    if left:
+        raise CheckFailed(
+            "A box stands where no car is: in this scan its place is empty.",
+            yours=f"a box at {point_text(car.centre[:2])}",
+            expected="boxes around what the scan holds",
+            draw=lambda: _draw(frame, boxes, boxes[left], "nothing in it"),
+        )
+
+
+def assert_boxes_turned(answer: object, frame: Frame) -> None:
+    """The boxes of turned cars are hardly larger than the cars.
+
+    Parameters
+    ----------
+    answer : object
+    frame : utils.simulator.frames.Frame
+    """
+    boxes = as_boxes(answer)
+    pairs = [(car, box_of(car, boxes, frame)) for car in clear_cars(frame)]
+    pairs = [(car, boxes[number]) for car, number in pairs if number is not None]
+    area = sum(np.prod(_sides(box)) for _, box in pairs)
+    true_area = sum(car.size[0] * car.size[1] for car, _ in pairs)
+    if area > UNTURNED * true_area:
+        raise CheckFailed(
+            "The boxes of cars that stand at an angle are much larger than the cars.",
+            yours=f"{area / len(pairs):.1f} square metres on average",
+            expected=f"about {true_area / len(pairs):.1f} square metres",
+            draw=lambda: _draw(frame, boxes, [car.corners for car, _ in pairs], "true"),
+        )
+
+
+def assert_upright(answer: object) -> None:
+    """Every box has a level floor, right angles, and a corner above each corner.
+
+    Parameters
+    ----------
+    answer : object
+    """
+    for box in as_boxes(answer):
+        heights = np.sort(box[:, 2])
+        if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
+            raise CheckFailed(
+                "Not all boxes stand upright on a rectangle.",
+                yours=brief(box),
+                expected="four corners at one height and right angles, four above",
+            )
+
+
+IN_PIECES = (
+    "Draw the clusters before the boxes. A thing falls to pieces where the threshold is smaller "
+    "than the gaps between its points."
+)
+_TOO_LARGE = (
+    "Draw the clusters before the boxes. Is the road gone? Is the threshold smaller than the gaps "
+    "between things?"
+)
+
+
+def _assert_found(
+    answers: Sequence[object], wanted: Sequence[tuple[Frame, Sequence[Box]]], what: str
+) -> None:
+    missed, count = [], 0
+    for answer, (frame, things) in zip(answers, wanted, strict=True):
+        boxes = as_boxes(answer)
+        count += len(things)
+        missed += [(thing, boxes, frame) for thing in things if box_of(thing, boxes, frame) is None]
+    if len(missed) <= count // 2:
+        return
+    thing, boxes, frame = missed[0]
+    how, hint = _how_missed(thing, boxes)
+    raise CheckFailed(
+        f"Of {count} {what} standing free near the sensor, {len(missed)} "
+        f"{'have' if len(missed) > 1 else 'has'} no box of their own"
+        f", for example {point_text(thing.centre[:2])}: {how}.",
+        given=_what_is_left(thing, frame),
+        yours=f"{len(boxes)} boxes in that scan",
+        expected="for each a box around most of its returns and not much else",
+        draw=lambda: _draw(
+            frame,
+            boxes,
+            [item[0].corners for item in missed if item[2] is frame],
+            "missed",
+            "Each dashed box should have one of yours",
+        ),
+        hint=hint,
+    )
+
+
+def _how_missed(thing: Box, boxes: np.ndarray) -> tuple[str, str]:
+    """What is over a thing instead of its box, and what to do about that."""
+    over = boxes[_covering(boxes, thing.centre)]
+    pieces = len(_standing_on(thing, boxes))
+    if pieces > PIECES:
+        return f"there are {pieces} boxes on it", IN_PIECES
+    if not len(over):
+        return "no box is over it", ""  # the hint of the check
+    longest = max(max(_sides(box)) for box in over)
+    if longest > max(thing.size[:2]) + 1.0:
+        return (
+            f"the box over it is {longest:.1f} m long, the {_name(thing)} {thing.size[0]:.1f} m",
+            _TOO_LARGE,
+        )
+    return "no box over it holds most of its returns", IN_PIECES
+
+
+def _what_is_left(thing: Box, frame: Frame) -> str:
+    returns = frame.cloud[frame.scan.objects == thing.identity, :3]
+    cubes = len(np.unique(np.floor(returns[returns[:, 2] > -1.2] / 0.2), axis=0))
+    return (
+        f"a {_name(thing)} of {len(returns)} returns, which fill {cubes} cubes of 0.2 m above "
+        "z = -1.2 m"
+    )
+
+
+def _name(thing: Box) -> str:
+    return {"pedestrian": "person"}.get(thing.kind, thing.kind)
+
+
+def _rectangle(box: np.ndarray) -> np.ndarray:
+    """The rectangle (4, 2) that a box stands on, or the smallest around it if it does not stand."""
+    standing = footprint(box)
+    if standing is not None:
+        return standing
+    xy = box[:, :2]
+    apart = (xy[:, None] - xy).reshape(-1, 2)
+    angle = np.arctan2(apart[:, 1], apart[:, 0])  # one side lies along two of the corners
+    along = np.stack([np.cos(angle), np.sin(angle)])
+    across = np.stack([-along[1], along[0]])
+    best = np.argmin(np.ptp(xy @ along, axis=0) * np.ptp(xy @ across, axis=0))
+    axes = np.stack([along[:, best], across[:, best]])
+    (a, b), (c, d) = ((side.min(), side.max()) for side in (xy @ axes.T).T)
+    return np.array([[a, c], [b, c], [b, d], [a, d]]) @ axes
+
+
+def _sides(box: np.ndarray) -> np.ndarray:
+    """Length and width (m) of a box, seen from above."""
+    return np.linalg.norm(np.diff(_rectangle(box)[:3], axis=0), axis=1)
+
+
+def _fits(box: np.ndarray, thing: Box) -> bool:
+    """Whether a box is not much larger than a car or person."""
+    long, wide = np.sort(_sides(box))[::-1]
+    most = max(2.5 * thing.size[0] * thing.size[1], LARGEST_OF_A_PERSON)
+    return long <= thing.size[0] + 2.0 and long * wide <= most
+
+
+def _within(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
+    """Which points (n, 3) lie in a box, enlarged by a margin (m): (n,) of bool."""
+    low, high = box.min(axis=0), box.max(axis=0)
+    level = (points[:, 2] >= low[2] - margin) & (points[:, 2] <= high[2] + margin)
+    if np.hypot(*(high - low)[:2]) < 1e-9:
+        return level  # a box of one return has no sides to be within
+    return level & (distance_outside(points[:, :2], _rectangle(box)) <= margin)
+
+
+@functools.lru_cache(maxsize=64)
+def _sorted_by_x(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
+    """Returns of a frame by ascending x, and whether each hit an obstacle."""
+    order = np.argsort(frame.cloud[:, 0], kind="stable")
+    return frame.cloud[order, :3], frame.scan.objects[order] > 0
+
+
+def _holds_obstacle(box: np.ndarray, frame: Frame) -> bool:
+    points, obstacle = _sorted_by_x(frame)
+    first, last = np.searchsorted(points[:, 0], [box[:, 0].min() - 0.1, box[:, 0].max() + 0.1])
+    held = obstacle[first:last][_within(points[first:last], box, 0.05)]
+    return 2 * np.count_nonzero(held) > len(held)
+
+
+def _standing_on(thing: Box, boxes: np.ndarray) -> np.ndarray:
+    """Numbers of the boxes whose middles lie in the footprint of a car or person."""
+    middles = boxes.mean(axis=1)
+    middles[:, 2] = thing.centre[2]
+    return np.flatnonzero(_within(middles, thing.corners, 0.0))
+
+
+def _covering(boxes: np.ndarray, centre: Sequence[float], margin: float = 0.0) -> np.ndarray:
+    """Numbers of the boxes over a place, or within a margin (m) of it along x and y."""
+    low, high = boxes[:, :, :2].min(axis=1) - margin, boxes[:, :, :2].max(axis=1) + margin
+    return np.flatnonzero(((low <= centre[:2]) & (high >= centre[:2])).all(axis=1))
+
+
+def _draw(
+    frame: Frame,
+    boxes: np.ndarray,
+    reference: Sequence[np.ndarray] = (),
+    label: str = "",
+    title: str | None = None,
+) -> None:
+    above = frame.cloud[frame.scan.objects > 0]
+    axes = utils.plots.boxes(
+        boxes, cloud=above, label="yours", limits=((-15, 25), (-11, 11)), title=title
+    )
+    if len(reference):
+        utils.plots.boxes(np.array(reference), reference=True, label=label, axes=axes)
+        for corners in reference:
+            axes.plot(
+                *corners[:, :2].mean(axis=0),
+                "o",
+                markersize=26,
+                markerfacecolor="none",
+                markeredgecolor="black",
+                markeredgewidth=1.6,
+                zorder=9,
+            )

@@ -1,0 +1,292 @@
+"""The scans that a detector is asked about, with the truth about them.
+
+Detectors differ in what they look at, how they thin the cloud and where they cut. So they are
+asked about what every sensible one sees: cars and people near by that stand free.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import itertools
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from utils.boxes import Box
+from utils.checks.vocabulary import frozen
+
+if TYPE_CHECKING:
+    from utils.simulator import Sensor
+    from utils.simulator.frames import Frame
+    from utils.simulator.world import Obstacle
+
+NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the middle: all of a car is then within 10 m
+MANY = {"car": 1500, "pedestrian": 150}  # returns, of every second azimuth
+FREE = 1.2  # m to the nearest other thing
+OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # m from and to, x and y
+
+
+def half_sensor() -> Sensor:
+    """The 64-beam scanner with every second azimuth: half the returns, half the time.
+
+    Returns
+    -------
+    utils.simulator.Sensor
+    """
+    from utils.simulator import hdl64
+
+    sensor = hdl64()
+    return dataclasses.replace(sensor, azimuth_step=2 * sensor.azimuth_step)
+
+
+@functools.cache
+def street(further: float = 0.0) -> Frame:
+    """The street of `data/cloud.txt`, or the same from a place `further` along the road.
+
+    Parameters
+    ----------
+    further : float
+        In metres.
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
+    from utils.scenes import ROAD
+    from utils.simulator.frames import observe
+    from utils.simulator.layouts import lesson_obstacles
+    from utils.simulator.pose import Pose
+    from utils.simulator.streets import EGO_LANE, world_of
+
+    world = world_of(ROAD, lesson_obstacles()).seen_from(Pose(further, EGO_LANE))
+    return observe(world, half_sensor(), 12)
+
+
+def street_before() -> Frame:
+    """The street 4 m earlier: its clear cars stand where the other frame has none.
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
+    return street(-4.0)
+
+
+@functools.lru_cache(maxsize=64)
+def square(seed: int) -> Frame:
+    """Three cars around the sensor, anywhere and turned in any way, between two rows of houses.
+
+    Parameters
+    ----------
+    seed : int
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
+    frames = (_some_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
+    return next(frame for frame in frames if len(clear_cars(frame)) == 3)
+
+
+@functools.lru_cache(maxsize=64)
+def walk(seed: int) -> Frame:
+    """A car and three people around the sensor, all of whom stand free; else as `square`.
+
+    Parameters
+    ----------
+    seed : int
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
+    frames = (_some_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
+    return next(
+        frame for frame in frames if len(clear_cars(frame)) == 1 and len(clear_people(frame)) == 3
+    )
+
+
+def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
+    from utils.simulator.frames import observe
+    from utils.simulator.ground import Ground
+    from utils.simulator.streets import Plan, placed, some_car, some_walker, street, world_of
+
+    rng = np.random.default_rng(seed)
+    things = []
+    for _ in range(200):
+        # Diagonal, so that a box along the axes is much too large; ahead or behind, not beside.
+        yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
+        x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
+        thing = placed(some_car(rng) if len(things) < cars else some_walker(rng), x, y, yaw)
+        if len(things) < cars + people and _has_room(thing, things):
+            things.append(thing)
+    things += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
+    empty = float("inf")
+    houses = Plan(((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0)
+    ground = Ground(slope=0.02 * rng.uniform(-1, 1), width=10.0, crown=0.01, kerb=0.1)
+    return observe(world_of(ground, [*things, *street(rng, houses)]), half_sensor(), seed)
+
+
+def _has_room(thing: Obstacle, others: Sequence[Obstacle]) -> bool:
+    """Whether a thing stands near the sensor, but free of our own car and of others."""
+    rim = _rim(thing)
+    beside = ((rim > OWN_CAR[0] - FREE) & (rim < OWN_CAR[1] + FREE)).all(axis=1).any()
+    gaps = [np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in others]
+    distance = math.hypot(thing.pose.x, thing.pose.y)
+    near = 4.0 < distance < 0.98 * NEAR[thing.kind]
+    return near and not beside and min(gaps, default=9.0) > 1.2 * FREE
+
+
+def _rim(thing: Obstacle) -> np.ndarray:
+    """Places (m, 2) all around the footprint of an obstacle."""
+    side = np.linspace(-0.5, 0.5, 20)
+    half = np.full(20, 0.5)
+    rim = (
+        np.vstack(
+            [
+                np.column_stack(pair)
+                for pair in ((side, half), (side, -half), (half, side), (-half, side))
+            ]
+        )
+        * thing.size[:2]
+    )
+    cosine, sine = math.cos(thing.pose.yaw), math.sin(thing.pose.yaw)
+    turn = np.array([[cosine, sine], [-sine, cosine]])
+    return rim @ turn + [thing.pose.x, thing.pose.y]
+
+
+@functools.lru_cache(maxsize=64)
+def clear_cars(frame: Frame) -> tuple[Box, ...]:
+    """The cars of a frame that no detector may miss: near, well seen, standing free.
+
+    Parameters
+    ----------
+    frame : utils.simulator.frames.Frame
+
+    Returns
+    -------
+    tuple of utils.boxes.Box
+    """
+    return _clear(frame, "car")
+
+
+@functools.lru_cache(maxsize=64)
+def clear_people(frame: Frame) -> tuple[Box, ...]:
+    """The people of a frame that no detector may miss; see `clear_cars`."""
+    return _clear(frame, "pedestrian")
+
+
+def _clear(frame: Frame, kind: str) -> tuple[Box, ...]:
+    from scipy.spatial import cKDTree
+
+    xyz, objects = frame.cloud[:, :3], frame.scan.objects
+    chosen = []
+    for box in frame.boxes:
+        far = math.hypot(*box.centre[:2]) > NEAR[kind]
+        if box.kind != kind or far or box.returns < MANY[kind]:
+            continue
+        close = np.hypot(*(xyz[:, :2] - box.centre[:2]).T) < 6.0
+        others = xyz[close & (objects > 0) & (objects != box.identity)]
+        own = xyz[objects == box.identity]
+        gaps = cKDTree(others).query(own, distance_upper_bound=FREE)[0] if len(others) else np.inf
+        if np.isinf(gaps).all():
+            chosen.append(box)
+    return tuple(chosen)
+
+
+def without(car: Box, frame: Frame) -> Frame:
+    """A frame without one of its cars: what it hid stays hidden.
+
+    Parameters
+    ----------
+    car : utils.boxes.Box
+    frame : utils.simulator.frames.Frame
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
+    left = frame.scan.objects != car.identity
+    scan = dataclasses.replace(
+        frame.scan,
+        **{
+            field.name: getattr(frame.scan, field.name)[left]
+            for field in dataclasses.fields(frame.scan)
+        },
+    )
+    boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
+    return dataclasses.replace(frame, scan=scan, boxes=boxes)
+
+
+def own_car(seed: int) -> np.ndarray:
+    """Returns (n, 4) of an own car that the beams hit from edge to edge, bonnet and roof.
+
+    It lies in the box that lesson 07 gives for it, and is still dense after thinning.
+
+    Parameters
+    ----------
+    seed : int
+
+    Returns
+    -------
+    numpy.ndarray, shape (n, 4)
+    """
+    rng = np.random.default_rng(seed)
+    (back, right), (front, left) = OWN_CAR
+    x, y = np.mgrid[back + 0.04 : front - 0.04 : 0.08, right + 0.04 : left - 0.04 : 0.08]
+    bonnet, roof = rng.uniform((-0.95, -0.65), (-0.8, -0.5))
+    z = np.where(x > 0.8, bonnet, roof)
+    rows = np.stack([x, y, z, np.full(x.shape, 0.5)], axis=-1).reshape(-1, 4)
+    rows[:, :3] += rng.uniform(-0.02, 0.02, (len(rows), 3))
+    return rows
+
+
+def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
+    """A cloud with 3000 lost returns among its rows: not a number, infinite, at (0, 0, 0).
+
+    Parameters
+    ----------
+    cloud : numpy.ndarray, shape (n, 4)
+    seed : int
+
+    Returns
+    -------
+    numpy.ndarray, shape (n + 3000, 4)
+    """
+    rng = np.random.default_rng(seed)
+    lost = np.zeros((3000, 4))
+    lost[:1000, :3] = np.nan
+    lost[1000:2000, :3] = rng.uniform((3, -3, -1), (9, 3, 0), (1000, 3))
+    for first, (axis, value) in enumerate([(0, np.inf), (2, -np.inf), (1, np.nan), (2, np.nan)]):
+        lost[1000 + 250 * first : 1250 + 250 * first, axis] = value
+    return np.insert(cloud, rng.integers(0, len(cloud), len(lost)), lost, axis=0)
+
+
+@functools.lru_cache(maxsize=64)
+def rain(seed: int) -> np.ndarray:
+    """Single returns in the air over a square, away from its things and from each other.
+
+    Parameters
+    ----------
+    seed : int
+        Of the square.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n, 4)
+    """
+    from scipy.spatial import cKDTree
+
+    rng = np.random.default_rng(seed)
+    frame = square(seed)
+    places = rng.uniform((-11, -5.5), (18, 5.5), (400, 2))
+    things = cKDTree(frame.cloud[frame.scan.objects > 0, :2])
+    places = places[(things.query(places)[0] > 1.5) & (np.hypot(*places.T) > 3.5)]
+    drops = []
+    for place in places:
+        if all(np.hypot(*(place - other)) > 2.0 for other in drops):
+            drops.append(place)
+    return np.column_stack([drops, rng.uniform((-0.9, 0.0), (0.3, 0.1), (len(drops), 2))])
