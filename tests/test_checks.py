@@ -461,6 +461,20 @@ def test_a_huge_claim_is_refused_at_once(name):
     assert slow == {}
 
 
+def test_of_answers_far_too_large_a_few_are_looked_at():
+    """Reading each takes the judge seconds."""
+    huge, calls = [0] * 1_100_000, []
+    student = SimpleNamespace(
+        filter_clusters=lambda *arguments, **keywords: calls.append(1) or huge,
+        exercise="",
+        close=lambda: None,
+    )
+    lesson = next(one for one in all_lessons() if one.number == "09")
+    outcomes = run_tests(lesson, student, 1)
+    not_tried = [one for one in outcomes if "Not tried: 5 answers" in str(one.error)]
+    assert len(calls) == 5 and len(not_tried) == len(outcomes) - 5 > 5
+
+
 def is_scene(one_check):
     """Whether a check draws a scene when it runs for the first time."""
     return one_check.exercise == "detect_obstacles"

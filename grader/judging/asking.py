@@ -10,6 +10,7 @@ import hashlib
 import os
 import signal
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -17,10 +18,13 @@ import pytest
 
 from grader.course.lessons import Lesson
 from grader.sandbox import SandboxUnavailable
-from grader.sandbox.student import Student
+from grader.sandbox.student import Student, StudentStopped
+from utils.checks.failures import FarTooMuch
 
 # Processor seconds that one test may take here, beside what the student's code takes there.
 SECONDS_OF_A_TEST = 30.0
+# Answers far larger than any right one that an exercise may give: reading each takes seconds.
+MOST_TOO_LARGE = 5
 _NOT_NEEDED = ("terminal", "cacheprovider", "logging", "unraisableexception", "threadexception")
 _OPTIONS = (
     "--noconftest",
@@ -69,6 +73,7 @@ class _Collector:
         self.proxy, self.course_seed, self.asked = student, seed, asked
         self.collected: list[str] = []
         self.outcomes: dict[str, Outcome] = {}
+        self.too_large: Counter[str] = Counter()
         self.broken = None
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
@@ -97,7 +102,12 @@ class _Collector:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> object:
         """Say which exercise is asked about, and let the judge's own work end in time."""
-        self.proxy.exercise = _mark(item)["exercise"]
+        self.proxy.exercise = exercise = _mark(item)["exercise"]
+        if self.too_large[exercise] >= MOST_TOO_LARGE:
+            raise StudentStopped(
+                f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
+                "than any right one."
+            )
         with _own_time(SECONDS_OF_A_TEST):
             return (yield)
 
@@ -108,6 +118,7 @@ class _Collector:
         """Note how a test ended, and spare pytest its tracebacks: half of its time."""
         error = call.excinfo.value if call.excinfo else None
         if call.when == "call" or error:
+            self.too_large[_mark(item)["exercise"]] += isinstance(error, FarTooMuch)
             if isinstance(error, SandboxUnavailable):
                 self.broken = error
             if isinstance(error, JudgeTimeout):

@@ -61,6 +61,10 @@ class WrongForm(CheckFailed):
         return "form", re.sub(r"\d+", "#", self.message)
 
 
+class FarTooMuch(WrongForm):
+    """The answer is far larger than any right one: looking at it costs time, and tells nothing."""
+
+
 class NotYet(CheckFailed):
     """The property cannot be looked at while something more basic is wrong."""
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.claims import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
-from utils.checks.failures import CheckFailed, NotYet, WrongForm
+from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
 TOLERANCE = 1e-3
@@ -150,7 +150,7 @@ def as_array(
     try:
         array = as_numbers(answer, most)
     except TooMuch as error:
-        raise WrongForm(str(error), yours=brief(answer), expected=what) from None
+        raise FarTooMuch(str(error), yours=brief(answer), expected=what) from None
     except NotNumbers:
         # In the judge an object of another kind arrives as a stand-in that knows its name. The
         # student chose it, so it is no part of the message.
@@ -409,6 +409,7 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     from scipy.spatial import cKDTree
 
     distances, partners = cKDTree(expected).query(yours)
+    partners = np.minimum(partners, len(expected) - 1)  # so far away that no right one is nearest
     strangers = np.flatnonzero(distances > TOLERANCE)
     if len(strangers):
         row, partner = yours[strangers[0]], expected[partners[strangers[0]]]
