@@ -72,7 +72,7 @@ def random_triangle(rng, size=5.0):
     "plane_through",
     weight=3,
     title="Upright on triangles you have not seen",
-    hint="The cross product of two sides is upright on the triangle.",
+    hint="The cross product of two sides is perpendicular to the triangle.",
 )
 def test_random_triangles(student, seed):
     rng = np.random.default_rng(seed)

@@ -72,7 +72,7 @@ def fit_plane(points):
 # %% wrong: solves for z
 # loses only: fits_a_wall, test_fit_any_direction
 # says: lies nearer to them
-# claims: not upright on the plane
+# claims: not square to the plane
 def fit_plane(points):
     xyz = points[:, :3]
     a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],

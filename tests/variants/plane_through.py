@@ -95,7 +95,7 @@ def plane_through(p, q, r):
 
 # %% wrong: cross product of the points themselves
 # loses: stands_upright, test_random_triangles
-# says: does not stand upright
+# says: is not perpendicular
 # claims: of the points p and q themselves
 def plane_through(p, q, r):
     normal = np.cross(p, q)
@@ -166,7 +166,7 @@ def plane_through(p, q, r):
 
 # %% wrong: p is not subtracted from r
 # loses: stands_upright, test_random_triangles
-# says: does not stand upright
+# says: is not perpendicular
 # claims: but not from r
 def plane_through(p, q, r):
     normal = np.cross(q - p, r)

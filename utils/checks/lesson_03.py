@@ -169,7 +169,7 @@ def plane_of(answer: object, triangle: np.ndarray) -> np.ndarray:
 
 
 def assert_upright(answer: object, triangle: np.ndarray) -> None:
-    """The normal stands upright on a triangle; its length and d are not looked at.
+    """The normal is perpendicular to a triangle; its length and d are not looked at.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def assert_upright(answer: object, triangle: np.ndarray) -> None:
     leaning = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
     if leaning > 0.1:
         raise CheckFailed(
-            f"(a, b, c) does not stand upright on the triangle: it leans by {leaning:.1f} degrees.",
+            f"(a, b, c) is not perpendicular to the triangle: it is off by {leaning:.1f} degrees.",
             given=_three(triangle),
             yours=_text(plane),
             expected=_beside(plane, best_plane(triangle)[0]),
@@ -230,7 +230,7 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
 
 def assert_fits_triangles(plane_through: Callable) -> None:
     """The normal is right; where not, its length and d cannot be looked at."""
-    with needs("the normal stands upright on the triangle"):
+    with needs("the normal is perpendicular to the triangle"):
         for triangle in _TRIANGLES[2:]:
             assert_upright(plane_through(*triangle.copy()), triangle)
 
@@ -260,9 +260,9 @@ def _text(plane: np.ndarray | None) -> str:
 @visible(
     "plane_through",
     weight=3,
-    title="(a, b, c) stands upright on the triangle",
+    title="(a, b, c) is perpendicular to the triangle",
     why="The normal is the direction of the plane: a road whose normal leans runs into the sky.",
-    hint="The cross product of q - p and r - p stands upright on both.",
+    hint="The cross product of q - p and r - p is perpendicular to both.",
 )
 def stands_upright(plane_through: Callable) -> None:
     for triangle in _TRIANGLES:
@@ -1636,7 +1636,7 @@ mistakes(
         "All points count: subtract their mean, then take the SVD.",
     ),
     Mistake(
-        "The errors are measured along z, not upright on the plane.",
+        "The errors are measured along z, not square to the plane.",
         lambda right, points: _unit(_heights_fitted(points)),
         "Do not solve for z. The SVD treats all three directions alike.",
     ),
