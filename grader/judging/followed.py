@@ -37,11 +37,12 @@ class Followed:
 def follow_through(
     lesson: Lesson,
     program: Program,
+    uses: dict[str, tuple[str, ...]],
     outcomes: list[Outcome],
     seed: int,
     sandbox: Sandbox,
     limits: Limits | None = None,
-) -> dict[str, Followed]:
+) -> tuple[dict[str, Followed], bool]:
     """Judge again what calls a wrong exercise.
 
     Parameters
@@ -49,6 +50,8 @@ def follow_through(
     lesson : grader.course.lessons.Lesson
     program : grader.sandbox.program.Program
         The notebook.
+    uses : dict of str to tuple of str
+        What calls what, read behind the wall: nobody parses a stranger's code here.
     outcomes : list of Outcome
         What came of judging it.
     seed : int
@@ -57,17 +60,19 @@ def follow_through(
 
     Returns
     -------
-    dict of str to Followed
+    followed : dict of str to Followed
         By exercise; only those that fare better so.
+    starved : bool
+        Whether a time limit was reached by code that hardly had a processor.
     """
     lost = {one.mark["exercise"] for one in outcomes if one.error}
-    better = {}
-    if len(lost) < 2:
-        return better
-    statements, _ = slicing.parse_notebook(program.cells)
-    for exercise in lesson.machine_graded:
-        helpers = _helpers(lesson, exercise, lost, statements) if exercise.name in lost else ()
-        if not helpers:
+    better, starved = {}, False
+    for number, exercise in enumerate(lesson.machine_graded):
+        # What comes after it may be made of it, and a right one might tell it the answer.
+        earlier = [one.name for one in lesson.machine_graded[:number]]
+        called = lost.intersection(uses.get(exercise.name, ()))
+        helpers = tuple(name for name in earlier if name in called)
+        if exercise.name not in lost or not helpers:
             continue
         with Student(_with_right(lesson, program, exercise, helpers), sandbox, limits) as student:
             try:
@@ -76,23 +81,11 @@ def follow_through(
                 )
             except JudgeFault:  # said of the first time, which counts
                 continue
+            starved |= student.starved
         before, after = (points_of(exercise, ones) for ones in (outcomes, again))
         if after > before:
             better[exercise.name] = Followed(again, _sentence(exercise, helpers, before, after))
-    return better
-
-
-def _helpers(
-    lesson: Lesson, exercise: Exercise, lost: set[str], statements: list[slicing.Statement]
-) -> tuple[str, ...]:
-    """The exercises which another one calls, of those that lost points and come before it.
-
-    What comes after it may be made of it, and a right one might tell it the answer.
-    """
-    names = [one.name for one in lesson.machine_graded]
-    earlier = names[: names.index(exercise.name)]
-    bound = set().union(*(one.binds for one in slicing.slice_for((exercise.name,), statements)))
-    return tuple(name for name in earlier if name in bound & lost)
+    return better, starved
 
 
 def _with_right(

@@ -81,8 +81,8 @@ def judge_handed_in(
     """Judge what has been read; see `judge`."""
     begin = time.perf_counter()
     lesson = lesson or find_lesson(Path(handed_in.name).stem)
-    outcomes, problems, faults, starved, versions, claims = None, [], [], False, {}, {}
-    followed = {}
+    outcomes, problems, faults, starved = None, [], [], False
+    versions, claims, followed = {}, {}, {}
     try:
         notebook = handed_in.notebook()
     except UnreadableNotebook as error:
@@ -112,7 +112,10 @@ def judge_handed_in(
     if faults:
         outcomes, problems = None, [UNFAIR]
     elif outcomes is not None:
-        followed = follow_through(lesson, program, outcomes, seed, sandbox, limits)
+        followed, starved_again = follow_through(
+            lesson, program, proxy.uses, outcomes, seed, sandbox, limits
+        )
+        starved |= starved_again
     exercises = tuple(
         _score(exercise, outcomes, claims.get(exercise.name), followed.get(exercise.name))
         for exercise in lesson.machine_graded
@@ -212,7 +215,7 @@ def _score(
         for one, said_of in zip(mine, stories, strict=True)
     )
     score = points_of(exercise, mine)
-    said += [text_of(story.first, claim)] if story.first else []
+    said += [text_of(story.first, story.claim)] if story.first else []
     first = story.first.check.title if story.first and not story.not_started else ""
     return ExerciseResult(exercise.name, score, exercise.points, tests, "\n".join(said), first)
 

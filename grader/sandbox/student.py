@@ -126,6 +126,8 @@ class Student:
     ----------
     problems : list of str
         What was wrong with the notebook's own cells, one sentence each.
+    uses : dict of str to tuple of str
+        Which of the functions each of them calls, as the notebook's text says.
     exercise : str
         What is asked about now: an exercise that hangs costs the others nothing.
     starved : bool
@@ -140,6 +142,7 @@ class Student:
         self._time_left = self._limits.total_seconds
         self._run_whole, self._told = True, False
         self.problems, self.exercise, self.starved = [], "", False
+        self.uses: dict[str, tuple[str, ...]] = {}
 
     def __enter__(self) -> Student:
         return self
@@ -252,6 +255,7 @@ class Student:
         self._missing = set(_texts(failed.get("missing"))) & set(program.names)
         if not self._told:
             self.problems += _texts(found.get("problems")) + _texts(failed.get("problems"))
+            self.uses = {name: tuple(used) for name, used in found["uses"].items()}
             self._told = True
         if self._missing and self._run_whole:
             self._try_whole_notebook()

@@ -1,6 +1,6 @@
 """What may be stolen where a right helper stands in the place of a wrong one."""
 
-import pytest
+import ast
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
@@ -59,10 +59,9 @@ def test_a_right_helper_answers_no_question_of_its_own(tmp_path):
     assert results["line_through"].score < results["line_through"].max_score / 2
 
 
-@pytest.mark.parametrize("later", ["ransac_line"])
-def test_what_comes_later_helps_nobody_who_comes_before(later, tmp_path):
+def test_what_comes_later_helps_nobody_who_comes_before(tmp_path):
     """An early exercise calls a late one, of which a right version might know the answer."""
-    early = f"def line_through(first, second):\n    return {later}([first, second])[0]\n"
+    early = "def line_through(first, second):\n    return ransac_line([first, second])[0]\n"
     results, _ = judged(LINE, tmp_path, line_through=early, ransac_line=SIGNATURE + "    return 1")
     assert results["line_through"].score < results["line_through"].max_score / 5
 
@@ -73,3 +72,18 @@ def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
     assert results["line_through"].score == 0 == results["point_line_distance"].score
     assert results["ransac_line"].score == results["ransac_line"].max_score
     assert any("Judged with right ones instead" in one for one in verdict.problems)
+
+
+def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
+    """A text that breaks parsers breaks them behind the wall, where the rest is found out, too."""
+    parsed, parse = [], ast.parse
+    monkeypatch.setattr(
+        ast,
+        "parse",
+        lambda text, *more, **options: [parsed.append(str(text)), parse(text, *more, **options)][1],
+    )
+    marked = RANSAC + "    # a text of the student\n"
+    results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=marked)
+    assert any("which ransac_line calls" in one for one in verdict.problems)
+    assert parsed, "the lesson's own source is read here"
+    assert not [text for text in parsed if "a text of the student" in text]

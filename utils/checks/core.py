@@ -183,7 +183,7 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
         return Outcome(one_check, failure)
     except TimeUp:
         sentence = (
-            f"{one_check.exercise} did not come back within {SECONDS} seconds: is there a loop "
+            f"{one_check.exercise} did not come back after {SECONDS} s: is there a loop "
             "that never ends? If a cell of yours hangs, press the stop button ■ above."
         )
         return Outcome(one_check, Stopped(sentence))

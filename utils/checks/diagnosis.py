@@ -6,6 +6,7 @@ mistake of the exercise predicts the same.
 """
 
 import copy
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -119,26 +120,23 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
     Returns
     -------
     Mistake or None
-        None where none does, more than one does, or a call fails.
+        None where none does, more than one does, or there is no answer to compare.
     """
     known = _KNOWN.get(exercise)
     if known is None:
         return None
-    fitting, telling = list(known.mistakes), dict.fromkeys(known.mistakes, 0)
+    fitting, telling = list(known.mistakes), Counter()
     for case in known.cases:
+        right = known.right(*copy.deepcopy(case))
+        predicted = {
+            mistake: mistake.predicts(copy.deepcopy(right), *copy.deepcopy(case))
+            for mistake in fitting
+        }
         try:
             answer = known.ask(function, *copy.deepcopy(case))
-        except Exception:
+            fitting = [one for one in fitting if known.same(answer, predicted[one])]
+        except Exception:  # of the student's code, or of a comparison with whatever it returned
             return None
-        right = known.right(*copy.deepcopy(case))
-        still = []
-        for mistake in fitting:
-            predicted = mistake.predicts(copy.deepcopy(right), *copy.deepcopy(case))
-            if known.same(answer, predicted):
-                still.append(mistake)
-                telling[mistake] += not known.same(right, predicted)
-        fitting = still
-        if not fitting:
-            return None
+        telling.update(one for one in fitting if not known.same(right, predicted[one]))
     fitting = [mistake for mistake in fitting if telling[mistake] >= _TELLING_CASES]
     return fitting[0] if len(fitting) == 1 else None

@@ -48,6 +48,11 @@ class CheckFailed(AssertionError):
         return None
 
     @property
+    def is_about_an_answer(self) -> bool:
+        """Whether there was an answer to look at, which a mistake may explain."""
+        return type(self) in (CheckFailed, WrongForm, FarTooMuch)
+
+    @property
     def is_about_the_check(self) -> bool:
         """Whether the property itself was looked at, and not something that comes before."""
         return type(self) is CheckFailed

@@ -72,21 +72,17 @@ def _silence(over: threading.Event, watch: threading.Thread, rang: threading.Eve
 @contextlib.contextmanager
 def _limited_memory() -> Iterator[None]:
     """Let no more memory be taken than is free; only Linux can say how much that is."""
-    try:
-        import resource
+    with contextlib.ExitStack() as after:
+        with contextlib.suppress(ImportError, OSError, ValueError, StopIteration):
+            import resource
 
-        free = _kilobytes("/proc/meminfo", "MemAvailable") * _SHARE
-        limit = int((_kilobytes("/proc/self/status", "VmSize") + free) * 1024)
-        soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-        lower = [value for value in (soft, hard) if value != resource.RLIM_INFINITY]
-        resource.setrlimit(resource.RLIMIT_AS, (min([limit, *lower]), hard))
-    except (ImportError, OSError, ValueError, StopIteration):
+            free = _kilobytes("/proc/meminfo", "MemAvailable") * _SHARE
+            limit = int((_kilobytes("/proc/self/status", "VmSize") + free) * 1024)
+            soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+            lower = [value for value in (soft, hard) if value != resource.RLIM_INFINITY]
+            resource.setrlimit(resource.RLIMIT_AS, (min([limit, *lower]), hard))
+            after.callback(resource.setrlimit, resource.RLIMIT_AS, (soft, hard))
         yield
-        return
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 def _kilobytes(file: str, name: str) -> float:

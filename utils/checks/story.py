@@ -43,7 +43,7 @@ class Story:
     notes : tuple of Outcome
         What costs no points.
     claim : Mistake or None
-        What explains all answers.
+        What explains all answers; None where the first failure is no answer.
     blamed : str or None
         A function that this one calls and that is wrong itself.
     """
@@ -113,6 +113,7 @@ def resolve(
     waiting += tuple(one for one in failed if one is not first and one not in ready)
     same = tuple(one for one in rest if cause is not None and one.failure.cause == cause)
     others = tuple(one for one in rest if one not in same)
+    claim = claim if first.failure.is_about_an_answer else None
     return Story(passed, first, same, others, waiting, notes, claim, blamed)
 
 
@@ -131,7 +132,7 @@ def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, s
     """
     failure = outcome.failure
     said = [
-        ("The cause", claim.says if claim else ""),
+        ("What your code does", claim.says if claim else ""),
         ("What happened", failure.message),
         *([("Where", _where(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),

@@ -32,14 +32,13 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
 
 def functions_used(function: Callable) -> dict[str, Callable]:
     """The functions of the same notebook that a function calls, directly or not, by name."""
-    found = {}
-    for part in _functions(function):
-        for code in _codes(part.__code__):
-            for name in code.co_names:
-                value = part.__globals__.get(name)
-                if isinstance(value, FunctionType) and value is not function:
-                    found[name] = value
-    return found
+    return {
+        name: value
+        for part in _functions(function)
+        for code in _codes(part.__code__)
+        for name, value in _globals_in(code, part)
+        if isinstance(value, FunctionType) and value is not function
+    }
 
 
 @functools.cache
@@ -55,41 +54,47 @@ def _modules_of(function: Callable) -> Iterator[str]:
                 if instruction.opname == "IMPORT_NAME":
                     yield instruction.argval
                     yield from (f"{instruction.argval}.{name}" for name in code.co_names)
-            for name in code.co_names:
-                yield from _reached(part.__globals__.get(name), code.co_names)
+            for _, value in _globals_in(code, part):
+                yield from _reached(value, code.co_names)
+
+
+def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, object]]:
+    """The globals that code takes, by name; an attribute of the same name is none."""
+    for instruction in dis.get_instructions(code):
+        if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+            yield instruction.argval, function.__globals__.get(instruction.argval)
 
 
 def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
-    """A module and those of its modules that code names beside it; or where a thing comes from."""
-    waiting, seen = [value], set()
+    """A module and those of its parts that code names beside it; or where a thing comes from."""
+    waiting, seen = [value], []
     while waiting:
         value = waiting.pop()
         if not isinstance(value, ModuleType):
             yield str(getattr(value, "__module__", ""))
-        elif id(value) not in seen:
-            seen.add(id(value))
+        elif value not in seen:
+            seen.append(value)
             yield value.__name__
-            waiting += [
-                vars(value)[name]
-                for name in names
-                if isinstance(vars(value).get(name), (ModuleType, type, FunctionType))
-                or hasattr(vars(value).get(name), "__module__")
-            ]
+            waiting += [vars(value).get(name) for name in names]
 
 
 def _functions(function: object) -> list[FunctionType]:
     """A function, those it calls, and the methods of classes it uses, all of one notebook."""
-    found, waiting, home = {}, [function], getattr(function, "__module__", None)
+    found, waiting, home = [], [function], getattr(function, "__module__", None)
     while waiting:
         value = waiting.pop()
         value = getattr(value, "__wrapped__", value)
-        if isinstance(value, type) and value.__module__ == home:
-            waiting += [one for one in vars(value).values() if isinstance(one, FunctionType)]
-        elif isinstance(value, FunctionType) and value not in found and value.__module__ == home:
-            found[value] = True
+        if not isinstance(value, FunctionType | type) or value.__module__ != home:
+            continue
+        if value in found:
+            continue
+        found.append(value)
+        if isinstance(value, type):
+            waiting += vars(value).values()
+        else:
             for code in _codes(value.__code__):
-                waiting += [value.__globals__.get(name) for name in code.co_names]
-    return list(found)
+                waiting += [one for _, one in _globals_in(code, value)]
+    return [one for one in found if isinstance(one, FunctionType)]
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

@@ -48,24 +48,11 @@ def main(read_end: int, write_end: int) -> None:
     sys.meta_path.append(importing.Beside(start["modules"]))
     statements, problems = slicing.parse_notebook(start["cells"])
     statements = with_given_code(statements, start["names"], start["given"])
-    for statement in statements:
-        imported = [module for _, module in slicing.imported_modules([statement])]
-        refused = [one for one in imported if importing.is_forbidden(one, rules["forbidden"])]
-        if refused:
-            problems.append(
-                f"Code cell {statement.cell} imports {refused[0]}, which is not allowed in this "
-                "lesson: it does the exercise for you."
-            )
-            _REFUSED.update(dict.fromkeys(statement.binds, refused[0]))
-    problems = list(dict.fromkeys(problems))
-    # Said already; what else would fail in there is not the student's.
-    statements = [
-        one
-        for one in statements
-        if not (isinstance(one.node, (ast.Import, ast.ImportFrom)) and one.binds & _REFUSED.keys())
-    ]
+    statements, refusals = without_forbidden(statements, rules["forbidden"])
     needed = slicing.slice_for(start["names"], statements)
-    wire.send(write_end, {"problems": problems})
+    # No line of the student has run: this is still what their text says.
+    uses = {name: used_by(name, start["names"], statements) for name in start["names"]}
+    wire.send(write_end, {"problems": [*problems, *refusals], "uses": uses})
 
     namespace = make_namespace()
     failures = run(needed, namespace)
@@ -120,6 +107,34 @@ def with_given_code(
     # No place in the notebook is the lesson's fault.
     released = [dataclasses.replace(statement, cell=0) for statement in released]
     return [*released, *kept, *methods]
+
+
+def without_forbidden(
+    statements: list[slicing.Statement], forbidden: Iterable[str]
+) -> tuple[list[slicing.Statement], list[str]]:
+    """Leave out imports that the lesson forbids; also return a sentence for each cell with one.
+
+    The names that such a statement binds are remembered, for when they are missed.
+    """
+    kept, sentences = [], {}
+    for statement in statements:
+        modules = [module for _, module in slicing.imported_modules([statement])]
+        refused = next((one for one in modules if importing.is_forbidden(one, forbidden)), None)
+        if refused:
+            sentences[
+                f"Code cell {statement.cell} imports {refused}, which is not allowed in this "
+                "lesson: it does the exercise for you."
+            ] = True
+            _REFUSED.update(dict.fromkeys(statement.binds, refused))
+        if not refused or not isinstance(statement.node, (ast.Import, ast.ImportFrom)):
+            kept.append(statement)
+    return kept, list(sentences)
+
+
+def used_by(name: str, names: list[str], statements: list[slicing.Statement]) -> list[str]:
+    """The other functions among `names` that one of them calls, directly or not."""
+    bound = set().union(*(one.binds for one in slicing.slice_for((name,), statements)))
+    return [other for other in names if other in bound and other != name]
 
 
 def volunteer_for_the_memory_killer() -> None:
