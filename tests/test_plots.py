@@ -252,7 +252,10 @@ WRONG = {
         lambda: plots.kept_and_removed(np.zeros((5, 3)), [True] * 4), r"\(5,\).*\(4,\)"),
     "indices for a mask": (
         lambda: plots.kept_and_removed(np.zeros((5, 3)), [0, 1, 2, 3, 4]), "True and False"),
-    "view": (lambda: plots.clusters(np.zeros((5, 3)), [1] * 5, view="top"), '"above", "side" or "side to scale"'),
+    "view": (
+        lambda: plots.clusters(np.zeros((5, 3)), [1] * 5, view="top"),
+        '"above", "side" or "side to scale"',
+    ),
     "side of a plane": (lambda: plots.clusters(QUIZ, [1] * 11, view="side"), "have no height"),
     "fractions": (lambda: plots.clusters(QUIZ, [0.5] * 11), "whole numbers"),
     "NaN labels": (lambda: plots.clusters(QUIZ, [np.nan] * 11), "whole numbers"),
