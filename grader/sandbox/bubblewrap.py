@@ -29,7 +29,8 @@ from grader.sandbox.boundary import (
 )
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.protocol import Limits, SandboxUnavailable
-from grader.sandbox.workers import Worker, launch
+from grader.sandbox.warm import nursery
+from grader.sandbox.workers import ENVIRONMENT, Worker, launch
 
 
 @dataclass(frozen=True)
@@ -73,8 +74,11 @@ class Bubblewrap:
             "forbidden": list(forbidden),
         }
         windows = _windows(tuple(packages), forbidden)
-        walls = [*_walls(limits), *windows, "--remount-ro", "/", "--"]
-        return launch(walls, "/tmp", rules, limits)
+        walls = [*_walls(limits), *windows, "--remount-ro", "/"]
+        if _can_go_behind_walls():
+            warm = nursery((), tuple(ENVIRONMENT.items()))
+            return launch(walls, "/tmp", rules, limits, warm)
+        return launch([*walls, "--"], "/tmp", rules, limits)
 
 
 @functools.cache
@@ -97,6 +101,23 @@ def _complaint() -> str:
             "Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0."
         )
     return ""
+
+
+@functools.cache
+def _can_go_behind_walls() -> bool:
+    """Whether a process may enter the walls that it has built: some systems restrict that."""
+    rules = {
+        "user": _unused_user() if _is_root() else None,
+        "limits": Limits().resources(),
+        "forbidden": [],
+    }
+    warm = nursery((), tuple(ENVIRONMENT.items()))
+    walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
+    try:
+        launch(walls, "/tmp", rules, Limits(), warm).stop()
+    except SandboxUnavailable:
+        return False
+    return True
 
 
 def _is_root() -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -10,14 +11,17 @@ import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from subprocess import Popen
 
 from grader.sandbox.boundary import PYTHON, WORKER
 from grader.sandbox.inside import wire
 from grader.sandbox.processes import cpu_of_tree, memory_left, memory_of_tree
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable
+from grader.sandbox.warm import Forked, Nursery
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
+SECONDS_TO_END = 10
 LEAST_MEMORY_LEFT = 0.03
 MODEST_MEMORY = 1024 * MEBIBYTE
 # One thread each: classes are graded many notebooks at a time.
@@ -31,15 +35,34 @@ ENVIRONMENT = {
 }
 
 
+# What waits behind walls until a worker comes; it says when they stand.
+WAIT = "echo; exec sleep infinity"
+
+
 @dataclass
 class Worker:
-    """A running worker and the two ends of its pipes."""
+    """A running worker and the two ends of its pipes.
+
+    Attributes
+    ----------
+    process : subprocess.Popen
+        The walls, with all that is behind them; without walls, the worker.
+    read_end, write_end : int
+    forked : grader.sandbox.warm.Forked, optional
+        The worker, where it was forked and went behind the walls later.
+    """
 
     process: subprocess.Popen
     read_end: int
     write_end: int
+    forked: Forked | None = None
     _stopped: threading.Event = field(default_factory=threading.Event)
     _signals: threading.Lock = field(default_factory=threading.Lock)
+
+    @property
+    def pids(self) -> list[int]:
+        """Processes whose descendants are all that runs for it, as numbered out here."""
+        return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
     def stop(self) -> int:
         """Kill the worker and all it started; return its exit code."""
@@ -49,6 +72,9 @@ class Worker:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.process.pid, signal.SIGKILL)
             code = self.process.wait()
+        if self.forked:
+            # With the first process behind the walls the kernel ends all others there.
+            code = self.forked.end(SECONDS_TO_END)
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
@@ -56,6 +82,8 @@ class Worker:
 
     def has_ended(self, seconds: float) -> bool:
         """Whether it ends by itself within some seconds; its exit code is kept for `stop`."""
+        if self.forked:
+            return self.forked.has_ended(seconds)
         deadline = time.monotonic() + seconds
         while not os.waitid(os.P_PID, self.process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG):
             if time.monotonic() > deadline:
@@ -65,7 +93,7 @@ class Worker:
 
     def cpu_seconds(self) -> float:
         """Processor time that it and all it started have had."""
-        return cpu_of_tree(self.process.pid)
+        return sum(map(cpu_of_tree, self.pids))
 
     def watch_memory(self, limit: int) -> None:
         """Kill the worker when all its processes together take more than `limit` bytes.
@@ -76,7 +104,7 @@ class Worker:
         def watch() -> None:
             while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
                 most = limit if memory_left() > LEAST_MEMORY_LEFT else MODEST_MEMORY
-                if memory_of_tree(self.process.pid) > most:
+                if sum(map(memory_of_tree, self.pids)) > most:
                     with self._signals:
                         if not self._stopped.is_set():
                             os.kill(self.process.pid, signal.SIGKILL)
@@ -85,7 +113,9 @@ class Worker:
         threading.Thread(target=watch, daemon=True).start()
 
 
-def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Worker:
+def launch(
+    walls: Sequence[str], home: str, rules: dict, limits: Limits, nursery: Nursery | None = None
+) -> Worker:
     """Start a worker behind some walls, and wait until it reports.
 
     Parameters
@@ -98,6 +128,8 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
         What the worker imposes on itself before it reads a line of the student:
         ``user``, ``limits``, ``forbidden``.
     limits : Limits
+    nursery : grader.sandbox.warm.Nursery, optional
+        Where workers are forked that go behind these walls; by default Python is started there.
 
     Raises
     ------
@@ -108,21 +140,20 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
     our_read, their_write = os.pipe()
     for end in (our_read, our_write):
         os.set_blocking(end, False)
-    command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
     try:
-        process = subprocess.Popen(
-            command,
-            pass_fds=(their_read, their_write),
-            env={"HOME": home, **ENVIRONMENT},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            start_new_session=True,
-        )
+        if nursery is None:
+            command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
+            process, forked = _run(command, home, (their_read, their_write)), None
+        else:
+            process, forked = _go_behind(walls, home, rules, nursery, their_read, their_write)
+    except SandboxUnavailable:
+        for end in (our_read, our_write):
+            os.close(end)
+        raise
     finally:
         os.close(their_read)
         os.close(their_write)
-    worker = Worker(process, our_read, our_write)
+    worker = Worker(process, our_read, our_write, forked)
     try:
         deadline = time.monotonic() + SECONDS_TO_REPORT
         wire.send(our_write, rules, deadline)
@@ -134,3 +165,44 @@ def launch(walls: Sequence[str], home: str, rules: dict, limits: Limits) -> Work
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
     worker.watch_memory(limits.total_memory)
     return worker
+
+
+def _run(command: Sequence[str], home: str, pipes: Sequence[int], **options: int) -> Popen:
+    return subprocess.Popen(
+        command,
+        pass_fds=pipes,
+        env={"HOME": home, **ENVIRONMENT},
+        stdin=subprocess.DEVNULL,
+        stdout=options.pop("stdout", subprocess.DEVNULL),
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+
+
+def _go_behind(
+    walls: Sequence[str], home: str, rules: dict, nursery: Nursery, read_end: int, write_end: int
+) -> tuple[Popen, Forked]:
+    """Build walls around something that only waits, and have a worker go behind them."""
+    info, number = os.pipe()
+    # The first process of a table of processes ends all others when it ends.
+    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
+    try:
+        process = _run([*walls, *options], home, (number,), stdout=subprocess.PIPE)
+    finally:
+        os.close(number)
+    try:
+        ready = process.stdout.readline()  # by what is behind the walls: they are complete
+        with os.fdopen(info) as told:
+            first = json.load(told)["child-pid"] if ready else None
+        if first is None:
+            raise SandboxUnavailable("The sandbox cannot be built.")
+        request = {"walls": first, "own_users": rules["user"] is None, "home": home}
+        return process, nursery.fork(request, read_end, write_end)
+    except SandboxUnavailable as fault:
+        os.kill(process.pid, signal.SIGKILL)
+        complaint = process.stderr.read().decode(errors="replace").strip()[-500:]
+        process.wait()
+        process.stderr.close()
+        raise SandboxUnavailable(f"{fault} {complaint}".strip()) from None
+    finally:
+        process.stdout.close()

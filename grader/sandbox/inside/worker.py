@@ -276,9 +276,13 @@ def describe(error: BaseException) -> dict:
     }
 
 
-if __name__ == "__main__":
-    pipes = [os.dup(int(number)) for number in sys.argv[1:3]]
+def serve(read_end: int, write_end: int) -> None:
+    """Serve one notebook, in silence: printing, reading and warnings do no harm."""
     silence = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
-        os.dup2(silence, standard)  # printing, reading and warnings do no harm
-    main(*pipes)
+        os.dup2(silence, standard)
+    main(read_end, write_end)
+
+
+if __name__ == "__main__":
+    serve(*(os.dup(int(number)) for number in sys.argv[1:3]))

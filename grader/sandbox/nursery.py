@@ -1,0 +1,180 @@
+"""A process that has Python and NumPy ready and, when asked, forks a worker that goes behind walls.
+
+Starting Python and importing NumPy takes ten times as long as building the walls. Here it is done
+once. This process never sees anything of a student or of a grade: it knows the worker's own code
+and, for each request, which walls to go behind and three ends of pipes. The worker that it forks
+enters the namespaces that bubblewrap has made, gives up every privilege, and is from there on what
+`worker.py` makes of it.
+
+Run by `grader.sandbox.warm`: ``python -I -B nursery.py SOCKET SETTINGS``.
+"""
+
+import array
+import contextlib
+import ctypes
+import fcntl
+import importlib
+import json
+import os
+import random
+import signal
+import socket
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
+
+import worker  # noqa: E402
+
+# What bubblewrap unshares, beside users; see namespaces(7).
+NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
+# See ioctl_ns(2), prctl(2), capabilities(7) and linux/capability.h.
+_PARENT_NAMESPACE = 0xB702
+_DROP_FROM_BOUNDING_SET, _SET_DUMPABLE, _SET_NO_NEW_PRIVILEGES = 24, 4, 38
+_CAPABILITIES_VERSION = 0x20080522
+_SETGID, _SETUID = 6, 7
+
+_LIBC = ctypes.CDLL(None, use_errno=True)
+
+
+def main(requests: socket.socket, preloaded: list[str]) -> None:
+    """Serve until whoever asks is gone."""
+    for name in preloaded:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    # Whoever watches over many workers is not ended for what one of them does.
+    while True:
+        data, pipes = _receive(requests)
+        if not data:
+            return
+        if os.fork() == 0:
+            requests.close()
+            try:
+                _shim(json.loads(data), *pipes)
+            finally:
+                os._exit(1)
+        for end in pipes:
+            os.close(end)
+
+
+def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
+    """A request, and the ends of pipes that come with it."""
+    data, ancillary, _, _ = requests.recvmsg(4096, socket.CMSG_SPACE(3 * 4))
+    pipes = array.array("i")
+    for _, _, content in ancillary:
+        pipes.frombytes(content)
+    return data, list(pipes)
+
+
+def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
+    """Go behind the walls, fork the worker there, and report how it ends.
+
+    Who enters a process table stays outside; only children are in it.
+    """
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    os.setsid()
+    try:
+        enter(request["walls"], request["own_users"])
+        pid = os.fork()
+    except OSError as error:
+        os.write(status, f"cannot go behind the walls: {error}\n".encode())
+        return
+    if pid == 0:
+        try:
+            _become_worker(request, read_end, write_end)
+        finally:
+            os._exit(1)
+    os.close(read_end)
+    os.close(write_end)
+    os.write(status, f"{pid}\n".encode())
+    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    os.write(status, f"{code}\n".encode())
+
+
+def _become_worker(request: dict, read_end: int, write_end: int) -> None:
+    read_end, write_end = _alone_with(read_end, write_end)
+    give_up_privileges(keep_user_changes=not request["own_users"])
+    os.chdir(request["home"])
+    os.environ["HOME"] = request["home"]
+    # Else all workers would draw the same numbers.
+    random.seed()
+    worker.np.random.seed()
+    worker.serve(read_end, write_end)
+
+
+def _alone_with(*ends: int) -> list[int]:
+    """Close all open files but some, which get the first numbers after standard error."""
+    moved = [fcntl.fcntl(end, fcntl.F_DUPFD, 64) for end in ends]
+    os.closerange(3, 64)
+    os.closerange(max(moved) + 1, 2**16)
+    for number, end in enumerate(moved, start=3):
+        os.dup2(end, number)
+        os.close(end)
+    return list(range(3, 3 + len(moved)))
+
+
+def enter(pid: int, own_users: bool) -> None:
+    """Enter all namespaces of a process.
+
+    Parameters
+    ----------
+    pid : int
+        The first process behind the walls.
+    own_users : bool
+        Whether there is a user namespace, too. Bubblewrap makes two, one in the other, so that no
+        further one can be made; the outer one owns the other namespaces.
+
+    Raises
+    ------
+    OSError
+        If the kernel does not let us.
+    """
+    opened = [os.open(f"/proc/{pid}/ns/{name}", os.O_RDONLY) for name in NAMESPACES]
+    if own_users:
+        inner = os.open(f"/proc/{pid}/ns/user", os.O_RDONLY)
+        outer = fcntl.ioctl(inner, _PARENT_NAMESPACE)
+        _set_namespace(outer)
+    for namespace in opened:
+        _set_namespace(namespace)
+    if own_users:
+        _set_namespace(inner)
+
+
+def _set_namespace(namespace: int) -> None:
+    if _LIBC.setns(namespace, 0):
+        number = ctypes.get_errno()
+        raise OSError(number, f"setns: {os.strerror(number)}")
+
+
+def give_up_privileges(*, keep_user_changes: bool) -> None:
+    """Give up all capabilities, for good and for all children.
+
+    Parameters
+    ----------
+    keep_user_changes : bool
+        But for those to become another user: a worker of root's does that next.
+
+    Raises
+    ------
+    OSError
+        If the kernel does not let us.
+    """
+    kept = (1 << _SETGID | 1 << _SETUID) if keep_user_changes else 0
+    for capability in range(64):
+        # Beyond the last one that this kernel knows it says so.
+        if not kept >> capability & 1:
+            _LIBC.prctl(_DROP_FROM_BOUNDING_SET, ctypes.c_ulong(capability), 0, 0, 0)
+    header = (ctypes.c_uint32 * 2)(_CAPABILITIES_VERSION, 0)
+    # Effective, permitted, inheritable; of the first 32 capabilities and of the rest.
+    sets = (ctypes.c_uint32 * 6)(kept, kept, 0, 0, 0, 0)
+    if _LIBC.capset(header, sets):
+        number = ctypes.get_errno()
+        raise OSError(number, f"capset: {os.strerror(number)}")
+    _LIBC.prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), 0, 0, 0)
+    # Entering a user namespace hides a process from its own user, who is to count its files.
+    _LIBC.prctl(_SET_DUMPABLE, ctypes.c_ulong(1), 0, 0, 0)
+
+
+if __name__ == "__main__":
+    main(socket.socket(fileno=int(sys.argv[1])), json.loads(sys.argv[2]))
