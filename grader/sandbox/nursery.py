@@ -70,11 +70,13 @@ def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
 def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
     """Go behind the walls, fork the worker there, and report how it ends.
 
-    Who enters a process table stays outside; only children are in it.
+    Who enters a process table stays outside; only children are in it. With the worker ends
+    whatever it has started.
     """
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
     try:
+        first = os.pidfd_open(request["walls"])
         enter(request["walls"], request["own_users"])
         pid = os.fork()
     except OSError as error:
@@ -89,6 +91,8 @@ def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
     os.close(write_end)
     os.write(status, f"{pid}\n".encode())
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    with contextlib.suppress(ProcessLookupError):
+        signal.pidfd_send_signal(first, signal.SIGKILL)
     os.write(status, f"{code}\n".encode())
 
 
