@@ -29,8 +29,8 @@ from grader.sandbox.boundary import (
 )
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.protocol import Limits, SandboxUnavailable
-from grader.sandbox.warm import nursery
-from grader.sandbox.workers import ENVIRONMENT, Worker, launch
+from grader.sandbox.warm import nursery, preloaded
+from grader.sandbox.workers import Worker, launch
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,11 @@ class Bubblewrap:
             "limits": resources,
             "forbidden": list(forbidden),
         }
-        windows = _windows(tuple(packages), forbidden)
+        packages, forbidden = tuple(packages), tuple(forbidden)
+        windows = _windows(packages, forbidden)
         walls = [*_walls(limits), *windows, "--remount-ro", "/"]
         if _can_go_behind_walls():
-            warm = nursery((), tuple(ENVIRONMENT.items()))
+            warm = nursery(preloaded(packages, forbidden))
             return launch(walls, "/tmp", rules, limits, warm)
         return launch([*walls, "--"], "/tmp", rules, limits)
 
@@ -111,7 +112,7 @@ def _can_go_behind_walls() -> bool:
         "limits": Limits().resources(),
         "forbidden": [],
     }
-    warm = nursery((), tuple(ENVIRONMENT.items()))
+    warm = nursery(())
     walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
     try:
         launch(walls, "/tmp", rules, Limits(), warm).stop()

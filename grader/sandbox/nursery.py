@@ -101,6 +101,7 @@ def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     give_up_privileges(keep_user_changes=not request["own_users"])
     os.chdir(request["home"])
     os.environ["HOME"] = request["home"]
+    sys.argv[:] = [str(Path(worker.__file__))]
     # Else all workers would draw the same numbers.
     random.seed()
     worker.np.random.seed()

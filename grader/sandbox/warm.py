@@ -11,6 +11,7 @@ import socket
 import subprocess
 import threading
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,6 +20,16 @@ from grader.sandbox.protocol import SandboxUnavailable
 
 PROGRAM = Path(__file__).with_name("nursery.py")
 SECONDS_TO_FORK = 60
+SLOW_TO_IMPORT = ("scipy.spatial", "scipy.sparse.csgraph")
+# One thread each: classes are graded many notebooks at a time.
+ENVIRONMENT = {
+    "PATH": "/usr/bin:/bin",
+    "LANG": "C.UTF-8",
+    "MPLBACKEND": "Agg",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
 LONGEST_REPORT = 400
 
 
@@ -141,7 +152,15 @@ def _line(report: int, seconds: float) -> str:
     return text.decode(errors="replace").strip()
 
 
+def preloaded(packages: Sequence[str], forbidden: Sequence[str]) -> tuple[str, ...]:
+    """Modules that workers of a lesson may have imported before its notebook asks for them.
+
+    Nothing where anything is forbidden: what is in memory cannot be hidden.
+    """
+    return SLOW_TO_IMPORT if "scipy" in packages and not forbidden else ()
+
+
 @functools.cache
-def nursery(preloaded: tuple[str, ...], environment: tuple[tuple[str, str], ...]) -> Nursery:
-    """The nursery of this process for some preloaded modules."""
-    return Nursery(preloaded, dict(environment))
+def nursery(modules: tuple[str, ...]) -> Nursery:
+    """The nursery of this process whose workers have imported some modules."""
+    return Nursery(modules, ENVIRONMENT)

@@ -17,24 +17,13 @@ from grader.sandbox.boundary import PYTHON, WORKER
 from grader.sandbox.inside import wire
 from grader.sandbox.processes import cpu_of_tree, memory_left, memory_of_tree
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable
-from grader.sandbox.warm import Forked, Nursery
+from grader.sandbox.warm import ENVIRONMENT, Forked, Nursery
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
 LEAST_MEMORY_LEFT = 0.03
 MODEST_MEMORY = 1024 * MEBIBYTE
-# One thread each: classes are graded many notebooks at a time.
-ENVIRONMENT = {
-    "PATH": "/usr/bin:/bin",
-    "LANG": "C.UTF-8",
-    "MPLBACKEND": "Agg",
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-}
-
-
 # What waits behind walls until a worker comes; it says when they stand.
 WAIT = "echo; exec sleep infinity"
 

@@ -281,6 +281,7 @@ def serve(read_end: int, write_end: int) -> None:
     silence = os.open(os.devnull, os.O_RDWR)
     for standard in (0, 1, 2):
         os.dup2(silence, standard)
+    os.close(silence)
     main(read_end, write_end)
 
 

@@ -1,0 +1,212 @@
+"""A worker is forked from a process that others were forked from: what of that can it reach?"""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from grader.course.paths import PROJECT
+from grader.sandbox import Limits, bubblewrap, warm
+from grader.sandbox.processes import tree
+from grader.sandbox.program import PACKAGES
+from grader.sandbox.student import StudentStopped
+from tests.attacks.attacking import WALLS, attack, function, outcome_of
+from tests.demands import not_here
+
+LOOK = """
+import gc, os, resource, signal, sys
+
+def f():
+    status = dict(line.split(":", 1) for line in open("/proc/self/status").read().splitlines())
+    kept = ("CapInh", "CapPrm", "CapEff", "CapAmb", "Groups", "NoNewPrivs", "Seccomp", "Threads")
+    limits = [name for name in dir(resource) if name.startswith("RLIMIT_")]
+    return {
+        "files": sorted(os.listdir("/proc/self/fd"), key=int)[:-1],
+        "environment": sorted(f"{name}={value}" for name, value in os.environ.items()),
+        "folder": os.getcwd(),
+        "parent": os.getppid(),
+        "status": [status[name].strip() for name in kept],
+        "limits": [resource.getrlimit(getattr(resource, name)) for name in limits],
+        "signals": [str(signal.getsignal(one)) for one in sorted(signal.valid_signals())],
+        "umask": os.umask(0),
+        "nice": os.nice(0),
+        "path": list(sys.path),
+        "flags": str(sys.flags),
+        "root": sorted(os.listdir("/")),
+        "processes": sorted(name for name in os.listdir("/proc") if name.isdigit()),
+        "ours": sorted(name for name in sys.modules if name.split(".")[0] in ("grader", "pytest")),
+    }
+"""
+
+
+@pytest.fixture(autouse=True)
+def forked():
+    """These tests are about workers that are forked."""
+    if not bubblewrap._can_go_behind_walls():
+        not_here("processes may not enter namespaces here; workers start anew")
+
+
+def looked(monkeypatch, is_warm):
+    with monkeypatch.context() as patch:
+        if not is_warm:
+            patch.setattr(bubblewrap, "_can_go_behind_walls", lambda: False)
+        return outcome_of(LOOK)
+
+
+def test_a_forked_worker_has_no_more_than_one_that_started_there(monkeypatch):
+    """Open files, privileges, groups, limits, signals, paths, variables, processes."""
+    forked, started = looked(monkeypatch, True), looked(monkeypatch, False)
+    # Its parent is outside, and so is nobody; of the other the parent was process 1.
+    assert (forked.pop("parent"), started.pop("parent")) == (0, 1)
+    # Standard ones and the two pipes.
+    assert len(forked.pop("files")) == 5
+    started.pop("files")
+    assert forked == started
+    assert forked["ours"] == []
+
+
+def test_all_namespaces_are_its_own():
+    """Entered by mistake in part, they would be those of whoever grades."""
+    names = sorted(os.listdir("/proc/self/ns"))
+    body = "import os\nreturn {name: os.readlink('/proc/self/ns/' + name) for name in names}"
+    inside = outcome_of(function(body, parameters="names"), names)
+    shared = {name for name in names if inside[name] == os.readlink(f"/proc/self/ns/{name}")}
+    assert shared <= {"time", "time_for_children", *(("user",) if bubblewrap._is_root() else ())}
+
+
+def test_the_nursery_and_the_judge_cannot_be_reached():
+    """By signals, by their memory, or through a parent."""
+    body = (
+        "import os, signal\nreached = []\n"
+        "for number in [0, -1, *numbers]:\n"
+        "    if number == 0: number = os.getppid()\n"
+        "    try:\n        open(f'/proc/{number}/mem', 'r+b'); reached.append(number)\n"
+        "    except OSError: pass\n"
+        "    try:\n        if number > 0: os.kill(number, 0); reached.append(number)\n"
+        "    except OSError: pass\n"
+        "return reached"
+    )
+    with attack(function(body, parameters="numbers")) as student:
+        student.f([])
+        numbers = [number for number in tree(os.getpid()) if number > 10]
+        assert student.f(numbers) == []
+
+
+def test_workers_do_not_draw_the_same_numbers():
+    body = "import random\nimport numpy as np\nreturn [random.random(), float(np.random.rand())]"
+    drawn = [outcome_of(function(body)) for _ in range(3)]
+    assert len({number for pair in drawn for number in pair}) == 6
+
+
+def test_what_is_forbidden_is_not_in_memory_either():
+    """Preloaded for one lesson, it would be at hand in another."""
+    body = "import sys\nreturn sorted(name for name in sys.modules if name.startswith('scipy'))"
+    assert "scipy.spatial" in outcome_of(function(body))
+    assert outcome_of(function(body), forbidden=("scipy.spatial",)) == []
+    assert outcome_of(function(body), packages=("numpy",)) == []
+
+
+@pytest.mark.parametrize("forbidden", [(), ("scipy.spatial",), ("sklearn",)])
+def test_nothing_is_preloaded_where_anything_is_forbidden(forbidden):
+    assert bool(warm.preloaded(PACKAGES, forbidden)) is (not forbidden)
+
+
+def test_one_that_ends_takes_its_children_and_nobody_else():
+    body = (
+        "import os, signal, time\n"
+        "if os.fork() == 0:\n    time.sleep(600)\n"
+        "if arguments[0]: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "return 1"
+    )
+    with attack(function(body)) as one, attack(function("return 2")) as other:
+        one.f(False)
+        assert other.f() == 2
+        children = [number for pid in one._worker.pids for number in tree(pid)]
+        with pytest.raises(StudentStopped, match="killed itself"):
+            one.f(True)
+        assert other.f() == 2
+    deadline = time.monotonic() + 10
+    while any(os.path.exists(f"/proc/{number}") for number in children):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_a_killed_nursery_is_started_again():
+    """The kernel may end it when memory is short; a notebook that is being judged stays."""
+    with attack(function("return 3")) as student:
+        assert student.f() == 3
+        [nursery] = parents(student._worker.forked.pid)
+        os.kill(nursery, signal.SIGKILL)
+        assert student.f() == 3
+        with attack(function("return 4")) as other:
+            assert other.f() == 4
+
+
+def parents(pid):
+    """The process that forked a worker's own parent."""
+    for _ in range(2):
+        with open(f"/proc/{pid}/stat") as stat:
+            pid = int(stat.read().rpartition(")")[2].split()[1])
+    return [pid]
+
+
+def test_many_are_forked_at_a_time():
+    seen = []
+
+    def ask(number):
+        seen.append(outcome_of(function("return arguments[0]"), number))
+
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(6)]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    assert sorted(seen) == list(range(6))
+
+
+def test_with_the_judge_ends_everything(tmp_path):
+    """Killed, it can clean up nothing."""
+    program = (
+        "import sys, time\nfrom grader.sandbox import SANDBOXES, Limits\n"
+        "worker = SANDBOXES['bubblewrap'].start(Limits(), (), ('numpy',))\n"
+        "print(*worker.pids, flush=True)\ntime.sleep(600)\n"
+    )
+    judge = subprocess.Popen(
+        [sys.executable, "-c", program], cwd=PROJECT, stdout=subprocess.PIPE, text=True
+    )
+    numbers = [int(word) for word in judge.stdout.readline().split()]
+    numbers += [number for pid in numbers for number in tree(pid)] + parents(numbers[-1])
+    judge.kill()
+    judge.wait()
+    judge.stdout.close()
+    deadline = time.monotonic() + 10
+    while any(is_running(number) for number in numbers):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def is_running(pid):
+    """Whether there is such a process, and not only what is left of one."""
+    try:
+        with open(f"/proc/{pid}/stat") as stat:
+            return stat.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_where_entering_is_not_allowed_python_starts_behind_the_walls(monkeypatch):
+    def refused(*request):
+        raise bubblewrap.SandboxUnavailable("not here")
+
+    monkeypatch.setattr(warm.Nursery, "fork", refused)
+    bubblewrap._can_go_behind_walls.cache_clear()
+    try:
+        worker = WALLS.start(Limits())
+        assert worker.forked is None
+        assert worker.stop() == -9
+    finally:
+        bubblewrap._can_go_behind_walls.cache_clear()
