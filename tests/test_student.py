@@ -92,3 +92,56 @@ def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
     with Student(Program((source,), ("f",)), sandbox) as proxy:
         for kind in ("range", "deque", "array"):
             assert list(proxy.f(kind)) == [0, 1, 2]
+
+
+def test_a_node_is_asked_once_for_all_it_holds(student):
+    tree = student.KdTree()
+    for number in range(5):
+        tree.insert([number, 0.0], number)
+    asked, seen, node = student._calls, [], tree.root
+    while node is not None:
+        seen.append((node.index, node.point.tolist(), node.right))
+        node = node.left
+    assert seen == [(number, [number, 0.0], None) for number in (4, 3, 2, 1, 0)]
+    assert student._calls - asked <= len(seen) + 1
+
+
+def test_what_a_call_changes_is_asked_anew(student):
+    tree = student.KdTree()
+    assert (tree.root, tree.count) == (None, 0)
+    tree.insert([0.0, 0.0], 3)
+    assert (tree.root.index, tree.count) == (3, 1)
+
+
+ODD = """
+import numpy as np
+
+class Hidden:
+    __dict__ = property(lambda self: 7)
+
+class OwnSize:
+    def __len__(self): return 1 / 0
+    def __array__(self): return 1 / 0
+
+class Odd:
+    class_wide = 5
+    def __init__(self, kind):
+        self.first = 1
+        if kind == "many": self.__dict__.update({f"a{n}": n for n in range(99)})
+        if kind == "large": self.large = np.zeros(10**6)
+        if kind == "own size": self.own = OwnSize()
+        if kind == "no text": self.__dict__[3] = 4
+        if kind == "no dictionary": self.__class__ = type("Other", (Hidden, Odd), {})
+        if kind == "lists": self.list = [object()] * 3
+    @property
+    def computed(self): return self.first + 1
+"""
+
+
+@pytest.mark.parametrize(
+    "kind", ["plain", "many", "large", "own size", "no text", "no dictionary", "lists"]
+)
+def test_what_stands_beside_an_attribute_does_no_harm(sandbox, kind):
+    with Student(Program((ODD,), ("Odd",)), sandbox) as proxy:
+        odd = proxy.Odd(kind)
+        assert (odd.first, odd.computed, odd.class_wide, odd.first) == (1, 2, 5, 1)

@@ -138,6 +138,8 @@ class Student:
     def __init__(self, program: Program, sandbox: Sandbox, limits: Limits | None = None) -> None:
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
+        # Attributes that came with another one of the same object; until something is called.
+        self._known: dict[tuple[int, str], object] = {}
         self._stops: dict[str, list[str]] = {}
         self._time_left = self._limits.total_seconds
         self._run_whole, self._told = True, False
@@ -182,6 +184,10 @@ class Student:
                 "NameError",
                 "the notebook does not define it; keep the name of the function as it was given",
             )
+        if call:
+            self._known.clear()
+        elif (held.number, name) in self._known:
+            return self._known[held.number, name]
         self._calls += 1
         request = {
             "id": self._calls,
@@ -208,14 +214,26 @@ class Student:
         elif reply.get("callable") is True and not call:
             result = RemoteFunction(self, name, held)
         else:
-            held = _Held(reply["object"], self._worker)
-            result = RemoteObject(self, held, wire.known_type(reply.get("type")))
+            result = self._object(reply)
+        if not call:
+            self._remember(held.number, reply.get("beside"))
         if not observe:
             return result
         after, shared = reply.get("arguments"), reply.get("shared")
         if not isinstance(after, list) or len(after) != len(arguments):
             self._stop(f"{name} did not answer the question that was asked")
         return Observed(result, tuple(after), frozenset(_positions(shared)))
+
+    def _object(self, reply: dict) -> RemoteObject:
+        held = _Held(reply["object"], self._worker)
+        return RemoteObject(self, held, wire.known_type(reply.get("type")))
+
+    def _remember(self, number: int, beside: object) -> None:
+        """Keep what came with an attribute: whoever walks a tree asks for all of a node."""
+        for name, value in beside.items() if isinstance(beside, dict) else ():
+            if isinstance(name, str) and isinstance(value, dict):
+                known = self._object(value) if "object" in value else value.get("result")
+                self._known[number, name] = known
 
     def _error(self, name: str, error: object) -> StudentError:
         if not isinstance(error, dict):
@@ -242,6 +260,7 @@ class Student:
                 f"Not tried: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
             )
         program = self._program
+        self._known.clear()
         self._worker = self._sandbox.start(self._limits, program.forbidden, program.packages)
         found = self._start(
             {

@@ -30,6 +30,8 @@ import wire  # noqa: E402
 from utils.notebooks import slicing  # noqa: E402
 
 LONGEST_TEXT = 400
+MOST_ATTRIBUTES, MOST_NUMBERS = 12, 12
+SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are not there because the lesson does not allow what they are imported from.
 _REFUSED: dict[str, str] = {}
 
@@ -207,15 +209,31 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     except BaseException as error:
         return {"error": describe(error)}
     seen = observed(result, arguments) if request["observe"] else {}
+    if not request["call"] and not callable(result):
+        seen["beside"] = beside(objects[request["object"]], objects)
     if wire.is_plain(result):
         return {"result": result, **seen}
-    objects[len(objects)] = result
-    return {
-        "object": len(objects) - 1,
-        "callable": callable(result),
-        "type": type(result).__name__,
-        **seen,
-    }
+    return {**held(result, objects), "callable": callable(result), **seen}
+
+
+def held(value: object, objects: dict[int, object]) -> dict:
+    """Keep an object, under a number by which it can be asked for."""
+    objects[len(objects)] = value
+    return {"object": len(objects) - 1, "type": type(value).__name__}
+
+
+def beside(owner: object, objects: dict[int, object]) -> dict:
+    """The other attributes of an object, as who asks for one asks for all: a tree is walked."""
+    attributes = getattr(owner, "__dict__", None)
+    if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
+        return {}
+    said = {}
+    for name, value in attributes.items():
+        if isinstance(value, SCALARS) or type(value) is np.ndarray and value.size <= MOST_NUMBERS:
+            said[str(name)] = {"result": value}
+        elif not wire.is_plain(value) and not callable(value):
+            said[str(name)] = held(value, objects)
+    return said
 
 
 def observed(result: object, arguments: list) -> dict:
