@@ -20,6 +20,7 @@ from grader.course.lessons import Lesson
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.student import Student, StudentStopped
 from utils.checks.failures import FarTooMuch
+from utils.checks.remembering import one_run
 
 # Processor seconds that one test may take here, beside what the student's code takes there.
 SECONDS_OF_A_TEST = 30.0
@@ -161,7 +162,7 @@ def run_tests(
         pytest would keep it to itself.
     """
     collector = _Collector(student, seed, asked)
-    with _plain_environment():
+    with _plain_environment(), one_run():
         code = pytest.main([str(lesson.tests), *_OPTIONS], plugins=[collector])
     if collector.broken:
         raise collector.broken

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
 from utils.checks.limits import TimeUp, limited
+from utils.checks.remembering import one_run
 from utils.checks.story import Outcome, resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.using import functions_used, refused_modules
@@ -250,11 +251,12 @@ def _part(function: Callable, exercise: str) -> Callable:
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
     """Run checks, and show each as it ends; after one that hangs, or a stub, no more."""
     outcomes = []
-    for one in checks:
-        outcomes.append(run_check(one, function))
-        table.show(outcomes)
-        if isinstance(outcomes[-1].failure, Stopped | NotStarted):
-            break
+    with one_run():
+        for one in checks:
+            outcomes.append(run_check(one, function))
+            table.show(outcomes)
+            if isinstance(outcomes[-1].failure, Stopped | NotStarted):
+                break
     return outcomes
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     TOLERANCE,
     CheckFailed,
@@ -63,12 +64,14 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
         )
 
 
+@once
 def assert_measures_level(horizontal_distance: Callable) -> None:
     """Points level with the sensor are measured right; their height and intensity come next."""
     with needs("points level with the sensor are measured right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
+@once
 def assert_measures(horizontal_distance: Callable) -> None:
     """A street is measured right; where not, no other property can be looked at."""
     with needs("the distances of points high and low are right"):
@@ -308,6 +311,7 @@ def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
     assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
 
 
+@once
 def assert_works(drop_invalid: Callable) -> None:
     """One of the two common kinds of lost returns goes; where not, there is nothing to look at.
 

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 import utils
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     TOLERANCE,
     CheckFailed,
@@ -111,6 +112,7 @@ def assert_unit_normal(answer: object) -> None:
         )
 
 
+@once
 def assert_makes_lines(line_through: Callable) -> None:
     """A slanted line runs through its points; where not, no other property can be looked at."""
     with needs("a slanted line runs through its two points"):
@@ -352,6 +354,7 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
             axes.add_patch(Circle(point, abs(float(distance)), fill=False, linewidth=0.8))
 
 
+@once
 def assert_measures(point_line_distance: Callable) -> None:
     """The plain case is right; where not, no other property can be looked at."""
     with needs("distances from a line through (0, 0) are right, on its positive side"):
@@ -766,6 +769,7 @@ def assert_finds(
         )
 
 
+@once
 def assert_works(ransac_line: Callable) -> None:
     """A line is found in a crowd; where not, no other property can be looked at."""
     with needs("the line is found in a crowd"):

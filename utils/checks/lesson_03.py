@@ -18,6 +18,7 @@ import utils
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes, same_array
 from utils.checks.failures import WrongForm
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
@@ -523,6 +524,7 @@ def assert_ignores_intensity(
         )
 
 
+@once
 def assert_measures(point_plane_distance: Callable) -> None:
     """The plain case: planes through the sensor, points in front of them."""
     with needs("the distances from a plane through the sensor are right"):
@@ -1033,6 +1035,7 @@ def _draw(
     return axes
 
 
+@once
 def assert_works(ransac_plane: Callable) -> None:
     """A plane is found among outliers; where not, most properties cannot be looked at."""
     with needs("the plane is found among the outliers"):
@@ -1051,6 +1054,7 @@ def assert_runs(ransac_plane: Callable) -> None:
         assert_finds(answer, points, 0.5, belongs, share=0.5)
 
 
+@once
 def _assert_masks_belong(ransac_plane: Callable) -> None:
     for seed in range(4):
         points, _ = scattered_plane(10 + seed, 50, 20, noise=0.1)

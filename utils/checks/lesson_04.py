@@ -13,6 +13,7 @@ import utils
 from utils.checks.claims import MOST_OF_A_POINT
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     WrongForm,
@@ -821,11 +822,13 @@ def assert_root(KdTree: Callable) -> None:
         first_is_root(KdTree)
 
 
+@once
 def _assert_sides(KdTree: Callable) -> None:
     with needs("at the root, smaller x goes left and greater x right"):
         assert_tree(_inserted(KdTree, _SIDEWAYS), _SIDEWAYS)
 
 
+@once
 def _assert_turns(KdTree: Callable) -> None:
     _assert_sides(KdTree)
     with needs("x decides at the root and y one level below"):
@@ -1112,6 +1115,7 @@ def _balanced() -> _Node:
     return grown(QUIZ[list(_BALANCED)], _BALANCED)
 
 
+@once
 def _assert_at_target(KdTree: Callable) -> None:
     with needs("the point at the target is found"):
         finds_the_target(KdTree)
@@ -1535,11 +1539,13 @@ mistakes(
 _SEVEN = frozen(distinct(np.random.default_rng(51), 7, 2))
 
 
+@once
 def _assert_medians(median_order: Callable) -> None:
     with needs("the median of x, then of y comes first in every part"):
         assert_lower_medians(median_order(_SEVEN.copy()), _SEVEN)
 
 
+@once
 def _assert_halves(median_order: Callable) -> None:
     with needs("the median comes first in every part"):
         assert_halves(median_order(_SEVEN.copy()), _SEVEN)

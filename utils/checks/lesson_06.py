@@ -8,6 +8,7 @@ import numpy as np
 
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     TOLERANCE,
     CheckFailed,
@@ -67,6 +68,7 @@ def _heights(points: np.ndarray) -> str:
     return f"heights {', '.join(texts)}" if texts else "no row"
 
 
+@once
 def assert_filters(filter_ground: Callable) -> None:
     """The road goes and what stands above stays; where not, nothing else can be looked at."""
     with needs("what stands above the ground level is kept, the road is not"):
@@ -344,6 +346,7 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
         )
 
 
+@once
 def assert_thins(voxel_grid: Callable) -> None:
     """There is a point for each cell; where not, no other property can be looked at."""
     with needs("there is one point per occupied cell"):

@@ -13,6 +13,7 @@ import numpy as np
 
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
@@ -175,12 +176,14 @@ def _show(axes: Axes, low: Sequence[float], high: Sequence[float]) -> None:
     axes.set_ylim(min(axes.get_ylim()[0], bottom), max(axes.get_ylim()[1], top))
 
 
+@once
 def assert_measures(filter_by_distance: Callable) -> None:
     """What is near stays and what is far goes; where not, nothing else can be looked at."""
     with needs("what is near is kept, what is far is not"):
         assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
 
 
+@once
 def assert_crops(crop_region: Callable) -> None:
     """What is inside stays, the rest goes; where not, no other property can be looked at."""
     with needs("what is inside the box is kept, what is outside is not"):
@@ -188,6 +191,7 @@ def assert_crops(crop_region: Callable) -> None:
         assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
+@once
 def assert_frees(remove_ego_returns: Callable) -> None:
     """What is inside goes, the rest stays; where not, no other property can be looked at."""
     with needs("what is inside the box is removed, what is outside is not"):

@@ -12,6 +12,7 @@ from utils.checks.boxes import (
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief, frozen, needs
 
 # A cluster that surrounds the origin; its first point is neither the smallest nor the largest on
@@ -39,6 +40,7 @@ _BOXES = frozen(np.stack([_SIZES[0] * _BOX, _SIZES[1] * _BOX, _SIZES[2] * _BOX +
 _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 
+@once
 def assert_works(get_bounding_boxes: Callable) -> None:
     """Three clusters get their boxes; where not, no other property can be looked at."""
     with needs("each of three clusters gets its box"):

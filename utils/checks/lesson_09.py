@@ -7,6 +7,7 @@ import numpy as np
 import utils
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
@@ -79,6 +80,7 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
         )
 
 
+@once
 def assert_works(filter_clusters: Callable) -> None:
     """Small clusters go and large ones stay; where not, no other property can be looked at."""
     with needs("clusters with too few points go, the others stay"):
