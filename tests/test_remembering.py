@@ -7,7 +7,7 @@ from utils.checks.remembering import once, one_run
 
 
 def counted(outcomes):
-    """An assertion that ends as it is told, one call after the other, and how often it was asked."""
+    """An assertion that ends as it is told, call by call, and whom it was asked about."""
     asked = []
 
     @once
