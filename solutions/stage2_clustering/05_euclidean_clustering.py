@@ -317,7 +317,7 @@ print(f"In truth it is {len(in_it)} walls, with the numbers {in_it.tolist()}.")
 axes = plots.clusters(obstacles, np.where(labels == longest, objects, 0), limits=street,
                       title=f"The longest cluster: {len(in_it)} walls in one. Pale: all the rest")
 axes.get_legend().remove()
-plots.ring(axes, -2.0, -8.2, radius=1.7, text="they touch on both sides of the short one")
+plots.ring(axes, -2.0, -8.2, radius=1.7, text="they touch on both sides of the short one");
 
 # %% [markdown]
 # The blessing: no shape and no length had to be foreseen. The curse: what touches is one. A single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
@@ -336,7 +336,7 @@ true_number = np.unique(objects[in_yard], return_inverse=True)[1].ravel() + 1
 figure, axes = plt.subplots(figsize=(6, 6.8), layout="compressed")
 plots.clusters(yard, true_number, limits=window, axes=axes, title="What is there")
 plots.ring(axes, 2.5, -5.8, radius=1.1, text="two people")
-plots.ring(axes, 7.0, 3.8, radius=2.4, text="one car")
+plots.ring(axes, 7.0, 3.8, radius=2.4, text="one car");
 
 # %%
 parted = predict("Is there a threshold that keeps the two people apart and the car in one piece?",
@@ -361,7 +361,7 @@ for threshold, axes in zip((0.25, 0.5, 1.5), grid.flat[1:]):
 plots.ring(grid[0, 1], 7.0, 3.8, radius=2.4, text="torn")
 plots.ring(grid[1, 0], 2.5, -5.8, radius=1.1, text="joined")
 plots.ring(grid[1, 0], 8.0, 3.7, radius=0.9, text="torn")
-plots.ring(grid[1, 1], 5.5, 3.6, radius=3.2, text="joined")
+plots.ring(grid[1, 1], 5.5, 3.6, radius=3.2, text="joined");
 
 # %% [markdown]
 # Do not trust the number of clusters: at 0.5 m it is right only because two errors cancel. Let your function answer the question with many thresholds.
@@ -378,7 +378,7 @@ def which_thresholds(thresholds):
         whole.append(len(car) == 1)
     return np.array(apart), np.array(whole)
 
-
+# %%
 tried = np.round(np.arange(0.05, 2.51, 0.05), 2)
 apart, whole = which_thresholds(tried)
 print(f"the two people are apart up to {tried[apart].max()} m, "
@@ -409,7 +409,7 @@ def two_errors(thresholds):
                                for user, pieces in zip(users, clusters_of)]))
     return np.array(torn), np.array(joined)
 
-
+# %%
 thresholds = np.array([0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.25, 1.5, 2.0])
 torn, joined = two_errors(thresholds)
 axes = plots.curves({"torn to pieces": (thresholds, torn),
@@ -428,7 +428,7 @@ axes.text(0.52, 0.9, "the default, 0.5 m");
 
 # %%
 doubling = predict("With twice as many points, how many times longer will it take?",
-                   between=(1, 8), step=0.5, unit="times")
+                   between=(1, 8), step=0.1, unit="times", digits=1)
 
 # %%
 def seconds_for(number):

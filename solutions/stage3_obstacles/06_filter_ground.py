@@ -54,7 +54,8 @@ plots.from_above(cloud, limits=street, title="The street from above, coloured by
 # The sensor sits on the roof, 1.73 m above the road. Two guesses, before you see how the heights are distributed:
 
 # %%
-peak = predict("At which height z do the most returns lie?", between=(-3, 3), step=0.1, unit="m")
+peak = predict("At which height z do the most returns lie?", between=(-3, 3), step=0.1,
+               unit="m", digits=1)
 share = predict("What share of all returns is ground (road and pavement)?",
                 between=(0, 100), unit="%")
 
@@ -216,7 +217,7 @@ for level, axes in zip((-1.6, -1.2, -0.5), rows):
     plots.from_above(kept, limits=street, axes=axes,
                      title=f"ground_level = {level} m keeps {len(kept) / len(thin):.0%}")
 plots.ring(rows[1], -11.7, -2.7, radius=2.5, text="a car")
-plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car")
+plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");
 
 # %% [markdown]
 # Which kind of thing loses one first? Your function can tell, with the truth at hand. Let us look at all that have a hundred returns or more and stand within 15 m.
@@ -232,7 +233,7 @@ def vanishes_at(kind, levels):
                 return level
     return np.inf
 
-
+# %%
 rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
 gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
 for name, level in gone.items():
@@ -248,15 +249,17 @@ first.compare(min(gone, key=gone.get), "A car is lower than a person. What a lev
 # With the truth we can count two kinds of error for every level: ground that stays (an obstacle that is not there) and obstacle that goes (a blind spot). Your own `filter_ground` does the counting.
 
 # %%
+ground = cloud[kinds == "ground"]
+upright = cloud[truth["objects"] > 0]  # all returns from things that stand on the ground
+
+
 def two_errors(levels):
     """For each level the share of the ground that stays, and of the obstacles that go."""
     stays = [len(filter_ground(ground, level)) / len(ground) for level in levels]
     goes = [1 - len(filter_ground(upright, level)) / len(upright) for level in levels]
     return np.array(stays), np.array(goes)
 
-
-ground = cloud[kinds == "ground"]
-upright = cloud[truth["objects"] > 0]  # all returns from things that stand on the ground
+# %%
 levels = np.round(np.arange(-2.2, 0.3, 0.05), 2)
 ground_kept, obstacles_lost = two_errors(levels)
 
@@ -453,7 +456,7 @@ def by_voxels(rows):
     """How many centroids the voxel grid leaves of these rows of `upright`."""
     return len(voxel_grid(upright[rows], 0.2))
 
-
+# %%
 everything = np.arange(len(upright))
 print(f"In all: {by_skipping(everything):,} by skipping, {by_voxels(everything):,} centroids\n")
 print_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
@@ -467,7 +470,8 @@ print_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %%
 fewer = predict("Cells twice as wide hold eight times the volume. "
-                "How many times fewer points will be left?", between=(1, 8), step=0.5)
+                "How many times fewer points will be left?", between=(1, 8), step=0.1,
+                digits=1)
 
 # %%
 @interact(size=FloatSlider(value=0.2, min=0.1, max=1.0, step=0.1, description="cell (m)",
@@ -481,7 +485,7 @@ def points_left(sizes):
     """How many centroids are left of all that stands on the ground, for each size of the cells."""
     return np.array([len(voxel_grid(upright, size)) for size in sizes])
 
-
+# %%
 sizes = np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6])
 left = points_left(sizes)
 axes = plots.curves({"surfaces: $s^{-2}$": (sizes, left[3] * (sizes / sizes[3]) ** -2),

@@ -38,6 +38,7 @@ from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
     assert_untouched,
+    frozen,
 )
 
 # A step and a threshold at which each point of a row has one neighbour on either side, also for

@@ -276,7 +276,6 @@ def growth(
         What the three states are called in the legend; only for a new figure.
     columns : int
         Pictures side by side; only for a new figure.
-    view : {"above", "side"}
     view : {"above", "side", "side to scale"}
     title : str, optional
         Of the whole row; only for a new figure.
