@@ -22,7 +22,7 @@
 # - say what the threshold does, and why no threshold is right everywhere,
 # - predict from a measurement how long an algorithm will take on a full scan.
 #
-# **You write** `euclidean_clustering` (40 points). **Time:** (time). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code.
+# **You write** `euclidean_clustering` (40 points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code. **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -134,7 +134,7 @@ ahead, left = obstacles[:, 0], obstacles[:, 1]
 car = obstacles[(ahead > 4.7) & (ahead < 10) & (left > -5) & (left < 0.5), :3]
 member = np.arange(len(car)) == np.argmin(car @ [1, 1, 0])  # start at the lower left corner
 states = []  # of each point after each step: 0 not reached, 1 joins now, 2 joined before
-for step in range(12):
+for _ in range(12):
     gap = np.linalg.norm(car[:, None] - car[member], axis=2).min(axis=1)  # to the nearest member
     states.append(np.where(member, 2, gap < 0.5))
     member = gap < 0.5
@@ -503,7 +503,7 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 #   ```
 #
 #   In the Point Cloud Library it is `EuclideanClusterExtraction` with `setClusterTolerance(0.5)`, which also drops clusters below and above a given size.
-# - [Beams](#Words-of-the-course) spread. Ours are a third of a degree apart around the horizon: 17 cm at 30 m, half a metre at 90 m. Out there a fixed threshold cuts every car into slices, so real systems let it grow with distance, or compare neighbours in the image of beams and azimuths by the *angle* of the step between them.
+# - [Beams](#Words-of-the-course) spread. Near the horizon ours are a third of a degree apart: 17 cm at 30 m, and 47 cm at 80 m, where the range of our scanner ends. Out there a fixed threshold cuts every car into slices, so real systems let it grow with distance, or compare neighbours in the image of beams and azimuths by the *angle* of the step between them.
 # - Detectors trained on labelled scans find pedestrians beside cars better. Clustering stays beside them as a safety net: it also finds the sofa that fell off a lorry, which no training set had.
 #
 # ## If you want more

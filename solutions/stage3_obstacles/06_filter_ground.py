@@ -19,7 +19,7 @@
 # - take the ground out of a scan with a single comparison, and say when that is not enough,
 # - thin a cloud to a fifth of its points, and say which objects gain by it and which lose.
 #
-# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **Time:** (time). **You need** NumPy arrays and boolean masks (lesson 01).
+# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

@@ -337,8 +337,8 @@ mistakes(
         "Put each point that joins into the queue, and ask it for its own neighbours.",
     ),
     Mistake(
-        "Each point takes the label of a neighbour before it, and clusters that meet later keep two "
-        "labels.",
+        "Each point takes the label of a neighbour before it, and clusters that meet later keep "
+        "two labels.",
         _in_one_pass,
         "Make one cluster complete, with a queue, before the next begins.",
     ),
