@@ -178,6 +178,13 @@ def test_an_experiment_is_lent_where_a_stub_stops_it():
     assert namespace["experiment"](CLOUD) == [0, 0, 0]
 
 
+def test_an_experiment_is_recorded_anew_though_it_is_lent():
+    namespace = {"experiment": len}
+    lent.Lender({"experiments": {"experiment": {}}}, namespace).look_round()
+    stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])
+    assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]
+
+
 def test_a_generator_goes_on_as_if_it_had_been_used():
     def shuffled(rng):
         return rng.permutation(6)

@@ -152,8 +152,9 @@ class Recorder(Lender):
         for functions in self._stored.values():
             for name, answers in functions.items():
                 function = self._namespace.get(name)
-                if callable(function) and not hasattr(function, "is_lent_answers"):
-                    self._namespace[name] = self._lending(name, function, answers)
+                if callable(function) and not hasattr(function, "is_recorded"):
+                    # What was stored before may already be lent to an experiment.
+                    self._namespace[name] = self._lending(name, own(function), answers)
 
     def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
@@ -174,7 +175,7 @@ class Recorder(Lender):
                         answers[key]["rng"] = states
             return answer
 
-        recorded.is_lent_answers = True
+        recorded.is_lent_answers = recorded.is_recorded = True
         return recorded
 
     def text(self) -> str:
