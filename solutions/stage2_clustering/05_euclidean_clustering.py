@@ -7,7 +7,7 @@
 #   lidar_obstacle_lab:
 #     forbidden: [sklearn.cluster, scipy.cluster, scipy.sparse.csgraph, hdbscan, dbscan, open3d, pcl]
 #     packages: [scikit-learn]
-#     lent: [which_thresholds, two_errors]
+#     lent: [which_thresholds, two_errors, measure]
 # ---
 
 # %% [markdown]
@@ -317,7 +317,7 @@ print(f"In truth it is {len(in_it)} walls, with the numbers {in_it.tolist()}.")
 axes = plots.clusters(obstacles, np.where(labels == longest, objects, 0), limits=street,
                       title=f"The longest cluster: {len(in_it)} walls in one. Pale: all the rest")
 axes.get_legend().remove()
-plots.ring(axes, -2.0, -8.2, radius=1.7, text="they touch on both sides of the short one");
+plots.ring(axes, -2.0, -8.2, radius=1.7, text="the short one touches both");
 
 # %% [markdown]
 # The blessing: no shape and no length had to be foreseen. The curse: what touches is one. A single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
@@ -431,21 +431,21 @@ doubling = predict("With twice as many points, how many times longer will it tak
                    between=(1, 8), step=0.1, unit="times", digits=1)
 
 # %%
-def seconds_for(number):
-    """The time that your function takes for so many points, drawn at random from the street."""
-    some = np.random.default_rng(1).choice(len(near), number, replace=False)
-    begin = perf_counter()
-    euclidean_clustering(near[some])
-    return perf_counter() - begin
-
-
-if is_written(euclidean_clustering):
-    counts, seconds = [], []
+def measure(counts, seconds):
+    """Fill two lists: numbers of points, and how long your function takes for so many."""
     for number in (250, 500, 1000, 2000, 4000, 8000):
+        some = near[np.random.default_rng(1).choice(len(near), number, replace=False)]
+        begin = perf_counter()
+        euclidean_clustering(some)
         counts.append(number)
-        seconds.append(seconds_for(number))
+        seconds.append(perf_counter() - begin)
         if seconds[-1] > 5:  # a slow machine need not wait for the last point
             break
+
+# %%
+if is_written(euclidean_clustering):
+    counts, seconds = [], []
+    measure(counts, seconds)
     reach = np.array([counts[-1] / 4, len(cloud)])
     foreseen = seconds[-1] * (reach / counts[-1]) ** 2
     axes = plots.timing({"yours": (counts, seconds), "foreseen": (reach, foreseen)},

@@ -420,7 +420,8 @@ def draw_cells(points, centroids, size, up=1, title=""):
     for column, draw_line in ((0, axes.axvline), (up, axes.axhline)):
         for border in np.arange(low[column], high[column] + 1):
             draw_line(border * size, color="0.8", linewidth=0.8)
-    axes.plot(points[:, 0], points[:, up], "o", color="0.6", markersize=3.5,
+    axes.plot(points[:, 0], points[:, up], "o", color="0.6",
+              markersize=3.5 if len(points) > 50 else 9,
               label=f"{len(points):,} points")
     axes.plot(centroids[:, 0], centroids[:, up], "x", color="#D55E00", markersize=7,
               markeredgewidth=2, label=f"{len(centroids):,} centroids")
