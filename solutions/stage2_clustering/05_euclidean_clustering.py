@@ -15,7 +15,7 @@
 #
 # ![A street from above, twice. On the left all points look alike. On the right each car, person, pole and wall has a colour and a marker of its own.](pictures/05_preview.png)
 #
-# A scan is a list of points and says nothing about things. A driver sees a lorry, two people, a wall. This lesson makes things out of points with one rule: points that are close belong together, and so do all that a chain of close points joins.
+# A scan is a list of points and says nothing about obstacles. A driver sees a lorry, two people, a wall. This lesson makes obstacles out of points with one rule: points that are close belong together, and so do all that a chain of close points joins.
 #
 # **After this lesson you can**
 # - turn a cloud into numbered obstacles with a queue and a distance,
@@ -67,10 +67,10 @@ street = ((-8, 22), (-9, 9))  # x from, to; y from, to
 plots.from_above(obstacles, limits=street, title=f"{len(obstacles):,} points from above");
 
 # %% [markdown]
-# Count the things in this picture. Where two of them stand close together, notice what makes you say "two", or "one": you are using a rule, and this lesson finds it.
+# Count the obstacles in this picture. Where two of them stand close together, notice what makes you say "two", or "one": you are using a rule, and this lesson finds it.
 
 # %%
-things = predict("How many separate things do you count?")
+counted = predict("How many separate obstacles do you count?")
 
 # %% [markdown]
 # ## The naive idea: all points around a first one
@@ -138,8 +138,9 @@ for _ in range(12):
     gap = np.linalg.norm(car[:, None] - car[member], axis=2).min(axis=1)  # to the nearest member
     states.append(np.where(member, 2, gap < 0.5))
     member = gap < 0.5
-plots.growth(car, [states[step] for step in (1, 4, 7, 10)], columns=2,
-             titles=[f"step {step}" for step in (1, 4, 7, 10)],
+shown = (1, 4, 8, 11)
+plots.growth(car, [states[step - 1] for step in shown], columns=2,
+             titles=[f"step {step}" for step in shown],
              names=("not reached", "joins now", "joined before"),
              title="A car joins, half a metre at a time");
 
@@ -181,7 +182,7 @@ print("close and free:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 # Give each point the number of its cluster: 1 for the cluster of the first point, 2 for the next new one, and so on.
 #
 # - **Neighbours are strictly closer than `threshold`**, in x, y and z. Intensity is not a place.
-# - **Compare with all points at once**, in one line of NumPy; no more is needed here. A neighbour search, such as your KD-tree or `scipy.spatial`, is allowed and has its turn in lesson 10.
+# - **Compare with all points at once**, in one line of NumPy; no more is needed here. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed and has its turn in lesson 10.
 # - **No recursion.** A function that calls itself for every neighbour hits Python's limit of about a thousand nested calls; a wall in a full scan has many thousands of points.
 # - **Not allowed:** libraries that do the clustering, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`.
 
@@ -269,15 +270,15 @@ plots.clusters(obstacles, labels, names=True, limits=street,
 # %% nbgrader={"grade": true, "grade_id": "test_euclidean_clustering", "locked": true, "points": 40, "schema_version": 3, "solution": false, "task": false}
 check(euclidean_clustering)
 # %% [markdown]
-# And what *are* these clusters? The scan was simulated, so for every return we know the thing it hit. Here are the twelve largest clusters.
+# And what *are* these clusters? The scan was simulated, so for every return we know the object it hit. Here are the twelve largest clusters.
 
 # %% tags=["folded"]
 # @title Lists the largest clusters and what is in them (you need not read this)
 from utils.datasets import DATA
 
 truth = np.load(DATA / "cloud_truth.npz")
-objects = truth["objects"][standing][kept]  # the number of the thing behind each point; 0: road
-kinds = truth["class_names"][truth["classes"][standing][kept]]  # and what kind of thing it is
+objects = truth["objects"][standing][kept]  # the number of the object behind each point; 0: road
+kinds = truth["class_names"][truth["classes"][standing][kept]]  # and of what kind it is
 
 sizes = np.bincount(labels)
 for label in np.argsort(-sizes, kind="stable")[:12]:
@@ -291,14 +292,15 @@ for label in np.argsort(-sizes, kind="stable")[:12]:
 there = np.unique(objects[objects > 0])
 in_pieces = [number for number in there if len(np.unique(labels[objects == number])) > 1]
 shared = [label for label in np.unique(labels) if len(np.unique(objects[labels == label])) > 1]
-print(f"{labels.max()} clusters for {len(there)} things:")
-print(f"  {len(in_pieces)} things lie in several clusters, {len(shared)} clusters hold several things,")
+print(f"{labels.max()} clusters for {len(there)} objects:")
+print(f"  {len(in_pieces)} objects lie in several clusters, "
+      f"{len(shared)} clusters hold several objects,")
 print(f"  {np.sum(sizes[1:] < 10)} clusters have fewer than ten points")
-things.compare(len(there), "You count things that you know; the program counts gaps. A gap inside "
-               "a thing makes two clusters of one, and things that touch make one of two.")
+counted.compare(len(there), "You count objects that you know; the program counts gaps. A gap "
+                "inside an object makes two clusters of one, and objects that touch make one of two.")
 
 # %% [markdown]
-# Cars, people and walls, found without knowing what a car is. But some clusters hold more than one thing, and there are crumbs. The next section explains the first; lesson 09 sweeps up the second, as [noise](#Words-of-the-course).
+# Cars, people and walls, found without knowing what a car is. But some clusters hold more than one object, and there are crumbs. The next section explains the first; lesson 09 sweeps up the second, as [noise](#Words-of-the-course).
 #
 # ## Chains link: a blessing and a curse
 #
@@ -324,7 +326,7 @@ plots.ring(axes, -2.0, -8.2, radius=1.7, text="the short one touches both");
 #
 # ## Play: how close is close?
 #
-# *Too small and things fall apart; too large and they run together.*
+# *Too small and obstacles fall apart; too large and they run together.*
 #
 # Look at a smaller piece of the street. At its lower left walk two pedestrians; a car stands slanted at the top, with a cyclist beside it.
 
@@ -352,7 +354,7 @@ def show_threshold(threshold):
     plt.show()
 
 # %%
-# The same without a slider: the truth and three thresholds. A colour stays with its thing.
+# The same without a slider: the truth and three thresholds. A colour stays with its obstacle.
 figure, grid = plt.subplots(2, 2, figsize=(8.5, 10.4), layout="compressed")
 plots.clusters(yard, true_number, limits=window, axes=grid[0, 0], title="what is there")
 for threshold, axes in zip((0.25, 0.5, 1.5), grid.flat[1:]):
@@ -420,7 +422,7 @@ axes.axvline(0.5, color="black", linestyle=":")
 axes.text(0.52, 0.9, "the default, 0.5 m");
 
 # %% [markdown]
-# Nowhere are both curves zero. But the errors are not equally bad. A car counts as torn here even if it lost a single stray point, and lesson 09 removes such crumbs; joined things stay joined. That is why one stays to the left of where the curves cross: 0.5 m is a usual choice.
+# Nowhere are both curves zero. But the errors are not equally bad. A car counts as torn here even if it lost a single stray point, and lesson 09 removes such crumbs; what is joined stays joined. That is why one stays to the left of where the curves cross: 0.5 m is a usual choice.
 #
 # ## Theory against practice: what does it cost?
 #
@@ -473,7 +475,7 @@ else:
 # | what was written | what you see |
 # |---|---|
 # | compared with the first point of the cluster only | confetti: balls instead of chains |
-# | distance compared with `threshold ** 2` | 0.5 acts as 0.25: things fall to pieces |
+# | distance compared with `threshold ** 2` | 0.5 acts as 0.25: obstacles fall to pieces |
 # | squared distance compared with `threshold` | 0.5 acts as 0.71: here it mends a car by luck, elsewhere it joins two |
 # | labels counted from 0 | the first obstacle, drawn as pale crosses, passes for noise |
 # | counter raised for every point | label numbers far above the number of clusters |
@@ -517,10 +519,10 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 #
 # - A cluster is a connected component: all that is reachable from neighbour to neighbour. No first point, no shape, no number is given.
 # - The queue asks each point once, provided that it is labelled on entering.
-# - The threshold weighs torn against joined things; none is right everywhere.
+# - The threshold weighs torn against joined obstacles; none is right everywhere.
 # - Comparing all with all costs n²: fine for thousands of points, hopeless for a scan.
 #
-# **Sources.** Euclidean clustering of point clouds: [Rusu 2009](http://mediatum.ub.tum.de/doc/800632/941254.pdf), section 6.2, and the [PCL tutorial](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). The same clusters under other names: DBSCAN with `min_samples=1`, [Ester et al. 1996](https://www.aaai.org/Papers/KDD/1996/KDD96-037.pdf); single linkage cut at the threshold, [Gower and Ross 1969](https://doi.org/10.2307/2346439); friends of friends among galaxies, [Huchra and Geller 1982](https://ui.adsabs.harvard.edu/abs/1982ApJ...257..423H). By angles in the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
+# **Sources.** Euclidean clustering of point clouds: [Rusu 2009](http://mediatum.ub.tum.de/doc/800632/941254.pdf), section 6.2, and the [PCL tutorial](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). The same clusters under other names: DBSCAN with `min_samples=1`, [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf); single linkage cut at the threshold, [Gower and Ross 1969](https://doi.org/10.2307/2346439); friends of friends among galaxies, [Huchra and Geller 1982](https://ui.adsabs.harvard.edu/abs/1982ApJ...257..423H). By angles in the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
 #
 # **Next:** 06 · Filter the ground
 

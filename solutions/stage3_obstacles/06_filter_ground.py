@@ -220,11 +220,11 @@ plots.ring(rows[1], -11.7, -2.7, radius=2.5, text="a car")
 plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");
 
 # %% [markdown]
-# Which kind of thing loses one first? Your function can tell, with the truth at hand. Let us look at all that have a hundred returns or more and stand within 15 m.
+# Which kind loses one first? Your function can tell, with the truth at hand. We ask for the objects that have a hundred returns or more and stand within 15 m.
 
 # %%
 def vanishes_at(kind, levels):
-    """The first of some rising levels at which a thing of this kind has no return left."""
+    """The first of some rising levels at which an object of this kind has no return left."""
     mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
     numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
     for level in levels:
@@ -250,7 +250,8 @@ first.compare(min(gone, key=gone.get), "A car is lower than a person. What a lev
 
 # %%
 ground = cloud[kinds == "ground"]
-upright = cloud[truth["objects"] > 0]  # all returns from things that stand on the ground
+objects = truth["objects"]  # the number of the object behind each return; 0: none
+upright = cloud[objects > 0]  # all returns from objects that stand on the ground
 
 
 def two_errors(levels):
@@ -294,14 +295,14 @@ plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75),
 #
 # *The density of a scan falls with the square of the distance on whatever stands upright, and faster on the road: most points lie where everything is already clear.*
 #
-# The next lessons compare points with their neighbours, which takes time for every point. So we want fewer points. The naive way is to keep every fifth row. From here on we use `upright`, the returns of all things that stand: by the truth, so that nothing below depends on your exercise 1.
+# The next lessons compare points with their neighbours, which takes time for every point. So we want fewer points. The naive way is to keep every fifth row. From here on we use `upright`, the returns of all objects that stand on the ground: by the truth, so that nothing below depends on your exercise 1.
 
 # %% tags=["folded"]
 # @title Prints what is left of a wall, of a pedestrian and of three cars (you need not read this)
 def print_what_is_left(ways):
-    """Print, for some things, how many points each way of thinning leaves: a dict of functions."""
-    numbers = truth["objects"][truth["objects"] > 0]
-    print("thing           distance   returns" + "".join(f"{name:>16}" for name in ways))
+    """Print, for some objects, how many points each way of thinning leaves: a dict of functions."""
+    numbers = objects[objects > 0]
+    print("object          distance   returns" + "".join(f"{name:>16}" for name in ways))
     for name, number in {"wall": 30, "pedestrian": 15, "car": 1, "car ": 8, "car  ": 72}.items():
         rows = np.flatnonzero(numbers == number)
         far = np.hypot(*upright[rows, :2].mean(axis=0))
@@ -442,7 +443,7 @@ draw_cells(few, four, 0.5, title="Seven points from above, in four cells of 0.5 
 # **Look before you check.** Now the flank of a real car, from the side. Each square that holds points should hold exactly one centroid, and the shape of the car should survive.
 
 # %%
-flank = upright[(truth["objects"][truth["objects"] > 0] == 1) & (upright[:, 1] > -2.4)].copy()
+flank = cloud[(objects == 1) & (cloud[:, 1] > -2.4)]
 flank[:, 1] = -2.1  # pressed flat, so that each square of the picture is one cell
 draw_cells(flank, voxel_grid(flank, 0.2), 0.2, up=2,
            title="The flank of a car from the side, cells of 0.2 m");
