@@ -332,7 +332,7 @@ mistakes(
         "The distance is the root of dx² + dy² + dz².",
     ),
     Mistake(
-        "Only those join who are close to the first point of a cluster: balls instead of chains.",
+        "Only points close to the first one of a cluster join: balls instead of chains.",
         _around_first_points,
         "Put each point that joins into the queue, and ask it for its own neighbours.",
     ),
