@@ -122,9 +122,9 @@ plots.graph(seven, close_pairs(seven, 0.8), names=True, axes=axes,
 #
 # As a formula: with points $p_1, \dots, p_n$ and a threshold $d$, draw the graph with an edge between $i$ and $j$ wherever
 #
-# $$\lVert p_i - p_j \rVert = \sqrt{(x_i - x_j)^2 + (y_i - y_j)^2 + (z_i - z_j)^2} \;<\; d .$$
+# $$\lVert p_i - p_j \rVert \;<\; d .$$
 #
-# The clusters are the *connected components* of this graph: its separate pieces. The definition mentions no first point, no number of clusters and no shape, so the result depends on $d$ alone.
+# The bars are the straight distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the *connected components* of this graph: its separate pieces. The definition mentions no first point, no number of clusters and no shape, so the result depends on $d$ alone.
 #
 # A real car can be grown step by step: start with one point, and in each step add every point within half a metre of a member. Triangles join in this step; squares joined before.
 
