@@ -138,7 +138,7 @@ for _ in range(12):
     gap = np.linalg.norm(car[:, None] - car[member], axis=2).min(axis=1)  # to the nearest member
     states.append(np.where(member, 2, gap < 0.5))
     member = gap < 0.5
-shown = (1, 4, 8, 11)
+shown = (1, 5, 9, 12)
 plots.growth(car, [states[step - 1] for step in shown], columns=2,
              titles=[f"step {step}" for step in shown],
              names=("not reached", "joins now", "joined before"),
@@ -316,7 +316,8 @@ in_it = np.unique(objects[labels == longest])
 print(f"Cluster {longest} is {max(lengths):.1f} m long: a chain of at least "
       f"{int(max(lengths) / 0.5) + 1} steps, each below half a metre, joins its ends.")
 print(f"In truth it is {len(in_it)} walls, with the numbers {in_it.tolist()}.")
-axes = plots.clusters(obstacles, np.where(labels == longest, objects, 0), limits=street,
+wall = np.where(labels == longest, np.searchsorted(in_it, objects) + 1, 0)  # 1, 2, 3; 0: others
+axes = plots.clusters(obstacles, wall, limits=street,
                       title=f"The longest cluster: {len(in_it)} walls in one. Pale: all the rest")
 axes.get_legend().remove()
 plots.ring(axes, -2.0, -8.2, radius=1.7, text="the short one touches both");
