@@ -4,6 +4,8 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     lent: [first_radius, share_within, points_within, users_within, left_by]
 # ---
 
 # %% [markdown]
@@ -88,8 +90,8 @@ seen, is_child = yard_scan.cloud[in_front], yard_scan.objects[in_front] > 0
 
 def draw_yard(rows, keep, title):
     """The yard from the side, to scale, with 6 m along the road and 6 m in a straight line."""
-    axes = plots.kept_and_removed(rows, keep, view="side", limits=((-9, 9), (-3.9, 1)), title=title)
-    axes.set_aspect("equal")
+    axes = plots.kept_and_removed(rows, keep, view="side to scale", limits=((-9, 9), (-3.9, 1)),
+                                  title=title)
     turn = np.linspace(0, 2 * np.pi, 200)
     axes.plot(6 * np.cos(turn), 6 * np.sin(turn), color="black", linestyle="--", linewidth=1)
     axes.axvline(6, color="black", linestyle=":", linewidth=1)

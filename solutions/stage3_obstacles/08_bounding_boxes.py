@@ -4,6 +4,8 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     lent: [box_area]
 # ---
 
 # %% [markdown]
