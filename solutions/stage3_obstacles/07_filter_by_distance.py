@@ -179,7 +179,7 @@ four = np.array([[11.0, 1.0, 0.0, 0.1],
 filter_by_distance(four)
 
 # %% [markdown]
-# **Look before you check.** The first picture should be a disc of radius 10 m, with a hole where our own car hides the road and gaps where obstacles cast shadows. In the second, the child should be there from head to feet.
+# **Look before you check.** The first picture should be a disc of radius 10 m, with a hole around us, into which no beam looks down, and gaps where obstacles cast shadows. In the second, the child should be there from head to feet.
 
 # %%
 near = filter_by_distance(cloud)
@@ -232,9 +232,9 @@ def share_within(radii):
     return [len(filter_by_distance(obstacles, radius)) / len(obstacles) for radius in radii]
 
 
-radii = (5, 10, 20, 30, 60)
+radii = (10, 20, 30, 60)
 shares = share_within(radii)
-axes = plots.from_above(thin, limits=((-35, 55), (-20, 25)), title="Four radii in one picture")
+axes = plots.from_above(thin, limits=((-35, 55), (-20, 25)), title="Three radii in one picture")
 for radius, share in zip(radii[:-1], shares):
     axes.add_patch(plt.Circle((0, 0), radius, fill=False, linestyle="--"))
     axes.text(0.82 * radius, -0.57 * radius, f"{radius} m: {share:.0%}", ha="center", va="center",
@@ -452,10 +452,11 @@ axes = plots.kept_and_removed(close, ~too_near, limits=close_up,
                               title="A circle that covers our car covers the places beside it, too")
 outline(axes, *ego_box)
 axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
-plots.ring(axes, 0.5, -2.3, radius=0.4, text="a child here?")
+plots.ring(axes, 0.5, -2.3, radius=0.4)
+axes.text(1.05, -2.3, "a child here?", va="center");
 
 # %% [markdown]
-# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; who builds a car measures it to the centimetre.
+# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; whoever builds a car measures it to the centimetre.
 #
 # Mind your logic there. "Not (inside in x and y and z)" is "outside in x **or** y **or** z". Someone who asks for outside in x *and* y *and* z throws away all that shares a single coordinate with our car: the car ahead of us, too.
 #
