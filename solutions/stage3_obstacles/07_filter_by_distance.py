@@ -4,8 +4,6 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
-#   lidar_obstacle_lab:
-#     lent: [first_radius, share_within, points_within, users_within, left_by]
 # ---
 
 # %% [markdown]

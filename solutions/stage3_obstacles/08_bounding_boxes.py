@@ -71,9 +71,9 @@ area = predict("How many square metres will the box around car 10 cover?",
 # %% [markdown]
 # ## The naive idea: a centre and a radius
 #
-# *A circle is the shortest description of an obstacle, and it describes almost none.*
+# *Three numbers make a circle, but few obstacles are round.*
 #
-# Three numbers for each cluster: the mean of its points, and the distance to the farthest of them. Everything inside the circle is taken.
+# For each cluster we take the mean of its points, and the distance to the farthest of them: x, y and a radius. Everything inside the circle is taken.
 
 # %% tags=["folded"]
 # @title One circle for each obstacle (you need not read this)
