@@ -198,10 +198,6 @@ def record_answers(exercises: list[str], experiments: list[str], path: str) -> N
         Of the file to write.
     """
     recorder = Recorder(exercises, experiments, shell().user_ns)
-    # Answers that are lent already would stand between an experiment and the recorder.
-    for callback in list(shell().events.callbacks["post_run_cell"]):
-        if isinstance(getattr(callback, "__self__", None), Lender):
-            shell().events.unregister("post_run_cell", callback)
 
     def after_cell(*_: object) -> None:
         recorder.look_round()
