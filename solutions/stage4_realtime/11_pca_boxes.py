@@ -418,30 +418,31 @@ print(f"along the first axis: {floor_area_at(car, axis_yaws[10]):.1f} m²")
 
 # %% tags=["folded"]
 # @title A picture of frames around points (you need not read this)
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D
 
 
-def draw_frames(points, frames, limits, title=None, axes=None, box=None):
+def draw_frames(points, frames, limits, title, axes=None, box=None):
     """Points from above, with frames (angle, name) around them and perhaps their true box."""
-    corners = [] if box is None else [box.corners]
-    axes = plots.boxes(corners, cloud=points, reference=True, limits=limits, axes=axes)
-    handles = axes.get_legend_handles_labels()[0] if corners else []
-    names = ["true box"] if corners else []
-    for (angle, name), colour, style in zip(frames, ("#0072B2", "#D55E00"), ("-.", "-")):
+    axes = plots.boxes([] if box is None else [box.corners], cloud=points, reference=True,
+                       limits=limits, axes=axes)
+    keys = {} if box is None else {"true box": Line2D([], [], color="#57606A", linestyle="--")}
+    for (angle, name), colour, style in zip(frames, ("#D55E00", "#0072B2"), ("-", "-.")):
         reach = [np.array([np.cos(angle + turn), np.sin(angle + turn)]) @ points[:, :2].T
                  for turn in (0, np.pi / 2)]
-        handles.append(axes.add_patch(Rectangle(
+        axes.add_patch(Rectangle(
             [along.min() for along in reach], *[np.ptp(along) for along in reach], fill=False,
             edgecolor=colour, linestyle=style, linewidth=2, zorder=5,
-            transform=Affine2D().rotate(angle) + axes.transData)))
-        names.append(name)
-    axes.legend(handles, names, loc="lower left", bbox_to_anchor=(0, 1), ncols=len(names),
-                columnspacing=1, handletextpad=0.4, borderaxespad=0.2)
-    axes.set_title(title or "", loc="left", pad=26, fontsize=11, fontweight="bold")
+            transform=Affine2D().rotate(angle) + axes.transData))
+        keys[name] = Line2D([], [], color=colour, linestyle=style, linewidth=2)
+    axes.legend(keys.values(), keys.keys(), loc="lower left", bbox_to_anchor=(0, 1),
+                ncols=len(keys), columnspacing=1, handletextpad=0.4, borderaxespad=0.2,
+                frameon=False)
+    axes.set_title(title, loc="left", pad=24, fontsize=11, fontweight="bold")
 
 # %% [markdown]
-# Now turn the frame by hand. At which angle is it smallest?
+# Now turn the frame around the turning car by hand. At which angle is it smallest?
 
 # %%
 @interact(degrees=IntSlider(value=0, min=0, max=90, step=1, description="angle (°)",
@@ -452,27 +453,31 @@ def turn_the_frame(degrees):
     plt.show()
 
 # %% [markdown]
-# The computer does the same, for all angles at once. A rectangle looks the same after a quarter turn, so 0 to 89° are enough.
+# The computer does the same, for all angles at once. A rectangle looks the same after a quarter turn, so any 90 angles are enough. Here they are for the turning car, and for a parked one.
+
+# %%
+trials = np.arange(-20, 70)
+curves, marks = {}, {"truth": ([], []), "smallest": ([], []), "first axis": ([], [])}
+for label in (9, 10):
+    points = cloud[labels == label]
+    curves[f"car {label}"] = trials, floor_area_at(points, np.radians(trials))
+    least = trials[curves[f"car {label}"][1].argmin()]
+    print(f"car {label}: the smallest frame is at {least}°")
+    for name, degrees in (("truth", np.degrees(true_boxes[label].yaw)), ("smallest", least),
+                          ("first axis", np.degrees(axis_yaws[label]))):
+        shown = (degrees + 20) % 90 - 20
+        marks[name][0].append(shown)
+        marks[name][1].append(floor_area_at(points, np.radians(shown)))
+plots.curves(curves, marks, across="angle of the frame (°)", up="area (m²)",
+             title="Area of the frame around two cars");
+
+# %% [markdown]
+# The valley of car 9 has a sharp bottom, and the truth stands there. The reason: turn a frame away from a full rectangle of sides $L$ and $W$ by a small angle $\delta$ (in radians), and its area grows by $(L^2 + W^2)\,\delta$ at once; for a car that is about 0.36 m² for each degree. (On the right the slope is gentler, because the far corner of the car was out of sight.) So the bottom is found precisely. And it depends on the outline of the points alone: whether they lie thick or thin does not matter.
+#
+# The valley of car 10 is wide, and its bottom lies beside the truth: much of its far half is out of sight. How does it go for all nine?
 
 # %%
 angles = np.radians(np.arange(90))
-areas = floor_area_at(car, angles)
-smallest = np.degrees(angles[areas.argmin()])
-axes = plots.curves({"floor area": (np.arange(90), areas)}, across="angle of the frame (°)",
-                    up="area (m²)", title="The frame around the turning car")
-for degrees, style, name in ((smallest, "-", "smallest"),
-                             (np.degrees(axis_yaws[10]) % 90, "-.", "first axis"),
-                             (np.degrees(true_yaw) % 90, "--", "truth")):
-    axes.axvline(degrees, color="black", linestyle=style, linewidth=1.2,
-                 label=f"{name}: {degrees:.0f}°")
-axes.legend();
-
-# %% [markdown]
-# The curve has sharp valleys and round hills, where the variance had a round hill at its largest. The reason: turn a frame away from a full rectangle of sides $L$ and $W$ by a small angle $\delta$, and its area grows by $(L^2 + W^2)\,\delta$ at once. So the smallest frame is found precisely, and it depends on the outline of the points alone. Whether they lie thick or thin does not matter.
-#
-# Here are both answers for the nine cars and lorries.
-
-# %%
 print("              first axis  smallest rectangle")
 rectangle_yaws = {}
 for label in vehicles:
@@ -486,15 +491,23 @@ for name, yaws in (("first axis", axis_yaws), ("smallest rectangle", rectangle_y
 
 # %%
 figure, panels = plt.subplots(2, 2, figsize=(8.5, 7.6), layout="compressed")
-for label, axes in zip((9, 1, 4, 10), panels.flat):
-    x, y, _ = true_boxes[label].centre
-    draw_frames(cloud[labels == label], [(axis_yaws[label], "first axis"),
-                                         (rectangle_yaws[label], "smallest")],
-                ((x - 3.4, x + 3.4), (y - 2.6, y + 2.6)), f"car {label}", axes,
-                box=true_boxes[label])
+for label, axes in zip((9, 4, 10, 7), panels.flat):
+    (x, y, _), half = true_boxes[label].centre, 0.85 * true_boxes[label].size[0]
+    draw_frames(cloud[labels == label],
+                [(rectangle_yaws[label], "smallest"), (axis_yaws[label], "first axis")],
+                ((x - half, x + half), (y - 0.8 * half, y + 0.8 * half)),
+                f"{kinds[label]} {label}", axes, box=true_boxes[label])
 
 # %% [markdown]
-# The smallest rectangle lies on the true box wherever the scanner saw two whole sides. It is no magic: of car 10 much of the far half is out of sight, and neither frame can know what nobody has seen. Of car 4 we see little more than the back, and the first axis is nearly the diagonal.
+# - Of **car 9** the scanner saw two whole sides, and the bonnet and the roof between them. The smallest rectangle lies on the true box.
+# - Of **car 4** it saw a good half. The smallest rectangle ends where the points end, but its sides run along the car. The first axis is close to the diagonal.
+# - Of **car 10** neither frame can know what nobody has seen.
+# - **Lorry 7** is higher than the scanner, so there is no roof between its two sides: the points are a thin L. Of a thin L without anything inside, the rectangle along its legs and the one along the line between its ends have the *same* area, as the next cell shows. The search may end anywhere between.
+
+# %%
+l_shape = points_of_l(0.43)
+print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
+      f"along the ends: {floor_area_at(l_shape, np.arctan2(-0.43, 1.0)):.3f}")
 
 # %% [markdown]
 # ## Turn the street, not the box
@@ -586,8 +599,7 @@ axes.plot(five[:, 0], five[:, 1], "o", color="black", markersize=7);
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
-figure, (wide, close) = plt.subplots(2, 1, figsize=(8.5, 9.2), layout="compressed",
-                                     height_ratios=(1, 1.1))
+figure, (wide, close) = plt.subplots(2, 1, figsize=(8.5, 8.6), layout="compressed")
 plots.boxes(boxes, cloud=cloud[labels > 0], limits=((-12, 20), (-10, 10)), axes=wide,
             title="The street")
 plots.boxes([true_boxes[10].corners], reference=True, label="true box", cloud=cloud[labels > 0],
@@ -629,8 +641,9 @@ for label in vehicles:
 # The smallest rectangle tries ninety headings, PCA needs one small matrix. What does that cost?
 
 # %%
-cost = predict("For a car of 1,261 points: the smallest rectangle takes, compared with PCA, …",
-               choices=["about as long", "about 20 times as long", "about 90 times as long"])
+cost = predict("For a car of 1,261 points: how many times as long as PCA does the smallest "
+               "rectangle take?",
+               choices=["up to 5 times", "5 to 30 times", "more than 30 times"])
 
 # %%
 from time import perf_counter
@@ -653,8 +666,8 @@ for name, points in ((f"car, {len(car):,} points", car), (f"wall, {len(walls):,}
     print(f"{name}: PCA {axes_take:5.0f} µs, smallest rectangle {rectangle_takes:5.0f} µs")
     if points is car:
         times_as_long = rectangle_takes / axes_take
-cost.compare("about as long" if times_as_long < 6 else
-             "about 20 times as long" if times_as_long < 45 else "about 90 times as long",
+cost.compare("up to 5 times" if times_as_long <= 5 else
+             "5 to 30 times" if times_as_long <= 30 else "more than 30 times",
              "One matrix product projects all points onto all ninety directions, and NumPy is "
              "quick at that. For large clusters the difference grows.")
 
@@ -687,19 +700,9 @@ print(f"third axis of {len(ground):,} returns of the ground: "
 
 # %% [markdown]
 # - **Cars and lorries**: the smallest rectangle.
-# - **Cyclists**: principal axes. Seen from above, a cyclist is long, thin and pointed. The points lie on both sides of its middle line, so nothing pulls the axis over; and a frame leans on its few outermost points.
+# - **Cyclists**: principal axes. Seen from above they are long, thin and pointed. Such a shape is alike on both sides of its middle line, so nothing pulls the axis over; but a frame leans on the few points that stick out.
 # - **Pedestrians and poles**: neither. From above they are nearly round.
 # - **Planes**: principal axes, in space. The third axis of the ground is its normal, as in lesson 03, and a cluster with one large variance and two tiny ones is a pole or a wire.
-#
-# Mind one tie. A thin L with nothing between its legs has *two* smallest rectangles: one along the legs, one along the line that joins their ends.
-
-# %%
-l_shape = points_of_l(0.43)
-print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
-      f"along the ends: {floor_area_at(l_shape, np.arctan2(-0.43, 1.0)):.3f}")
-
-# %% [markdown]
-# The roof and the bonnet of a car fill the corner between, so it rarely happens. Where only a low slice of a car is seen, it does; stretch goal 2 has a cure.
 #
 # ## From frame to frame
 #
@@ -798,17 +801,16 @@ by_score = np.linalg.eigh(scaled[:, :2].T @ scaled[:, :2])[1][:, 1]
 by_place = np.linalg.eigh(points.T @ points)[1][:2, 2]
 figure, (swung, crooked) = plt.subplots(1, 2, figsize=(8.5, 5.2), layout="compressed")
 plots.boxes([right_box], cloud=points, reference=True, label="right", axes=swung,
-            limits=((3.5, 11.5), (-6.5, 4.5)))
+            limits=((-0.5, 11.5), (-8.5, 8.0)))
 plots.boxes(turned(right_box, np.radians(-50))[None], label="−yaw twice", axes=swung,
             title="swung round the sensor")
-plots.boxes([], cloud=points, limits=((4.5, 11.5), (-2.8, 6.8)), axes=crooked)
-crooked.get_legend().remove()
+plots.boxes([], cloud=points, limits=((-0.5, 11.5), (-6.5, 10.0)), axes=crooked,
+            title="wrong first axes")
 middle = points.mean(axis=0)[:2]
-for direction, style, name in ((by_score, "-", "z-score: 45°"), (by_place, "--", "not centred")):
-    crooked.plot(*(middle + np.outer([-3, 3], direction)).T, style, color="black", linewidth=2,
-                 label=name)
-crooked.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderaxespad=0.2)
-crooked.set_title("wrong first axes", loc="left", fontsize=12, fontweight="bold", pad=24);
+lines = [crooked.plot(*(middle + np.outer([-reach, 3], axis)).T, style, color="black")[0]
+         for axis, reach, style in ((by_score * np.sign(by_score[0]), 3, "-"),
+                                    (by_place * np.sign(by_place[0]), 8, "--"))]
+crooked.legend(lines, ["z-score: 45°", "not centred"], loc="upper left", frameon=False);
 
 # %% [markdown]
 # ## In practice
