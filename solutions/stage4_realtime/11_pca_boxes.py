@@ -7,6 +7,7 @@
 #   lidar_obstacle_lab:
 #     packages: [scikit-learn]
 #     given: [turned, floor_area_at]
+#     lent: [headings_of_stream, middle_errors]
 # ---
 
 # %% [markdown]
