@@ -323,7 +323,8 @@ for name, points in (("in space", car), ("from above", car * [1, 1, 0])):
 lean = predict("How far off is the first axis, for the middle one of the nine?",
                between=(0, 45), unit="°")
 
-# %%
+# %% tags=["folded"]
+# @title True boxes, and how far a yaw is off (you need not read this)
 from utils.boxes import Box
 
 true_boxes = {
@@ -338,7 +339,7 @@ def degrees_off(yaw, label):
     """Degrees between a yaw in radians and the nearest side of the true box of a label."""
     return abs((np.degrees(yaw - true_boxes[label].yaw) + 45) % 90 - 45)
 
-
+# %%
 axis_yaws = {}
 for label in vehicles:
     first = principal_axes(cloud[labels == label, :3] * [1, 1, 0])[:, 0]
@@ -401,7 +402,7 @@ axes.legend();
 #
 # Ask another question: not *where are the points spread most?* but *which rectangle around them is the smallest?* Think of a picture frame whose sides you can push together. Lay it round the car at some angle, push the sides up to the outermost points, and read off the area. Then turn the frame a little and push again.
 #
-# The area needs two lengths. Along the direction $u$ of the frame, the points reach from the smallest to the largest $u \cdot p$; across it, along $v$, from the smallest to the largest $v \cdot p$:
+# The area needs two lengths. Along the direction $u$ of the frame, the points reach from the smallest to the largest $u \cdot p$; across it, along $v$, from the smallest to the largest $v \cdot p$. For an array of angles, `u @ points[:, :2].T` has a row for each angle and a column for each point.
 
 # %%
 def floor_area_at(points, angle):
@@ -503,7 +504,7 @@ for label, axes in zip((9, 4, 10, 7), panels.flat):
 # - Of **car 9** the scanner saw two whole sides, and the bonnet and the roof between them. The smallest rectangle lies on the true box.
 # - Of **car 4** it saw a good half. The smallest rectangle ends where the points end, but its sides run along the car. The first axis is close to the diagonal.
 # - Of **car 10** neither frame can know what nobody has seen.
-# - **Lorry 7** is higher than the scanner, so there is no roof between its two sides: the points are a thin L. Of a thin L without anything inside, the rectangle along its legs and the one along the line between its ends have the *same* area, as the next cell shows. The search may end anywhere between.
+# - **Lorry 7** (its class is called `truck`) is higher than the scanner, so there is no roof between its two sides: the points are a thin L. Of a thin L without anything inside, the rectangle along its legs and the one along the line between its ends have the *same* area, as the next cell shows. The search may end anywhere between.
 
 # %%
 l_shape = points_of_l(0.43)
@@ -525,7 +526,7 @@ print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
 # %% [markdown]
 # ## Exercise 2 · `get_oriented_boxes` (20 points)
 #
-# One upright, turned box for each label above 0, in ascending order. You choose the yaw: boxes along the first axis and smallest rectangles earn the same points.
+# One [oriented box](#Words-of-the-course), upright and turned, for each label above 0, in ascending order. You choose the yaw: boxes along the first axis and smallest rectangles earn the same points.
 
 # %% nbgrader={"grade": false, "grade_id": "get_oriented_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_oriented_boxes(cloud, cluster_labels):
@@ -548,8 +549,8 @@ def get_oriented_boxes(cloud, cluster_labels):
         line, have a box as well: some of its sides are 0 m long.
     """
     # For each label above 0:
-    # 1. a yaw: of the smallest rectangle around its points, or of their first principal
-    #    axis, seen from above,
+    # 1. a yaw: of the smallest rectangle around its points (floor_area_at), or of their
+    #    first principal axis, seen from above,
     # 2. its points turned by -yaw, their smallest and largest x, y, z,
     # 3. four floor corners going round, then four roof corners,
     # 4. the corners turned by +yaw.
@@ -646,7 +647,8 @@ cost = predict("For a car of 1,261 points: how many times as long as PCA does th
                "rectangle take?",
                choices=["up to 5 times", "5 to 30 times", "more than 30 times"])
 
-# %%
+# %% tags=["folded"]
+# @title A stopwatch for both (you need not read this)
 from time import perf_counter
 
 
@@ -667,7 +669,7 @@ def microseconds(compute, points):
         took.append(perf_counter() - start)
     return 1e6 * min(took)
 
-
+# %%
 for name, points in (("wall", cloud[labels == 30]), ("car", car)):
     took = [microseconds(compute, points) for compute in (first_axis, smallest_frame)]
     print(f"{name} of {len(points):,} points: PCA {took[0]:.0f} µs, "
@@ -729,16 +731,16 @@ from utils.scenes import cyclist
 
 def headings_of_stream():
     """Times (s) and yaws (rad) of the car that drives in circles, frame by frame."""
-    times, found = [], {"truth": [], "first axis": [], "smallest rectangle": []}
+    times, found = [], {"first axis": [], "smallest rectangle": [], "truth": []}
     for frame in cyclist(seed=0)[::2]:
         box = next(box for box in frame.boxes if box.identity == 1)
         points = frame.cloud[frame.scan.objects == 1, :3]
         points = points[points[:, 2] > box.centre[2] - box.size[2] / 2 + 0.35]  # off the ground
         first = principal_axes(points * [1, 1, 0])[:, 0]
         times.append(frame.time)
-        found["truth"].append(box.yaw)
         found["first axis"].append(np.arctan2(first[1], first[0]))
         found["smallest rectangle"].append(angles[floor_area_at(points, angles).argmin()])
+        found["truth"].append(box.yaw)
     return np.array(times), {name: np.array(values) for name, values in found.items()}
 
 
@@ -746,7 +748,7 @@ times, headings = headings_of_stream()
 axes = plots.curves({"truth, without jumps": (times, np.degrees(np.unwrap(headings["truth"])))},
                     {name: (times, np.degrees(values)) for name, values in headings.items()},
                     across="time (s)", up="yaw (°)", title="What comes out of each frame")
-jumps = {name: np.count_nonzero(abs(np.diff(values)) > np.radians(60))
+jumps = {name: int((abs(np.diff(values)) > np.radians(60)).sum())
          for name, values in headings.items()}
 print("jumps by more than 60°:", jumps)
 flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not the truth",
@@ -772,7 +774,7 @@ def steady(values, start):
 true_headings = np.unwrap(headings["truth"])
 followed = {name: steady(headings[name], true_headings[0])
             for name in ("first axis", "smallest rectangle")}
-axes = plots.curves({"truth": (times, np.degrees(true_headings))},
+axes = plots.curves({"truth, without jumps": (times, np.degrees(true_headings))},
                     {name: (times, np.degrees(values)) for name, values in followed.items()},
                     across="time (s)", up="heading (°)", title="The same, followed from frame to frame")
 for name, values in followed.items():
@@ -800,7 +802,8 @@ for name, values in followed.items():
 # | determinant −1 | the box is right, but the axes are no rotation: SciPy refuses to make quaternion or Euler angles of them |
 # | size taken in 3-D, flattened afterwards | points outside: see above |
 
-# %%
+# %% tags=["folded"]
+# @title A picture of three mistakes (you need not read this)
 points = turned(block(4.2, 1.8, 1.4), np.radians(25)) + [8.0, 2.0, 0.0]
 right_box = Box((8.0, 2.0, 0.0), (4.2, 1.8, 1.4), np.radians(25), "car", 1).corners
 scaled = (points - points.mean(axis=0)) / points.std(axis=0)
