@@ -546,7 +546,7 @@ def get_oriented_boxes(cloud, cluster_labels):
         where there are none. Each box contains all points of its cluster. Its floor is at
         their smallest z and its roof at their largest: first the four corners of the floor,
         going round, then the four above them in the same order. One point, and points on a
-        line, have a box as well: some of its sides are 0 m long.
+        line, have a valid box as well, with sides of no length or nearly none.
     """
     # For each label above 0:
     # 1. a yaw: of the smallest rectangle around its points (floor_area_at), or of their

@@ -527,7 +527,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     "get_oriented_boxes",
     weight=5,
     title="What is taller than long turns by its heading seen from above, too",
-    why="In space the longest direction of a walker is up. Seen from above, that is nowhere.",
+    why="In space the longest direction of a pedestrian is up. Seen from above, that is nowhere.",
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
 )
 def looks_from_above(get_oriented_boxes: Callable) -> None:
