@@ -382,7 +382,7 @@ for minimum in (10, 100):
           ", ".join(f"{row[group].mean():.0%} of {name}" for name, group in shown.items()))
 
 # %% [markdown]
-# Look along the dotted line of the default. The ghosts are gone, but so are the people beyond 15 m, and many of the people near the car: those half hidden by a parked one, just the people who step out from behind it. Further left the price falls quickly, while nearly all ghosts still go.
+# Look along the dotted line of the default. The ghosts are gone, but so are the people beyond 15 m, and many of the people near the car: those half hidden by a parked one, and just these may step out from behind it. Further left the price falls quickly, while nearly all ghosts still go.
 #
 # But no value clears the ghosts and spares the distant people. The two overlap in *size*, so size alone cannot tell them apart. The default of 100 suits a car that drives slowly and cares for large things close by. Lesson 12 works on thinned clouds, where a person has tens of points rather than hundreds, and needs a smaller minimum.
 #

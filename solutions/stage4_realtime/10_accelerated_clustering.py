@@ -150,7 +150,7 @@ for threshold in (0.25, 0.5, 1.0, 2.0):
                         "metre around it for neighbours.")
 
 # %% [markdown]
-# Hundreds of neighbours for every point. Doubling the threshold makes the list two to three times longer, although there are *fewer* clusters to find. And twice as many points on the same street make *four* times as many pairs: ten turns of the scanner laid on top of each other, as map-makers do, would fill a hundred times this memory.
+# At half a metre, hundreds of neighbours for a point. Doubling the threshold makes the list two to three times longer, although there are *fewer* clusters to find. And twice as many points on the same street make *four* times as many pairs: ten turns of the scanner laid on top of each other, as map-makers do, would fill a hundred times this memory.
 #
 # ## Nearly all pairs say what is known already
 #
@@ -194,7 +194,7 @@ right.grid(which="minor", color="black", linewidth=0.8)
 #
 # *A cell is three whole numbers; nothing else of the grid is kept.*
 #
-# A point with coordinate 1.3 lies in the cell 4 along that axis if cells are 0.29 wide, since 1.3 / 0.29 = 4.5, rounded down. Three such numbers name a cell. `np.unique` with `axis=0` then tells which different rows occur, and two more things on request:
+# A point with coordinate 1.3 lies in the cell 4 along that axis if cells are 0.29 wide, since 1.3 / 0.29 is 4.48, and that is rounded down. Three such numbers name a cell. `np.unique` with `axis=0` then tells which different rows occur, and two more things on request:
 
 # %%
 rows = np.array([[4, 1], [0, 2], [4, 1], [4, 0]])
@@ -692,7 +692,7 @@ else:
     print("There is nothing of yours to measure yet: write the three steps first.")
 
 # %% [markdown]
-# Sorting rows of three numbers and a Python loop over one pair of cells in fifty take nearly all the time; the tens of thousands of distances between them take next to none. "If you want more" shows what can be done about both.
+# Sorting rows of three numbers (step 1) and a Python loop over one pair of cells in fifty (step 3) take about nine tenths of the time. The tens of thousands of distances of step 2, which are computed by compiled code, hardly count. "If you want more" shows what can be done about both.
 #
 # ## Play: another threshold
 #
@@ -798,13 +798,13 @@ if is_written(euclidean_clustering_accelerated):
 # | what was written | what you see |
 # |---|---|
 # | side of a cell = threshold | here and there things run together that are up to 1.7 thresholds apart |
-# | neighbouring cells joined without measuring | things run together everywhere, as with twice the threshold |
+# | neighbouring cells joined without measuring | things run together everywhere, as with a threshold half as large again |
 # | representatives only, no exact test | things are torn where points are sparse, elsewhere when the cloud moves by 10 cm |
 # | only the 26 cells around a cell | pairs two cells apart are missed: thin things tear |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
 # | `label[b] = label[a]` in the exact step | one cell changes sides, the rest of its piece stays behind |
 # | a list of all pairs | right, until the memory is full |
-# | the points thinned first | right for the thin cloud: clusters of the full one differ |
+# | the points thinned first | right for the thin cloud; clusters of the full one differ |
 #
 # The first three, drawn. Clusters keep the colour that they have in the right answer, and rings show what differs.
 

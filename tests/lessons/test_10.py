@@ -16,7 +16,7 @@ from utils import load_cloud
 
 NAME = "10_accelerated_clustering"
 STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
-GIVEN = ("join_all_pairs", "same_clusters", "points_of_each_cell", "spring_the_trap")
+GIVEN = ("components", "join_all_pairs", "same_clusters", "points_of_each_cell", "spring_the_trap")
 LESSON = load_reference(
     NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "after_two_steps"
 )
@@ -99,6 +99,14 @@ def test_what_is_said_about_pairs(obstacles):
 def test_fewer_cells_and_open_pairs_at_larger_thresholds(obstacles):
     counts = [LESSON.after_two_steps(obstacles[::3], one)[1:] for one in (0.2, 0.5, 1.0)]
     assert (np.diff(counts, axis=0) < 0).all()
+
+
+def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obstacles):
+    cells, _, which = LESSON.points_in_cells(obstacles, 0.5)
+    pairs, _ = LESSON.join_cheaply(obstacles, cells, np.zeros(len(cells), int), 0.5)
+    joined = LESSON.components(len(cells), pairs).max() + 1
+    small, large = (LESSON.euclidean_clustering_accelerated(obstacles, one) for one in (0.85, 0.65))
+    assert small.max() < joined < large.max()
 
 
 def test_a_partition_is_compared_both_ways():

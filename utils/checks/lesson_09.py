@@ -174,7 +174,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Removes every small cluster, also one that follows another",
-    why="Clutter comes in swarms. Whoever moves the labels up while walking along them skips "
+    why="Clutter comes in swarms. Moving the labels up while walking along them skips "
     "the neighbour of each cluster that went.",
     hint="Change no label but to 0. If you loop, read the labels from the original and write "
     "into a copy.",
@@ -265,7 +265,7 @@ def leaves_noise_alone(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=2,
     title="Labels may have gaps",
-    why="Whoever filters twice gives gaps to the second run.",
+    why="A second filter gets the gaps that the first one left.",
     hint="Go by the labels that occur, from np.unique, not by range(1, N): 7 may be there "
     "without 6.",
 )
@@ -298,7 +298,7 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=2,
     title="Leaves its input untouched",
-    why="Somebody may want to try another minimum on the same labels.",
+    why="The next step may want to try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def leaves_its_input(filter_clusters: Callable) -> None:
@@ -310,7 +310,7 @@ def leaves_its_input(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=1,
     title="Returns a new array, also where nothing is removed",
-    why="Whoever changes the result later would change the labels of the step before.",
+    why="Otherwise a change of the result would change the labels of the step before.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def returns_a_new_array(filter_clusters: Callable) -> None:
