@@ -19,7 +19,7 @@
 # - take small clusters out of a labelled cloud, without disturbing the others,
 # - say what a minimum size costs: which people it removes, and at which distance.
 #
-# **You write** `filter_clusters` (20 points). **Time:** (time). **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05).
+# **You write** `filter_clusters` (20 points). **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

@@ -22,7 +22,7 @@
 # - cluster fifty thousand points exactly, in three steps: sure, cheap, exact,
 # - say why the answer is right, and build the input that breaks a careless short cut.
 #
-# **You write** three small functions (checked on seven points, not graded by themselves), and from them `euclidean_clustering_accelerated` (30 points). **Time:** (time). **You need** lesson 05, and the idea of lesson 04 (not its code).
+# **You write** three small functions (checked on seven points, not graded by themselves), and from them `euclidean_clustering_accelerated` (30 points). **You need** lesson 05, and the idea of lesson 04 (not its code). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -299,9 +299,9 @@ print(cKDTree(blocks).query_pairs(2, p=np.inf, output_type="ndarray"))
 # %% [markdown]
 # Blocks 0, 1 and 2 are within two steps of each other. Block 3 is four steps from block 0, and two from block 2.
 #
-# Being neighbours does not yet mean belonging together: that would be clustering with a threshold of three cells. Now measure, in two steps:
+# Being neighbours does not yet mean belonging together: points in such cells may be nearly three cells apart along each axis. Now measure, in two steps:
 #
-# - **Cheap.** Are the two *representatives* closer than $r$? Then the cells belong together: join them. This is one distance for each pair of cells, all in one line of NumPy, and `components` does the rest. The cells that hang together are one **piece**.
+# - **Cheap.** Are the two *representatives* closer than $r$? Then the cells belong together: join them. This is one distance for each pair of cells, all in one line of NumPy, and `components` does the rest. The cells that hang together are one **piece** (a component of the graph of cells).
 # - **Exact.** Two cells whose representatives are farther apart may still hold two points that are close. But if both cells are in the same piece by some detour, there is nothing left to find out. Only neighbouring cells **whose pieces differ** must be looked at point by point.
 
 # %% tags=["folded"]
