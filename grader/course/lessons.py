@@ -102,6 +102,17 @@ class Lesson:
         return tuple(exercise for exercise in self.exercises if not exercise.by_hand)
 
     @functools.cached_property
+    def steps(self) -> tuple[str, ...]:
+        """Functions that a student writes on the way to an exercise, and that nothing grades."""
+        graded = {exercise.name for exercise in self.exercises}
+        found = []
+        for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
+            grading = cell["metadata"].get("nbgrader", {})
+            if grading.get("solution") and grading["grade_id"] not in graded:
+                found.append(grading["grade_id"])
+        return tuple(found)
+
+    @functools.cached_property
     def exercises(self) -> tuple[Exercise, ...]:
         """All exercises, in the order of the notebook."""
         found = []

@@ -44,15 +44,13 @@ def build_copy(prepared: Prepared) -> NotebookNode:
     released = _released(prepared.lesson)
     copy = nbformat.from_dict({**released, "cells": []})
     given = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(released)}
-    graded = {exercise.cell.removeprefix("test_") for exercise in prepared.lesson.exercises}
-    helpers = {name for name, cell in given.items() if is_solution(cell)} - graded
     names = {place: name for name, place in prepared.graded.items()}
     ours = {cell.source: cell for cell in released.cells}
     where = {}
     for place, cell in enumerate(prepared.cells):
         name = names.get(place)
         shown = name is None and cell.source.strip() != ""
-        if name is None and cell.grade_id in helpers and cell.grade_id not in where:
+        if name is None and cell.grade_id in prepared.lesson.steps and cell.grade_id not in where:
             name, shown = cell.grade_id, False
         if name is None and cell.grade_id in given and not is_solution(given[cell.grade_id]):
             # Ours, and shown as released; what a student changed in it was judged, and stays.
