@@ -505,7 +505,7 @@ draw_seven(cells, first, pairs[exact[pairs[:, 0]] == exact[pairs[:, 1]]],
 #
 # *The same clusters as in lesson 05, to the last point.*
 #
-# Put the three steps together. The answer must be exact, a scan of 50 000 points must be answered well within ten seconds, and tens of thousands of points in a heap must neither fill the memory nor take minutes. The plan above does all that. You may also go another way.
+# Put the three steps together. The answer must be exact, a scan of 50,000 points must be answered well within ten seconds, and tens of thousands of points in a heap must neither fill the memory nor take minutes. The plan above does all that. You may also go another way.
 #
 # - **Allowed:** NumPy, `scipy.spatial`, `scipy.sparse` with `connected_components`, and helper functions of your own, also in cells of their own.
 # - **Not allowed:** libraries that do the clustering: `sklearn.cluster`, `scipy.cluster`, `open3d`, `dbscan`.
@@ -696,7 +696,7 @@ else:
 #
 # ## Play: another threshold
 #
-# *For pairs and for cells, the threshold means opposite things.*
+# *The threshold decides what counts as one object, and also how long it takes.*
 
 # %%
 wider = predict("With a threshold of 1.0 m instead of 0.5 m, how long will your clustering take?",
@@ -743,8 +743,9 @@ axes.set_yscale("log")
 if "yours" in times:
     change = times["yours"][4] / times["yours"][2]
     wider.compare("longer" if change > 1.1 else "less long" if change < 0.9 else "about as long",
-                  "Larger cells are fewer cells. A list of pairs grows with the threshold, a list "
-                  "of cells shrinks.")
+                  "For cells and for pairs the threshold means opposite things. Larger cells are "
+                  "fewer cells, and fewer pairs of them are open; a list of all pairs of points "
+                  "grows.")
 
 # %% [markdown]
 # ## The trap: two heaps
@@ -753,7 +754,7 @@ if "yours" in times:
 #
 # The exact step compares two cells point by point. Usually they hold a dozen points. But a wet wall just in front of the sensor, or two merged scans, can put thousands into one cell, and thousands times thousands is the old trouble again, in a corner that no street shows. So here are two heaps, a little *more* than the threshold apart, so that the exact test must go to the end, and then a little less.
 #
-# **Estimate before you run it.** With 20 000 points in each heap, a list of all pairs could fill your computer's memory. We begin with 1,000 and 3,000 points and look how the time grows: three times as many points should take three to four times as long, not nine times.
+# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. We begin with 1,000 and 3,000 points and look how the time grows: three times as many points should take three to four times as long, not nine times.
 
 # %%
 def two_heaps(n, gap):

@@ -126,6 +126,19 @@ def test_the_solution_is_as_long_as_promised():
         assert abs(len(lines) - promised) <= 1, name
 
 
+@pytest.mark.slow
+def test_the_fast_version_is_several_times_as_fast(obstacles):
+    def seconds(way):
+        begin = perf_counter()
+        way(obstacles)
+        return perf_counter() - begin
+
+    # In turn, so that a busy machine slows both alike; it is about ten.
+    ways = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
+    ratios = [seconds(ways[0]) / seconds(ways[1]) for _ in range(5)]
+    assert np.median(ratios) > 4
+
+
 def test_the_fast_version_is_not_given_out():
     released = find_lesson(NAME).released.read_text("utf-8")
     for word in ("sort_into_cells", "join_by_tree", "searchsorted"):
