@@ -158,13 +158,15 @@ class Recorder(Lender):
     def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def recorded(*arguments: object, **keywords: object) -> object:
-            key = key_of(arguments, keywords)
+            # A tree that grows node by node is not looked through at every node.
+            listening = self._depth == 0 and not _checking()
+            key = key_of(arguments, keywords) if listening else ""
             self._depth += 1
             try:
                 answer = function(*arguments, **keywords)
             finally:
                 self._depth -= 1
-            if self._depth == 0 and not _checking():
+            if listening:
                 try:
                     answers[key] = {"answer": encode(answer, arguments)}
                 except TypeError as error:
