@@ -31,6 +31,7 @@ def draw() -> Figure:
         visited,
         found=found,
         names=False,
+        legend=False,
         limits=((-12, 28), (-10, 10)),
         axes=axes,
     )
