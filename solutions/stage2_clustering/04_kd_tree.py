@@ -22,7 +22,7 @@
 # - search it within a radius, and say for every branch why it was looked at or left out,
 # - balance it, and show by counting what you gain from balance.
 #
-# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **Time:** (time). **You need** lesson 01 and a little of Python's classes.
+# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **You need** lesson 01 and a little of Python's classes. There is a place to stop in the middle. **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -198,7 +198,7 @@ plots.kd_tree(first_of(8).root, title="The same tree drawn as a tree, with row 7
 
 # %% nbgrader={"grade": false, "grade_id": "insert", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def insert(tree, point, index):
-    """Hang a point into a KD-tree.
+    """Hang a point into a kd-tree.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def insert(tree, point, index):
 # </details>
 
 # %% [markdown]
-# **A tiny tree first.** Three points on paper: (5, 5) is the root. (2, 8) is smaller in x and goes left, (7, 3) goes right. `grow` makes a tree with your function.
+# **A tiny tree first.** Three points on paper: (5, 5) is the root. (2, 8) is smaller in x and goes left, (7, 3) goes right. `grow` makes a tree with your function. Should a cell never end, stop it with ■: a loop that nothing leaves goes on for ever.
 
 # %%
 def grow(points, order=None):
@@ -342,7 +342,7 @@ plots.kd_tree(better.root, visited=looked_at, found=near_ones, axes=diagram,
 
 # %% nbgrader={"grade": false, "grade_id": "search", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def search(tree, target, tolerance):
-    """Find the points of a KD-tree within a distance of a target.
+    """Find the points of a kd-tree within a distance of a target.
 
     Parameters
     ----------
@@ -403,7 +403,7 @@ def trace(tree, target, tolerance):
     """The nodes that a search looks at, in order; and what it finds."""
     with watched(tree) as visited:
         found = tree.search(target, tolerance)
-    return visited, sorted(found)
+    return visited, [] if found is None else sorted(found)
 
 
 # %%
@@ -412,7 +412,7 @@ print(f"found {found}, expected {near_ones}")
 print(f"looked at {sorted(visited)}, expected {sorted(looked_at)}")
 
 # %% [markdown]
-# **Look before you check.** Fifteen points, the tree that your `insert` makes of them, and *your* search within 4 m of (2, -1), node by node. Drag the slider: lines are pruned for good, dots are yet to reach, and a ring marks the node of this step. At the end three points must be green and four branches pruned.
+# **Look before you check.** Fifteen points, the tree that your `insert` makes of them, and *your* search within 4 m of (2, -1), node by node. Drag the slider: hatched regions are pruned for good, dotted ones not reached yet, and a ring marks the node of this step. At the end three points must be green and four branches pruned.
 
 # %% tags=["folded"]
 # @title Your search, step by step (you need not read this)
@@ -538,7 +538,7 @@ for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
 
 # %% nbgrader={"grade": false, "grade_id": "median_order", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def median_order(points):
-    """The order in which points make a balanced KD-tree.
+    """The order in which points make a balanced kd-tree.
 
     Parameters
     ----------
@@ -773,7 +773,7 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # - With more dimensions the box touches ever more regions. From about ten on, a kd-tree visits nearly every node; image search uses approximate structures instead.
 # - A map that grows while the car drives needs insertion *and* balance: incremental trees rebuild crooked branches in the background.
 #
-# The search of this lesson in three libraries. Note that PCL and Open3D also return *squared* distances:
+# The search of this lesson in three libraries. Open3D returns *squared* distances, too:
 #
 # ```python
 # near = scipy.spatial.KDTree(xyz, leafsize=10).query_ball_point(post, r=0.5)
@@ -795,7 +795,7 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # - The order of arrival shapes the tree: sorted points make a list, shuffled ones a good tree, medians first the one with the fewest levels.
 # - Counting visits shows the algorithm; the clock shows the language as well.
 #
-# **Sources.** KD-trees: [Bentley 1975](https://doi.org/10.1145/361002.361007). Splitting by medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). The cut of SciPy's tree: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
+# **Sources.** The kd-tree: [Bentley 1975](https://doi.org/10.1145/361002.361007). Splitting by medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). The cut of SciPy's tree: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
 #
 # **Next:** 05 · Euclidean clustering
 
