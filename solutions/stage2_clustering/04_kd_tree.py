@@ -155,6 +155,13 @@ def first_of(count):
     return tree
 
 
+def better_of_seven():
+    """A tree of the seven points with row 3 as its root."""
+    order, tree = [3, 0, 2, 1, 4, 6, 5], KdTree()
+    tree.plant(seven[order].tolist(), [1, 3, 5, -1, -1, -1, -1], [2, 4, 6, -1, -1, -1, -1], order)
+    return tree
+
+
 # %% [markdown]
 # We practise on seven points. First, how the cuts come about as one point after another arrives. The numbers are the rows of the array.
 
@@ -289,11 +296,7 @@ check(KdTree, exercise="insert")
 # Try it on the seven points, in a better tree of them: row 3 is the root. Where that order comes from is the last part of this lesson. We search within 4 m of (-3, 4).
 
 # %%
-# The better tree, ready-made: row 3 first, then 0 and 2, then the others.
-better = KdTree()
-better.plant(seven[[3, 0, 2, 1, 4, 6, 5]].tolist(), [1, 3, 5, -1, -1, -1, -1],
-             [2, 4, 6, -1, -1, -1, -1], [3, 0, 2, 1, 4, 6, 5])
-target, radius = [-3, 4], 4
+better, target, radius = better_of_seven(), [-3, 4], 4
 figure, (plane, diagram) = plt.subplots(1, 2, figsize=(8.5, 4.9), layout="compressed")
 plots.kd_search(seven, better.root, target, radius, limits=window, axes=plane,
                 title="Before the search")

@@ -55,6 +55,8 @@ def search(tree, target, tolerance):
     return found
 
 # %% right: the box first, then the circle; an array back
+from collections import deque
+
 def search(tree, target, tolerance):
     target = np.asarray(target, dtype=float)
     found, queue = [], deque([(0, tree.root)])
