@@ -150,7 +150,7 @@ TOY = """# %% [markdown]
 # @title What it does
 x = 1
 
-# %% nbgrader={"grade": true, "grade_id": "test_toy", "locked": true, "points": 1, "schema_version": 3, "solution": false, "task": false}
+# %% nbgrader={"grade": true, "grade_id": "test_toy"}
 check(toy)
 
 # %% [markdown]
