@@ -117,7 +117,7 @@ print("they end at x =", ahead[:, 0].round(1), "m")
 #
 # ## Play: build your own scanner
 #
-# *More beams cost lasers, finer steps cost time, less noise costs both.*
+# *Beams, steps and noise: each of the three leaves its own mark in the scan.*
 #
 # Three parameters decide what a scan looks like: the number of beams, the azimuth step between two firings, and the [noise](#Words-of-the-course) of the range. The street stays the same; you change the scanner. With 32 beams, each of the four cars and three pedestrians within 12 m has at least eight returns.
 
@@ -172,7 +172,7 @@ for (name, change), axes in zip(scanners.items(), rows.flat):
     frame = scan_with(**change)
     plots.from_above(frame.cloud, limits=block, axes=axes, title=f"{name}: {len(frame.cloud):,}")
     for box in marked:
-        plots.ring(axes, *box.centre[:2], radius=1.2, 
+        plots.ring(axes, *box.centre[:2], radius=1.2,
                    text=f"{np.sum(frame.scan.objects == box.identity)}")
 
 # %% [markdown]
@@ -197,7 +197,7 @@ left_over.compare(sum(n >= 5 for n in on_cars + on_pedestrians),
 # %% [markdown]
 # ## A cloud is an array
 #
-# *One row per return, one column per quantity; the order of the rows says nothing about who is whose neighbour.*
+# *One row per return, one column per quantity; rows that follow each other need not be neighbours in space.*
 #
 # From here on we use one scan of a 64-beam scanner on the roof of a car. The file has a row for each return: x, y, z, and the *intensity* of the echo between 0 and 1. Bright paint and number plates throw back much light, tyres and windows little.
 
@@ -233,7 +233,7 @@ nearby = cloud[(np.abs(cloud[:, 0]) < 25) & (np.abs(cloud[:, 1]) < 12)]
 Scene("The street in space").add_cloud(nearby).add_ego_car().show(interactive=True)
 
 # %% [markdown]
-# With the scan comes a file of what is true: which return came from whom, and where everybody stood.
+# With the scan comes a file of what is true: which return came from what, and where each car and each pedestrian stood.
 
 # %%
 from utils.datasets import DATA
@@ -282,7 +282,7 @@ print(f"largest error: {error.max():.2f} m, at a distance of {x[error.argmax()]:
 # %% [markdown]
 # The error is largest near the car, where it counts. The column of points just before 9 m is somebody who crosses the road: by this length, the feet are farther away than the head.
 #
-# There are two reasons. The length runs down to the road at a slant, so height is mixed in. And the length of a whole row also squares and adds the intensity: what is "metres plus brightness"?
+# There are two reasons. The length runs down to the road at a slant, so height is mixed in. And the length of a whole row also squares and adds the intensity, and metres plus brightness mean nothing.
 #
 # ## The idea: measure on the ground
 #
@@ -466,7 +466,7 @@ def nearer_than(limit):
 
 # %%
 too_near = nearer_than(0.5)
-print(f"nearest return: {horizontal_distance(too_near).min():.2f} m")
+print(f"nearest return: {np.min(horizontal_distance(too_near), initial=99):.2f} m")
 print("all rows nearer than 0.5 m:")
 print(too_near)
 
@@ -554,11 +554,14 @@ print("expected:")
 print(six[[0, 4, 5]])
 
 # %% [markdown]
-# **Look before you check.** We break the scan as heavy rain would: four thousand echoes lost, and a thousand rows that are not a number. Before, a tall bar stands at 0 m; after, it must be gone, and no other bar may change. Rows with NaN have no bar at all: you see in the number of rows that they are gone.
+# **Look before you check.** We break the scan as heavy rain would: four thousand echoes lost, and a thousand rows that are not a number. Before, a bar stands at 0 m; after, it must be gone, and no other bar may change. Rows with NaN have no bar at all: you see in the number of rows that they are gone.
 
 # %%
 def profile(scan, clean):
-    """How many rows, how many of them in each metre up to 20 m, and the nearest; if `clean`, without the lost returns."""
+    """The number of rows, how many lie in each metre up to 20 m, and the nearest distance.
+
+    With `clean`, drop_invalid takes the lost returns out before.
+    """
     if clean:
         scan = drop_invalid(scan)
     distance = horizontal_distance(scan)
@@ -588,7 +591,7 @@ check(drop_invalid)
 #
 # | what was written | what you see |
 # |---|---|
-# | `abs(x) + abs(y)` | diamonds instead of circles: the distance of a taxi in Manhattan |
+# | `abs(x) + abs(y)` | diamonds instead of circles: the length of the way around the corner |
 # | no square root | "up to 10 m" keeps only what is nearer than 3.2 m: 4 m count as 16 |
 # | `cloud[0]` and `cloud[1]`, rows for columns | four numbers instead of one per point |
 # | `np.linalg.norm(cloud, axis=1)` | nearly right, and wrong where the car must brake |

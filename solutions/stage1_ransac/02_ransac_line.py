@@ -33,7 +33,7 @@
 #
 # *Real measurements are not a model plus a little noise: some of them are about something else.*
 #
-# Imagine a laser scanner that looks around at the height of your knee and reports, for each direction, where its light met something. Seen from above, each [return](#Words-of-the-course) is a point (x, y) in metres. A wall gives a straight row of points, a little rough. But people stand in front of the wall, and a bicycle, and a litter bin: points as well, and they have nothing to do with the wall. Where is the wall?
+# Imagine a laser scanner that looks around at the height of your knee and reports, for each direction, where its light met something. Seen from above, each [return](#Words-of-the-course) is a point (x, y) in metres. A wall gives a straight row of points, a little rough. But people stand in front of the wall, and a bicycle, and a litter bin: points as well, and they have nothing to do with the wall.
 #
 # We make such points ourselves, so that we know the answer. Ten lie along the line y = x, each moved by up to 0.6 m in x and in y. These are the [inliers](#Words-of-the-course). Ten lie anywhere: the *outliers*.
 
@@ -62,7 +62,7 @@ plots.line_model(points, limits=window, title="Where is the wall?");
 # %% [markdown]
 # `np.random.default_rng(18)` is a *random generator*; the number, its *seed*, decides what it draws, so that you see the same points as everybody else.
 #
-# Hold a pencil to the screen where you see the line. Which points would you leave out? The next section says which ten belong to it. But first imagine that you cannot see: you take two of the twenty points at random, and lay the pencil through them.
+# Hold a pencil to the screen where you see the line; the next section shows which ten points belong to it. But first imagine that you cannot see: you take two of the twenty points at random, and lay the pencil through them.
 
 # %%
 good_samples = predict("How often do both points belong to the wall?", between=(0, 100), unit="%")
@@ -287,7 +287,7 @@ check(point_line_distance)
 #
 # If one of the two points is an outlier, the line runs through the crowd at random, and few other points lie near it. If both are inliers, the line runs along the wall, and so do the wall's other points. Inliers support each other; outliers have nothing in common. And an outlier that is far away costs one vote, whether it is 3 m away or 300.
 #
-# Your two functions are enough to watch it work. `<=` compares every distance with the threshold, here 1 m, and gives one True or False per point: a *mask*. Its sum counts the True. `points[chosen]` picks the rows whose numbers are in `chosen`; they have a ring around them. Four rounds: dots are within the threshold, crosses are not.
+# Your two functions are enough to watch it work. `<=` compares every distance with the threshold, here 1 m, and gives one True or False per point: a *mask*. Its sum counts the True. `points[chosen]` picks the two rows whose numbers are in `chosen`, and the star before it hands them over one by one; in the pictures they have a ring around them. Four rounds: dots are within the threshold, crosses are not.
 
 # %%
 rng = np.random.default_rng(3)
@@ -503,8 +503,7 @@ for threshold in (0.2, 0.5, 1.0, 2.0, 3.0, 4.0):
 
 # %% [markdown]
 # A narrow band loses the wall's own points. A wide one takes in others, and many lines then have nearly the same number of inliers: the direction wobbles. One metre is a fair compromise here.
-
-# %% [markdown]
+#
 # ## Theory against practice: how many rounds?
 #
 # *The fewer inliers there are, the more rounds it takes.*

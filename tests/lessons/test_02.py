@@ -138,3 +138,62 @@ def test_scikit_learn_as_shown(told):
     ransac.fit(points[:, :1], points[:, 1])
     assert ransac.inlier_mask_.sum() >= 8
     assert abs(ransac.estimator_.coef_[0] - 1) < 0.3
+
+
+def best_line(told, points, rounds, threshold, rng, score, second=None):
+    """RANSAC with another score, or with another choice of the second point."""
+    line_through, distance = told.names["line_through"], told.names["point_line_distance"]
+    rng, best = np.random.default_rng(rng), (-np.inf, None)
+    for _ in range(rounds):
+        i, j = rng.choice(len(points), size=2, replace=False)
+        if second:
+            order = np.argsort(np.hypot(*(points - points[i]).T))
+            j = rng.choice(order[1:6] if second == "near" else order[-5:])
+        line = line_through(points[i], points[j])
+        best = max(best, (score(distance(points, line), threshold), line), key=lambda one: one[0])
+    return best[1]
+
+
+def error_of(line):
+    return abs((np.degrees(np.arctan2(-line[0], line[1])) - 45 + 90) % 180 - 90)
+
+
+def inliers_within(distances, threshold):
+    return np.sum(distances <= threshold)
+
+
+def test_answer_about_msac(told):
+    def msac(distances, threshold):
+        return -np.minimum(distances**2, threshold**2).sum()
+
+    sets = [told.names["quiz_points"](np.random.default_rng(seed)) for seed in range(150)]
+    medians = {
+        (score.__name__, threshold): np.median(
+            [
+                error_of(best_line(told, points, 40, threshold, seed, score))
+                for seed, points in enumerate(sets)
+            ]
+        )
+        for score in (inliers_within, msac)
+        for threshold in (0.3, 1.0, 3.0)
+    }
+    assert all(medians["msac", one] < medians["inliers_within", one] for one in (0.3, 1.0, 3.0))
+    assert medians["inliers_within", 1.0] == pytest.approx(2.4, abs=0.1)
+    assert medians["msac", 1.0] == pytest.approx(1.7, abs=0.1)
+    assert medians["inliers_within", 3.0] == pytest.approx(7.3, abs=0.1)
+    assert medians["msac", 3.0] == pytest.approx(2.7, abs=0.1)
+
+
+def test_answer_about_the_second_point(told):
+    sets = [told.names["quiz_points"](np.random.default_rng(seed)) for seed in range(300)]
+    missed = {
+        second: np.mean(
+            [
+                error_of(best_line(told, points, 10, 1.0, seed, inliers_within, second)) > 15
+                for seed, points in enumerate(sets)
+            ]
+        )
+        for second in (None, "near", "far")
+    }
+    assert missed["far"] < missed[None] < missed["near"]
+    assert missed["near"] == pytest.approx(0.11, abs=0.04)
