@@ -214,3 +214,9 @@ def test_stubs_are_known():
 
 def test_without_a_notebook_nothing_happens():
     lent.lend_answers("06")
+
+
+def test_an_answer_can_be_asked_about():
+    line = tuple(np.random.default_rng(8).normal(size=(500, 3)).ravel())
+    back = encoding.decode(json.loads(json.dumps(encoding.encode(line))), (), {})
+    assert encoding.key_of((back,), {}) == encoding.key_of((line,), {})
