@@ -220,3 +220,17 @@ def test_an_answer_can_be_asked_about():
     line = tuple(np.random.default_rng(8).normal(size=(500, 3)).ravel())
     back = encoding.decode(json.loads(json.dumps(encoding.encode(line))), (), {})
     assert encoding.key_of((back,), {}) == encoding.key_of((line,), {})
+
+
+def test_an_experiment_is_recorded_once_more():
+    namespace = {}
+    exec("def one(a):\n    return a + 1\ndef all(n):\n    return sum(map(one, range(n)))", namespace)
+    lender = lent.Lender({"exercises": {"one": {}}, "experiments": {"all": {}}}, namespace)
+    recorder = lent.Recorder(["one"], ["all"], namespace)
+    for _ in range(2):
+        lender.look_round()
+        recorder.look_round()
+    assert namespace["all"](4) == 10
+    recorded = json.loads(recorder.text())
+    assert [one["answer"] for one in recorded["experiments"]["all"].values()] == [10]
+    assert recorded["exercises"]["one"] == {}

@@ -152,29 +152,31 @@ class Recorder(Lender):
         for functions in self._stored.values():
             for name, answers in functions.items():
                 function = self._namespace.get(name)
-                if callable(function) and not hasattr(function, "is_lent_answers"):
+                # What is lent from an earlier recording is around it already; that does no harm.
+                if callable(function) and not hasattr(function, "is_recorded"):
                     self._namespace[name] = self._lending(name, function, answers)
 
     def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def recorded(*arguments: object, **keywords: object) -> object:
+            if self._depth or _checking():
+                return function(*arguments, **keywords)
             key = key_of(arguments, keywords)
             self._depth += 1
             try:
                 answer = function(*arguments, **keywords)
             finally:
                 self._depth -= 1
-            if self._depth == 0 and not _checking():
-                try:
-                    answers[key] = {"answer": encode(answer, arguments)}
-                except TypeError as error:
-                    self._faults.append(f"{name}: {error}")
-                else:
-                    if states := rng_states(arguments, keywords):
-                        answers[key]["rng"] = states
+            try:
+                answers[key] = {"answer": encode(answer, arguments)}
+            except TypeError as error:
+                self._faults.append(f"{name}: {error}")
+            else:
+                if states := rng_states(arguments, keywords):
+                    answers[key]["rng"] = states
             return answer
 
-        recorded.is_lent_answers = True
+        recorded.is_lent_answers = recorded.is_recorded = True
         return recorded
 
     def text(self) -> str:
