@@ -207,6 +207,18 @@ def test_a_check_asks_the_stub_itself():
 def test_stubs_are_known():
     assert not lent.is_written(stub)
     assert lent.is_written(written) and lent.is_written(len)
+
+    def with_a_given_line(rng):
+        rng = np.random.default_rng(rng)
+        raise NotImplementedError
+
+    def begun(cloud):
+        if len(cloud) == 0:
+            return cloud
+        raise NotImplementedError
+
+    assert not lent.is_written(with_a_given_line)
+    assert lent.is_written(begun)
     namespace = {"keep": stub}
     lent.Lender({"exercises": {"keep": {}}}, namespace).look_round()
     assert not lent.is_written(namespace["keep"])
@@ -224,7 +236,9 @@ def test_an_answer_can_be_asked_about():
 
 def test_an_experiment_is_recorded_once_more():
     namespace = {}
-    exec("def one(a):\n    return a + 1\ndef all(n):\n    return sum(map(one, range(n)))", namespace)
+    exec(
+        "def one(a):\n    return a + 1\ndef all(n):\n    return sum(map(one, range(n)))", namespace
+    )
     lender = lent.Lender({"exercises": {"one": {}}, "experiments": {"all": {}}}, namespace)
     recorder = lent.Recorder(["one"], ["all"], namespace)
     for _ in range(2):
