@@ -248,3 +248,10 @@ def test_an_experiment_is_recorded_once_more():
     recorded = json.loads(recorder.text())
     assert [one["answer"] for one in recorded["experiments"]["all"].values()] == [10]
     assert recorded["exercises"]["one"] == {}
+
+
+def test_an_experiment_is_recorded_anew_though_it_is_lent():
+    namespace = {"experiment": len}
+    lent.Lender({"experiments": {"experiment": {}}}, namespace).look_round()
+    stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])
+    assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]

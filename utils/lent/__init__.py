@@ -155,9 +155,9 @@ class Recorder(Lender):
         for functions in self._stored.values():
             for name, answers in functions.items():
                 function = self._namespace.get(name)
-                # What is lent from an earlier recording is around it already; that does no harm.
                 if callable(function) and not hasattr(function, "is_recorded"):
-                    self._namespace[name] = self._lending(name, function, answers)
+                    # Without what was stored before and may be lent already.
+                    self._namespace[name] = self._lending(name, own(function), answers)
 
     def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
