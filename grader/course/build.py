@@ -113,12 +113,12 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage},
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
-    seen, time = {}, minutes.told(notebook)
+    seen = {}
+    minutes.tell(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
         if cell.cell_type == "markdown":
-            cell.source = cell.source.replace(minutes.PLACE, time)
             cell.source = NEXT.sub(functools.partial(_linked, lesson), cell.source)
             _attach_pictures(cell, lesson.source.parent)
         else:
