@@ -130,8 +130,18 @@ for notebook, functions in useful.items():
 # %% [markdown]
 # That is handy for trying things out. For handing in there is one rule: **the judge sees this notebook only.** A `detect_obstacles` that loads functions from elsewhere finds nothing there. So copy what you need into the next cell, or into as many cells as you like, imports included.
 
-# %%
+# %% tags=["earlier"]
 # Paste your functions of the earlier lessons here.
+### BEGIN SOLUTION
+# from 01_point_clouds: drop_invalid
+# from 03_ransac_plane: ransac_plane, fit_plane, point_plane_distance
+# from 06_filter_ground: filter_ground, voxel_grid
+# from 07_filter_by_distance: crop_region, remove_ego_returns
+# from 08_bounding_boxes: get_bounding_boxes
+# from 09_filter_clusters: filter_clusters
+# from 10_accelerated_clustering: euclidean_clustering_accelerated
+# from 11_pca_boxes: principal_axes, get_oriented_boxes
+### END SOLUTION
 
 # %% [markdown]
 # ## Exercise 1 · `detect_obstacles` (20 points)
