@@ -11,7 +11,7 @@ from nbgrader.apps.api import NbGraderAPI
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
-from grader.course import build, earlier
+from grader.course import build, earlier, minutes
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
 from grader.course.nbgrader_settings import STUB, configure
 from grader.course.paths import PROJECT
@@ -194,3 +194,63 @@ def test_nbgrader_sees_the_stages_and_nothing_else():
     config = configure(Config(), PROJECT)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
     assert api.get_source_assignments() == set(stages())
+
+
+TOY = """# %% [markdown]
+# # 01 · A toy
+#
+# **Time:** (time).
+#
+# ## Reading
+#
+# words words words
+
+# %% tags=["folded"]
+# @title What it does
+x = 1
+
+# %% nbgrader={"grade": true, "grade_id": "test_toy"}
+check(toy)
+
+# %% [markdown]
+# **Next:** 04 · Trees
+#
+# **Next:** 99 · Nowhere
+"""
+
+
+@pytest.fixture(scope="module")
+def toy(tmp_path_factory):
+    class Toy(type(all_lessons()[0])):
+        source = tmp_path_factory.mktemp("toy") / "01_toy.py"
+
+    Toy.source.write_text(TOY)
+    return build.solved_notebook(Toy("01_toy", "stage1_ransac"), build.Origin("", "main"))
+
+
+def test_folded_cells_are_folded_everywhere(toy):
+    assert toy.cells[1].metadata["jupyter"] == {"source_hidden": True}
+    assert toy.cells[1].metadata["cellView"] == "form"
+
+
+def test_run_all_goes_on_after_a_check(toy):
+    assert toy.cells[2].metadata["tags"] == ["raises-exception"]
+
+
+def test_the_next_lesson_is_a_link(toy):
+    assert "**Next:** [04 · Trees](../stage2_clustering/04_kd_tree.ipynb)" in toy.cells[3].source
+    assert "**Next:** 99 · Nowhere" in toy.cells[3].source
+
+
+def test_minutes_are_computed(toy):
+    assert "about 0 minutes" in toy.cells[0].source
+    long = "\n".join(["# ## Long", "#", "# " + "word " * 1200])
+    cells = jupytext.reads(f"# %% [markdown]\n{long}\n", fmt="py:percent")
+    assert minutes.in_all(cells) == 10
+    cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
+    assert minutes.sections(cells)["Long"] == pytest.approx(12 + 5 + 16 + 0.2, abs=0.05)
+
+
+def test_no_sitting_is_longer_than_ninety_minutes(lesson):
+    notebook = nbformat.read(lesson.solved, as_version=4)
+    assert max(minutes.sittings(notebook)) <= minutes.WITHOUT_A_STOP

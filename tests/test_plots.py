@@ -252,7 +252,10 @@ WRONG = {
         lambda: plots.kept_and_removed(np.zeros((5, 3)), [True] * 4), r"\(5,\).*\(4,\)"),
     "indices for a mask": (
         lambda: plots.kept_and_removed(np.zeros((5, 3)), [0, 1, 2, 3, 4]), "True and False"),
-    "view": (lambda: plots.clusters(np.zeros((5, 3)), [1] * 5, view="top"), '"above" or "side"'),
+    "view": (
+        lambda: plots.clusters(np.zeros((5, 3)), [1] * 5, view="top"),
+        '"above", "side" or "side to scale"',
+    ),
     "side of a plane": (lambda: plots.clusters(QUIZ, [1] * 11, view="side"), "have no height"),
     "fractions": (lambda: plots.clusters(QUIZ, [0.5] * 11), "whole numbers"),
     "NaN labels": (lambda: plots.clusters(QUIZ, [np.nan] * 11), "whole numbers"),
@@ -524,7 +527,47 @@ assert {k for k in before if before[k] != after[k]} <= {"backend"}, "settings ch
 
 def test_every_public_function_is_tested_and_documented():
     drawn = {name.split(",")[0] for name in [*ON_CLOUDS, *SMALL, *ROWS]} - {"no boxes"}
-    assert drawn == set(plots.__all__)
+    assert drawn | {"ring"} == set(plots.__all__)
     for name in plots.__all__:
         text = getattr(plots, name).__doc__
         assert "Parameters\n" in text and "Returns\n" in text
+
+
+def colours_of(axes):
+    points = axes.collections[0]
+    return points.norm.vmin, points.norm.vmax
+
+
+def test_heights_have_the_same_colours_in_every_picture():
+    for cloud in (BOX, BOX[:2], BOX + 1):
+        assert colours_of(plots.from_above(cloud)) == colours_of(plots.from_side(cloud)) == (-2, 2)
+    assert colours_of(plots.from_above(BOX, values=BOX[:, 0], span=(0, 9))) == (0, 9)
+
+
+def test_side_views_say_that_they_are_stretched_and_are_drawn_to_scale_on_request():
+    assert plots.from_side(BOX).get_ylabel() == "z, up (m), stretched"
+    axes = plots.from_side(BOX, to_scale=True)
+    assert (axes.get_ylabel(), axes.get_aspect()) == ("z, up (m)", 1)
+    assert plots.boxes(BOX[None, :8, :3], view="side to scale").get_aspect() == 1
+
+
+def test_clusters_keep_their_colours_beside_another_picture():
+    places = np.repeat([[0.0, 0, 0], [5, 0, 0], [10, 0, 0]], 20, axis=0)
+    before, after = np.repeat([1, 2, 3], 20), np.repeat([3, 1, 1], 20)
+    after[-1] = 2
+
+    def colour_at_the_origin(axes):
+        lines = [line for line in axes.lines if list(line.get_xdata()) == [0.0] * 20]
+        return lines[0].get_color()
+
+    alone, beside = plots.clusters(places, before), plots.clusters(places, after, like=before)
+    assert colour_at_the_origin(alone) == colour_at_the_origin(beside)
+
+
+def test_a_ring_is_round_on_the_page():
+    axes = plots.curves({"steep": ([0, 1], [0, 900])}, across="x", up="y")
+    plots.ring(axes, 0.5, 450, radius=0.1, text="here")
+    axes.figure.canvas.draw()
+    wide, high = axes.patches[-1].get_window_extent().size
+    assert wide == pytest.approx(high, rel=0.25)
+    assert "here" in texts(axes)

@@ -288,4 +288,4 @@ def test_a_lesson_without_a_header_is_named(tmp_path):
     path.write_text(HEAD.format(settings=""), "utf-8")
     assert read_header(path) == Header()
     names = {field.name for field in dataclasses.fields(Header)}
-    assert names == {"forbidden", "packages", "given"}
+    assert names == {"forbidden", "packages", "given", "lent"}

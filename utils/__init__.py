@@ -15,6 +15,9 @@ _HOME = {
     "read_cloud": "utils.clouds",
     "read_sequence": "utils.clouds",
     "read_bag": "utils.recordings",
+    "lend_answers": "utils.lent",
+    "is_written": "utils.lent",
+    "predict": "utils.predictions",
     "write_cloud": "utils.clouds",
 }
 _MODULES = {

@@ -8,6 +8,7 @@ GenerateAssignment. The same source gives the same bytes each time.
 from __future__ import annotations
 
 import base64
+import functools
 import hashlib
 import json
 import re
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.course import earlier
+from grader.course import earlier, minutes
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT
 
@@ -35,6 +36,7 @@ LEAK_LENGTH = 12
 # Address and revision become part of links and of a command, so they hold nothing unusual.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
+NEXT = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
@@ -113,14 +115,18 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage},
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
-    seen = {}
+    seen, time = {}, minutes.told(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
         if earlier.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier.filled(cell.source)
         if cell.cell_type == "markdown":
+            cell.source = cell.source.replace(minutes.PLACE, time)
+            cell.source = NEXT.sub(functools.partial(_linked, lesson), cell.source)
             _attach_pictures(cell, lesson.source.parent)
+        else:
+            _show_as_meant(cell)
         cell.id = _stable_id(cell, seen)
     return notebook
 
@@ -269,7 +275,7 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
     text = (PROJECT / "solutions" / COMMON_CELLS[tag]).read_text("utf-8")
     variants = re.split(r"\n(?:# )?---\n", text)
     if not origin.repository:
-        return variants[-1].strip()
+        return variants[-1].replace("NUMBER", lesson.number).strip()
     notebook = lesson.released.relative_to(PROJECT).as_posix()
     return (
         variants[0]
@@ -277,8 +283,29 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
         .replace("OWNER_NAME", origin.owner_and_name)
         .replace("REVISION", origin.revision)
         .replace("NOTEBOOK", notebook)
+        .replace("NUMBER", lesson.number)
         .strip()
     )
+
+
+def _linked(lesson: Lesson, found: re.Match) -> str:
+    """The line that names the next lesson, with a link to it."""
+    following = next((one for one in all_lessons() if one.number == found["number"]), None)
+    if following is None:
+        return found[0]
+    folder = "" if following.stage == lesson.stage else f"../{following.stage}/"
+    return f"**Next:** [{found['title']}]({folder}{following.name}.ipynb)"
+
+
+def _show_as_meant(cell: NotebookNode) -> None:
+    """Fold what is not the subject; let Run All go on after a check that fails."""
+    tags = set(cell.metadata.get("tags", ()))
+    if "folded" in tags:
+        # In JupyterLab, and a form in Colab.
+        cell.metadata["jupyter"] = {"source_hidden": True}
+        cell.metadata["cellView"] = "form"
+    if cell.metadata.get("nbgrader", {}).get("grade"):
+        cell.metadata["tags"] = sorted(tags | {"raises-exception"})
 
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:

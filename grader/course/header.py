@@ -8,6 +8,7 @@ It is YAML in comments, where jupytext keeps the metadata of a notebook:
     #   lidar_obstacle_lab:
     #     forbidden: [scipy.spatial]
     #     given: [KdTree]
+    #     lent: [share_of_successes]
     # ---
 """
 
@@ -32,11 +33,15 @@ class Header:
     given : tuple of str
         Functions and classes that the lesson's own code defines and that answers rely on. The
         judge takes them from the lesson, whatever a notebook makes of them.
+    lent : tuple of str
+        Functions of the lesson's own code that ask an exercise so often that their result is
+        stored, and not each answer; see `utils.lent`.
     """
 
     forbidden: tuple[str, ...] = ()
     packages: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
+    lent: tuple[str, ...] = ()
 
 
 def read_header(source: Path) -> Header:

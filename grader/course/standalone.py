@@ -8,6 +8,7 @@ import hashlib
 import io
 import json
 import lzma
+import re
 import tarfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -23,6 +24,7 @@ ABOUT = (
     "*This notebook needs no other file. Upload it to Colab or Kaggle, or open it in VS Code or "
     "JupyterLab, wherever NumPy, SciPy and matplotlib are.*"
 )
+OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 400_000  # bytes
 
 
@@ -88,6 +90,9 @@ def standalone(notebook: bytes) -> bytes:
             cell["metadata"] |= {"cellView": "form", "jupyter": {"source_hidden": True}}
         elif "badge" in tags:
             cell["source"] = [ABOUT]
+        elif cell["cell_type"] == "markdown":
+            # All lie in one folder.
+            cell["source"] = [OTHER_STAGE.sub("](", line) for line in cell["source"]]
     about["standalone"] = True
     return (json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
 
@@ -101,12 +106,14 @@ def setup_cell(lesson: str) -> str:
         .strip()
         .replace("PACKED", base64.b85encode(data).decode())
         .replace("DIGEST", hashlib.sha256(data).hexdigest())
+        .replace("NUMBER", lesson[:2])
     )
 
 
 def packed_tools(lesson: str) -> bytes:
-    """``utils``, with the checks of one lesson, compressed; the same bytes for the same files."""
-    others = [f"lesson_{one.number}.py" for one in all_lessons() if one.name != lesson]
+    """``utils`` for one lesson, compressed; the same bytes for the same files."""
+    numbers = [one.number for one in all_lessons() if one.name != lesson]
+    others = [f"lesson_{number}{suffix}" for number in numbers for suffix in (".py", ".json")]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):

@@ -14,6 +14,7 @@ from utils.checks.limits import TimeUp, limited
 from utils.checks.story import Outcome, resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.using import functions_used, refused_modules
+from utils.lent import own
 
 if TYPE_CHECKING:
     from utils.checks.display import Table
@@ -219,6 +220,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     """
     from utils.checks.display import Table
 
+    function = own(function)
     exercise = exercise or getattr(function, "__name__", str(function))
     checks = checks_of(exercise)
     table = Table(checks)

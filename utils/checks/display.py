@@ -1,12 +1,12 @@
 """Show what came of checks: a table in a notebook, plain text elsewhere."""
 
-import contextlib
 import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
 from utils.checks.core import Check
 from utils.checks.story import Outcome, Story, details
+from utils.showing import shell
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
 _STATES = {
@@ -30,7 +30,7 @@ class Table:
     """
 
     def __init__(self, checks: Sequence[Check]) -> None:
-        self._checks, self._handle, self._in_notebook = checks, None, _in_notebook()
+        self._checks, self._handle, self._in_notebook = checks, None, shell() is not None
 
     def show(self, outcomes: Sequence[Outcome]) -> None:
         """Display the rows that are there already; in plain text everything comes at the end."""
@@ -172,11 +172,3 @@ def _table(rows: list[str]) -> str:
         "<table role='table' aria-label='Checks' style='width:100%;max-width:60em'>"
         f"{''.join(rows)}</table>"
     )
-
-
-def _in_notebook() -> bool:
-    with contextlib.suppress(ImportError):
-        from IPython import get_ipython
-
-        return get_ipython() is not None
-    return False

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
+from utils.lent import own
+
 # Written by `python -m grader build` from the headers of the lessons.
 _FORBIDDEN = Path(__file__).with_name("forbidden.json")
 
@@ -33,7 +35,7 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
 def functions_used(function: Callable) -> dict[str, Callable]:
     """The functions of the same notebook that a function calls, directly or not, by name."""
     return {
-        name: value
+        name: own(value)
         for part in _functions(function)
         for code in _codes(part.__code__)
         for name, value in _globals_in(code, part)

@@ -16,6 +16,7 @@ from utils.plots.curves import compare, curves, histogram
 from utils.plots.grouping import clusters, graph, growth
 from utils.plots.models import line_model, plane_model
 from utils.plots.regions import kd_search, kd_splits
+from utils.plots.rings import ring
 from utils.plots.timings import timing
 from utils.plots.trees import kd_tree
 
@@ -38,6 +39,7 @@ __all__ = [
     "label_confusion",
     "line_model",
     "plane_model",
+    "ring",
     "timing",
     "worst",
 ]

@@ -34,6 +34,7 @@ def from_above(
     cloud: ArrayLike,
     *,
     values: ArrayLike | None = None,
+    span: tuple[float, float] | None = None,
     label: str | None = None,
     title: str | None = None,
     limits: ArrayLike | None = None,
@@ -48,6 +49,9 @@ def from_above(
         coordinate are left out, clouds above 30 000 points are thinned; both are said in a corner.
     values : (n,) array_like of float, optional
         What the colour shows; the height by default.
+    span : (float, float), optional
+        The values at both ends of the colours. Of heights -2 and 2 m, so that a car looks the
+        same in all pictures; of other values by default their own range.
     label : str, optional
         Name and unit of `values`, written at the colour bar.
     title : str, optional
@@ -66,7 +70,7 @@ def from_above(
     ValueError
         When a shape does not fit; the message says which one would.
     """
-    return _coloured(cloud, "above", values, label, None, title, limits, axes)
+    return _coloured(cloud, "above", values, span, label, None, title, limits, axes)
 
 
 @styled
@@ -74,22 +78,27 @@ def from_side(
     cloud: ArrayLike,
     *,
     values: ArrayLike | None = None,
+    span: tuple[float, float] | None = None,
     label: str | None = None,
     level: float | None = None,
+    to_scale: bool = False,
     title: str | None = None,
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
     """Draw a cloud from its right-hand side: x forward to the right, z up.
 
-    Heights are stretched to fill the figure: a scan is a hundred times longer than it is high.
+    Heights are stretched to fill the figure, and the axis says so: a scan is a hundred times
+    longer than it is high.
 
     Parameters
     ----------
-    cloud, values, label, title, axes
+    cloud, values, span, label, title, axes
         As in :func:`from_above`.
     level : float, optional
         Height in metres of a horizontal line, such as the ground level.
+    to_scale : bool
+        Do not stretch: a metre up is as long as a metre forward.
     limits : ((x_low, x_high), (z_low, z_high)) or four numbers, optional
         Visible region in metres.
 
@@ -97,7 +106,8 @@ def from_side(
     -------
     matplotlib.axes.Axes
     """
-    return _coloured(cloud, "side", values, label, level, title, limits, axes)
+    view = "side to scale" if to_scale else "side"
+    return _coloured(cloud, view, values, span, label, level, title, limits, axes)
 
 
 @styled
@@ -118,7 +128,7 @@ def kept_and_removed(
         In metres, see :func:`from_above`.
     keep : (n,) array_like of bool
         True for the points that stay.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     title, limits, axes
         As in :func:`from_above`.
 
@@ -130,6 +140,10 @@ def kept_and_removed(
     keep = as_mask(keep, len(cloud))
     groups = (Group("removed", ~keep, "x", PALE), Group("kept", keep, "o", BLUE))
     return draw_groups(cloud, groups, view=view, title=title, limits=limits, axes=axes)
+
+
+# Metres, from below the road to a lorry's roof: the same colours in every picture.
+HEIGHTS = (-2.0, 2.0)
 
 
 class Group(NamedTuple):
@@ -154,7 +168,7 @@ def draw_groups(
     """Draw a checked cloud in groups, the last one on top and first in the legend."""
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
-    frame(axes, across, up, limits, equal=view == "above")
+    frame(axes, across, up, limits, equal=view != "side")
     rows, remark = drawn_rows(axes, across, up)
     size = marker_size(len(rows))
     for group in groups:
@@ -227,6 +241,7 @@ def _coloured(
     cloud: ArrayLike,
     view: str,
     values: ArrayLike | None,
+    span: tuple[float, float] | None,
     label: str | None,
     level: float | None,
     title: str | None,
@@ -235,15 +250,15 @@ def _coloured(
 ) -> Axes:
     cloud = as_cloud(cloud)
     if values is None:
-        values, label = cloud[:, 2], label or "height z (m)"
+        values, label, span = cloud[:, 2], label or "height z (m)", span or HEIGHTS
     values = as_values(values, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
     # A level below or above all points belongs into the picture, too.
     levels = [] if level is None else [float(level)]
-    frame(axes, across, np.append(up, levels), limits, equal=view == "above")
+    frame(axes, across, np.append(up, levels), limits, equal=view != "side")
     rows, remark = drawn_rows(axes, across, up)
-    low, high, extend = _colour_range(values)
+    low, high, extend = _colour_range(values, span)
     size = marker_size(len(rows))
     points = axes.scatter(
         across[rows],
@@ -267,12 +282,12 @@ def _coloured(
     return finish(axes, title, across_label, up_label)
 
 
-def _colour_range(values: np.ndarray) -> tuple[float, float, str]:
+def _colour_range(values: np.ndarray, span: tuple[float, float] | None) -> tuple[float, float, str]:
     """Return low, high and the ends that stick out: a few stray values must not grey the rest."""
     values = values[np.isfinite(values)]
     if not len(values):
-        return 0.0, 1.0, "neither"
-    low, high = np.percentile(values, [1, 99])
+        return *(span or (0.0, 1.0)), "neither"
+    low, high = span or np.percentile(values, [1, 99])
     if low == high:
         low, high = values.min(), values.max()
     if low == high:

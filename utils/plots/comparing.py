@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from utils.plots.clouds import Group, draw_groups, mark_sensor
 from utils.plots.data import as_cloud, as_labels, as_mask, drawn_rows, marker_size, project
-from utils.plots.grouping import draw_labels
+from utils.plots.grouping import draw_labels, matched, overlaps
 from utils.plots.style import (
     INK,
     PALE,
@@ -55,7 +55,7 @@ def difference(
         In metres.
     yours_mask, expected_mask : (n,) array_like of bool
         True for points kept.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     title, limits, axes
         As in :func:`utils.plots.from_above`.
 
@@ -97,7 +97,7 @@ def worst(
         In metres.
     labels_yours, labels_expected : (n,) array_like of int
         1 and above for clusters; 0 or less for noise.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     title : str, optional
         Of both panels; only for a new figure.
     limits : optional
@@ -115,11 +115,11 @@ def worst(
     own_figure = axes is None
     axes = panels(2, axes, columns=2, size=(WIDTH, 4.2))
     across, up, across_label, up_label = project(cloud, view)
-    renamed = _matched(yours, expected)
+    renamed = matched(yours, expected)
     differs = np.flatnonzero(renamed != np.maximum(expected, 0))
     focus = _around(across[differs], up[differs]) if len(differs) else (across, up)
     for panel, name, labels in ((axes[0], "yours", renamed), (axes[1], "expected", expected)):
-        frame(panel, *focus, limits, equal=view == "above")
+        frame(panel, *focus, limits, equal=view != "side")
         rows, remark = drawn_rows(panel, across, up)
         ringed = differs[_one_per_cell(panel, across[differs], up[differs])]
         draw_labels(panel, across[rows], up[rows], labels[rows])
@@ -157,34 +157,6 @@ def _one_per_cell(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
     return placed[first]
 
 
-def _overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the labels of both, and the matrix of how many points share each pair of them."""
-    rows, row_of = np.unique(np.maximum(first, 0), return_inverse=True)
-    columns, column_of = np.unique(np.maximum(second, 0), return_inverse=True)
-    counts = np.zeros((len(rows), len(columns)), dtype=int)
-    np.add.at(counts, (row_of, column_of), 1)
-    return rows, columns, counts
-
-
-def _matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """Return `yours` in the numbers of `expected`: the biggest overlaps are matched first."""
-    rows, columns, counts = _overlaps(yours, expected)
-    pairs = np.argwhere(counts > 0)
-    pairs = pairs[np.argsort(-counts[tuple(pairs.T)], kind="stable")]
-    number_of, taken = {0: 0}, {0}
-    for row, column in pairs:
-        mine, theirs = int(rows[row]), int(columns[column])
-        if mine not in number_of and theirs not in taken:
-            number_of[mine] = theirs
-            taken.add(theirs)
-    unused = max(columns, default=0) + 1
-    for mine in rows.tolist():
-        if mine not in number_of:
-            number_of[mine] = unused
-            unused += 1
-    return np.array([number_of[label] for label in np.maximum(yours, 0).tolist()], dtype=int)
-
-
 @styled
 def label_confusion(
     true: ArrayLike, predicted: ArrayLike, *, title: str | None = None, axes: Axes | None = None
@@ -207,7 +179,7 @@ def label_confusion(
     """
     true = as_labels(true, len(np.atleast_1d(true)), "true")
     predicted = as_labels(predicted, len(true), "predicted")
-    rows, columns, counts = _overlaps(true, predicted)
+    rows, columns, counts = overlaps(true, predicted)
     shown_rows = np.sort(np.argsort(-counts.sum(axis=1), kind="stable")[:MOST_CELLS])
     shown_columns = np.sort(np.argsort(-counts.sum(axis=0), kind="stable")[:MOST_CELLS])
     shown = counts[np.ix_(shown_rows, shown_columns)]

@@ -50,7 +50,7 @@ def boxes(
         out.
     cloud : (n, 3) or (n, 4) array_like of float, optional
         Drawn pale below the boxes.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     names : bool or sequence of str or int, optional
         Written at each box; True for its row number.
     label : str, optional
@@ -76,7 +76,7 @@ def boxes(
         cloud = as_cloud(cloud)
         below = project(cloud, view)[:2]
         focus = focus if len(corners) else below
-    frame(axes, *focus, limits, equal=view == "above")
+    frame(axes, *focus, limits, equal=view != "side")
     if cloud is not None:
         rows, remark = drawn_rows(axes, *below)
         dots(axes, below[0][rows], below[1][rows], "o", PALE, marker_size(len(rows)))

@@ -15,7 +15,8 @@ MOST_POINTS = 30_000
 
 VIEWS = {
     "above": (0, 1, "x, forward (m)", "y, left (m)"),
-    "side": (0, 2, "x, forward (m)", "z, up (m)"),
+    "side": (0, 2, "x, forward (m)", "z, up (m), stretched"),
+    "side to scale": (0, 2, "x, forward (m)", "z, up (m)"),
 }
 
 
@@ -110,9 +111,9 @@ def _one_each(array: np.ndarray, count: int, name: str) -> np.ndarray:
 def project(cloud: np.ndarray, view: str) -> tuple[np.ndarray, np.ndarray, str, str]:
     """Return the two drawn columns of `cloud`, each (n,), and the names of their axes."""
     if view not in VIEWS:
-        raise ValueError(f'view must be "above" or "side"; yours is {view!r}.')
+        raise ValueError(f'view must be "above", "side" or "side to scale"; yours is {view!r}.')
     if cloud.shape[-1] == 2:
-        if view == "side":
+        if view != "above":
             raise ValueError('Points of shape (n, 2) have no height: use view="above".')
         return cloud[..., 0], cloud[..., 1], "x (m)", "y (m)"
     first, second, across, up = VIEWS[view]

@@ -46,6 +46,7 @@ def clusters(
     *,
     view: str = "above",
     names: bool = False,
+    like: ArrayLike | None = None,
     title: str | None = None,
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
@@ -60,9 +61,12 @@ def clusters(
         In metres; two columns for points of the plane.
     labels : (n,) array_like of int
         1 and above for clusters; 0 (or less) for noise.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     names : bool
         Write their labels at the twelve biggest clusters.
+    like : (n,) array_like of int, optional
+        Labels of the same points in another picture: what is mostly the same cluster there keeps
+        its colour.
     title, limits, axes
         As in :func:`utils.plots.from_above`.
 
@@ -74,16 +78,18 @@ def clusters(
     labels = as_labels(labels, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
-    frame(axes, across, up, limits, equal=view == "above")
+    frame(axes, across, up, limits, equal=view != "side")
     rows, remark = drawn_rows(axes, across, up)
-    draw_labels(axes, across[rows], up[rows], labels[rows])
+    shown = labels if like is None else matched(labels, as_labels(like, len(cloud), "like"))
+    draw_labels(axes, across[rows], up[rows], shown[rows])
     if cloud.shape[1] > 2:
         mark_sensor(axes)
     if names:
         _write_names(axes, across, up, labels)
     count, noise = len(np.unique(labels[labels > 0])), np.count_nonzero(labels <= 0)
     key(axes, counted(count, "cluster"), "o", colour=BLUE)
-    key(axes, counted(noise, "noise point"), "x", colour=PALE)
+    if noise:
+        key(axes, counted(noise, "noise point"), "x", colour=PALE)
     note(axes, remark)
     return finish(axes, title, across_label, up_label)
 
@@ -99,6 +105,34 @@ def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarr
         chosen = pair == number
         marker, colour = MARKERS[number % len(MARKERS)], PALETTE[number % len(PALETTE)]
         dots(axes, across[chosen], up[chosen], marker, colour, size * 1.15)
+
+
+def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the labels of both, and the matrix of how many points share each pair of them."""
+    rows, row_of = np.unique(np.maximum(first, 0), return_inverse=True)
+    columns, column_of = np.unique(np.maximum(second, 0), return_inverse=True)
+    counts = np.zeros((len(rows), len(columns)), dtype=int)
+    np.add.at(counts, (row_of, column_of), 1)
+    return rows, columns, counts
+
+
+def matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    """Return `yours` in the numbers of `expected`: the biggest overlaps are matched first."""
+    rows, columns, counts = overlaps(yours, expected)
+    pairs = np.argwhere(counts > 0)
+    pairs = pairs[np.argsort(-counts[tuple(pairs.T)], kind="stable")]
+    number_of, taken = {0: 0}, {0}
+    for row, column in pairs:
+        mine, theirs = int(rows[row]), int(columns[column])
+        if mine not in number_of and theirs not in taken:
+            number_of[mine] = theirs
+            taken.add(theirs)
+    unused = max(columns, default=0) + 1
+    for mine in rows.tolist():
+        if mine not in number_of:
+            number_of[mine] = unused
+            unused += 1
+    return np.array([number_of[label] for label in np.maximum(yours, 0).tolist()], dtype=int)
 
 
 def _write_names(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
@@ -172,7 +206,7 @@ def graph(
         In metres.
     edges : (m, 2) array_like of int
         Rows of `cloud` joined by each edge.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     labels : (n,) array_like of int, optional
         Colour and marker as in :func:`clusters`.
     names : bool
@@ -235,7 +269,7 @@ def growth(
         For each step the state of each point: 0 untouched, 1 waiting in the queue, 2 done.
     titles : sequence of str, optional
         One for each step; "step 0", "step 1" and so on by default.
-    view : {"above", "side"}
+    view : {"above", "side", "side to scale"}
     title : str, optional
         Of the whole row; only for a new figure.
     limits : optional

@@ -1,0 +1,107 @@
+"""How long a lesson takes, section by section, from what there is to read, run and write.
+
+The rates were fitted to the minutes that careful readers of all twelve lessons needed: reading
+slowly, at midnight, with a look at each picture.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
+
+PLACE = "(time)"
+WORDS_A_MINUTE = 100
+LINES_A_MINUTE = 10  # of code that is there to be read
+MINUTES_AN_EXERCISE, MINUTES_A_LINE = 5, 1.6  # of code that is to be written
+WITHOUT_A_STOP = 90  # minutes
+STOP = "**A good place to stop.**"
+
+
+def sections(notebook: NotebookNode) -> dict[str, float]:
+    """Minutes of each section of a solved notebook, by its title.
+
+    Parameters
+    ----------
+    notebook : nbformat.NotebookNode
+
+    Returns
+    -------
+    dict of str to float
+        What stands before the first heading belongs to "Before you start".
+    """
+    minutes, title = {}, "Before you start"
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            # Hints and reasons are for who opens them.
+            text = re.sub(r"<details>.*?</details>", "", cell.source, flags=re.S)
+            for part in re.split(r"^(?=## )", text, flags=re.M):
+                if part.startswith("## "):
+                    title = part.partition("\n")[0].removeprefix("## ").strip()
+                words = len(re.findall(r"\w+", part))
+                minutes[title] = minutes.get(title, 0) + words / WORDS_A_MINUTE
+        else:
+            minutes[title] = minutes.get(title, 0) + _minutes_of_code(cell)
+    return minutes
+
+
+def _minutes_of_code(cell: NotebookNode) -> float:
+    if {"setup", "folded"} & set(cell.metadata.get("tags", ())):
+        return 0
+    text = re.sub(r"### BEGIN SOLUTION.*?### END SOLUTION", "", cell.source, flags=re.S)
+    lines = sum(1 for line in text.splitlines() if line.strip())
+    own = re.search(r"# roughly (\d+) lines?", text)
+    writing = MINUTES_AN_EXERCISE + MINUTES_A_LINE * int(own[1]) if own else 0
+    return lines / LINES_A_MINUTE + writing
+
+
+def told(notebook: NotebookNode) -> str:
+    """What a lesson says about its time.
+
+    Parameters
+    ----------
+    notebook : nbformat.NotebookNode
+
+    Returns
+    -------
+    str
+        Such as "about 60 minutes", with a table to unfold.
+    """
+    minutes = sections(notebook)
+    rows = "".join(
+        f"<tr><td>{title}</td><td>{round(part)}</td></tr>"
+        for title, part in minutes.items()
+        if round(part) > 0
+    )
+    return (
+        f"about {in_all(notebook)} minutes\n"
+        f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>\n"
+    )
+
+
+def in_all(notebook: NotebookNode) -> int:
+    """Minutes of a lesson, to five."""
+    return 5 * round(sum(sections(notebook).values()) / 5)
+
+
+def sittings(notebook: NotebookNode) -> list[float]:
+    """Minutes between the marked places to stop.
+
+    Parameters
+    ----------
+    notebook : nbformat.NotebookNode
+
+    Returns
+    -------
+    list of float
+    """
+    from nbformat.v4 import new_notebook
+
+    parts: list[list] = [[]]
+    for cell in notebook.cells:
+        parts[-1].append(cell)
+        if cell.cell_type == "markdown" and STOP in cell.source:
+            parts.append([])
+    return [sum(sections(new_notebook(cells=cells)).values()) for cells in parts]

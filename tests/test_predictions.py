@@ -1,0 +1,64 @@
+"""A prediction is an input, and comes back beside the answer."""
+
+import ipywidgets
+import pytest
+
+from utils import predict, predictions
+
+
+@pytest.fixture(autouse=True)
+def nothing_guessed(monkeypatch):
+    monkeypatch.setattr(predictions, "_GUESSES", {})
+
+
+@pytest.fixture
+def entry(monkeypatch):
+    """The widget of the last prediction, in a list."""
+    made = []
+    for kind in ("RadioButtons", "FloatSlider", "Text"):
+        build = getattr(ipywidgets, kind)
+        monkeypatch.setattr(
+            ipywidgets,
+            kind,
+            lambda build=build, **options: made.append(build(**options)) or made[-1],
+        )
+    return made
+
+
+@pytest.mark.parametrize(
+    ("options", "typed", "answer", "lines"),
+    [
+        ({}, "about 1,200", 1234, ["Your guess: 1,200", "Answer: 1,234"]),
+        ({"unit": "m", "digits": 1}, "-1.5", -1.73, ["Your guess: −1.5 m", "Answer: −1.7 m"]),
+        ({"between": (0, 100), "unit": "%"}, 40.0, 37.6, ["Your guess: 40%", "Answer: 38%"]),
+        ({"choices": ["yes", "no"]}, "no", "yes", ["Your guess: no", "Answer: yes"]),
+        ({}, "no idea", 3, ["Your guess: none yet", "Answer: 3"]),
+    ],
+    ids=str,
+)
+def test_the_guess_stands_beside_the_answer(entry, capsys, options, typed, answer, lines):
+    prediction = predict("How many?", **options)
+    entry[-1].value = typed
+    capsys.readouterr()
+    prediction.compare(answer, "Because of that.")
+    assert capsys.readouterr().out.split("\n")[:-1] == ["How many?", *lines, "Because of that."]
+
+
+def test_a_slider_that_was_not_moved_is_no_guess(entry):
+    assert predict("How many?", between=(0, 10)).guess is None
+
+
+def test_a_guess_outlives_running_the_cell_again(entry):
+    predict("How many?", between=(0, 10))
+    entry[-1].value = 4.0
+    assert predict("How many?", between=(0, 10)).guess == 4.0
+    assert entry[-1].value == 4.0
+    predict("Which?", choices=["a", "b"])
+    entry[-1].value = "b"
+    assert predict("Which?", choices=["a", "b"]).guess == "b"
+    assert entry[-1].value == "b"
+
+
+def test_an_answer_that_is_no_choice_is_the_authors_mistake():
+    with pytest.raises(ValueError, match="'maybe' is none of the choices: yes, no"):
+        predict("Well?", choices=["yes", "no"]).compare("maybe", "")

@@ -1,0 +1,277 @@
+"""Answers as text, small enough to travel with a notebook; calls as keys that fit everywhere."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import importlib
+import numbers
+import zlib
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+
+# A tenth of a millimetre, or half a centimetre for what is only drawn as thousands of dots.
+FINE, COARSE = 1e-4, 5e-3
+MANY = 3_000
+FEW = 64
+
+
+def key_of(arguments: tuple, keywords: dict) -> str:
+    """A short text that is the same for the same call on every machine.
+
+    Numbers count to eight digits, as another machine may round the last ones differently.
+
+    Parameters
+    ----------
+    arguments : tuple
+    keywords : dict
+
+    Returns
+    -------
+    str
+    """
+    said = "\n".join(_walk([arguments, sorted(keywords.items())]))
+    return hashlib.sha256(said.encode()).hexdigest()[:10]
+
+
+def _walk(start: list) -> Iterator[str]:
+    # A stack and no recursion: a tree may be deep.
+    waiting, seen = [start], set()
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, np.ndarray):
+            yield _of_array(value)
+        elif value is None or isinstance(value, str | bytes):
+            yield repr(value)
+        elif isinstance(value, numbers.Number):
+            yield f"{complex(value):.8g}"
+        elif isinstance(value, np.random.Generator):
+            yield repr(value.bit_generator.state)
+        elif id(value) in seen:
+            yield "again"
+        elif isinstance(value, dict):
+            seen.add(id(value))
+            yield f"dict {len(value)}"
+            waiting.extend(reversed([part for pair in value.items() for part in pair]))
+        elif isinstance(value, list | tuple | range):
+            seen.add(id(value))
+            yield f"sequence {len(value)}"
+            waiting.extend(reversed(value))
+        elif is_dataclass(value) and not isinstance(value, type):
+            seen.add(id(value))
+            yield type(value).__name__
+            waiting.extend(getattr(value, one.name, None) for one in reversed(fields(value)))
+        else:
+            yield getattr(value, "__name__", type(value).__name__)
+
+
+def _of_array(array: np.ndarray) -> str:
+    if array.dtype.kind not in "biuf":
+        return f"{array.shape} {array.tolist()}"
+    flat = np.nan_to_num(array.astype(float).ravel(), nan=7.7, posinf=8.8, neginf=9.9)
+    # Weighted, so that the order counts; shifted, so that nothing cancels out.
+    told = np.mean(np.abs(flat + 97.31) * np.linspace(0.5, 1.5, flat.size)) if flat.size else 0.0
+    return f"{array.shape} {told:.8g}"
+
+
+def rng_states(arguments: tuple, keywords: dict) -> list:
+    """The states of the random generators among the arguments, in order."""
+    return [one.bit_generator.state for one in _generators(arguments, keywords)]
+
+
+def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
+    """Leave the generators among the arguments as the recorded call left them."""
+    for generator, state in zip(_generators(arguments, keywords), states, strict=False):
+        generator.bit_generator.state = state
+
+
+def _generators(arguments: tuple, keywords: dict) -> list[np.random.Generator]:
+    given = [*arguments, *keywords.values()]
+    return [one for one in given if isinstance(one, np.random.Generator)]
+
+
+def encode(answer: object, arguments: tuple = ()) -> object:
+    """Something that JSON can hold, and `decode` turns back.
+
+    Parameters
+    ----------
+    answer : object
+        None, bools, numbers, texts, arrays, data classes, and lists, tuples and dictionaries of
+        them.
+    arguments : tuple
+        Of the call: an answer that is some rows of one of them is stored as which.
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    """
+    table: list[dict] = []
+    known: dict[int, int] = {}
+    waiting: list[object] = []
+
+    def one(value: object) -> object:
+        if value is None or isinstance(value, bool | int | str):
+            return value
+        if isinstance(value, np.bool_):
+            return bool(value)
+        if isinstance(value, numbers.Integral):
+            return int(value)
+        if isinstance(value, numbers.Real):
+            return float(f"{float(value):.9g}")
+        if isinstance(value, np.ndarray):
+            return _array(value, arguments)
+        if isinstance(value, list):
+            return [one(part) for part in value]
+        if isinstance(value, tuple):
+            return {"tuple": [one(part) for part in value]}
+        if isinstance(value, dict):
+            return {"dict": [[one(key), one(part)] for key, part in value.items()]}
+        if is_dataclass(value) and not isinstance(value, type):
+            if id(value) not in known:
+                known[id(value)] = len(known)
+                waiting.append(value)
+            return {"object": known[id(value)]}
+        raise TypeError(f"an answer of the kind {type(value).__name__} cannot be stored")
+
+    said = one(answer)
+    while waiting:
+        value = waiting.pop(0)
+        module = type(value).__module__
+        table.append(
+            {
+                "class": type(value).__qualname__,
+                "module": module if module.startswith("utils.") else "",
+                "fields": {part.name: one(getattr(value, part.name)) for part in fields(value)},
+            }
+        )
+    return {"answer": said, "objects": table} if table else said
+
+
+def _array(array: np.ndarray, arguments: tuple) -> dict:
+    for number, argument in enumerate(arguments):
+        rows = _rows_of(array, argument)
+        if rows is not None:
+            return {"rows_of": number, "mask": _packed(np.packbits(rows).tobytes())}
+        pairs = _renaming(array, argument)
+        if pairs is not None:
+            return {"renamed": number, "pairs": pairs}
+    kind = array.dtype.kind
+    if kind not in "biuf":
+        raise TypeError(f"an array of {array.dtype} cannot be stored")
+    about = {"shape": list(array.shape), "kind": kind}
+    if array.ndim == 0 or array.size == 0:
+        return about | {"numbers": array.ravel().tolist()}
+    if kind == "f":
+        if array.size <= FEW:
+            return about | {"numbers": [float(f"{x:.9g}") for x in array.ravel().tolist()]}
+        if not np.isfinite(array).all() or np.abs(array).max() > 1e4:
+            return about | {"single": _packed(array.astype("<f4").tobytes())}
+        step = FINE if array.size <= MANY else COARSE
+        whole = np.round(array / step).astype(np.int64)
+        about["step"] = step
+    else:
+        whole = array.astype(np.int64)
+    # Neighbours are alike: differences take fewer bytes. The same byte of all numbers together.
+    change = np.diff(whole.reshape(len(array), -1), axis=0, prepend=0)
+    planes = change.astype("<i8").ravel().view(np.uint8).reshape(-1, 8).T
+    return about | {"changes": _packed(planes.tobytes())}
+
+
+def _rows_of(array: np.ndarray, argument: object) -> np.ndarray | None:
+    """A mask (n,) of the rows of an argument that an answer consists of; None where it does not."""
+    if not isinstance(argument, np.ndarray) or array.ndim != 2 or argument.ndim != 2:
+        return None
+    if array.shape[1] != argument.shape[1] or array.dtype != argument.dtype:
+        return None
+    wanted, mask, found = [row.tobytes() for row in array], np.zeros(len(argument), bool), 0
+    for number, row in enumerate(argument):
+        if found < len(wanted) and row.tobytes() == wanted[found]:
+            mask[number], found = True, found + 1
+    return mask if found == len(wanted) else None
+
+
+def _renaming(array: np.ndarray, argument: object) -> list | None:
+    """Pairs of labels, where an answer gives each label of an argument one of its own."""
+    if not isinstance(argument, np.ndarray) or array.ndim != 1 or array.shape != argument.shape:
+        return None
+    if array.dtype.kind not in "iu" or argument.dtype.kind not in "iu":
+        return None
+    labels, first = np.unique(argument, return_index=True)
+    if not np.array_equal(array, array[first][np.searchsorted(labels, argument)]):
+        return None
+    return [labels.tolist(), array[first].tolist()]
+
+
+def decode(stored: object, arguments: tuple, namespace: dict) -> object:
+    """What `encode` was given.
+
+    Parameters
+    ----------
+    stored : object
+    arguments : tuple
+        Of the call that is answered.
+    namespace : dict
+        Where the classes of the notebook are.
+
+    Returns
+    -------
+    object
+    """
+    has_objects = isinstance(stored, dict) and "objects" in stored
+    table = stored["objects"] if has_objects else []
+    made = [object.__new__(_class_of(entry, namespace)) for entry in table]
+
+    def one(said: object) -> object:
+        if isinstance(said, list):
+            return [one(part) for part in said]
+        if not isinstance(said, dict):
+            return said
+        if "tuple" in said:
+            return tuple(one(part) for part in said["tuple"])
+        if "dict" in said:
+            return {one(key): one(part) for key, part in said["dict"]}
+        if "object" in said:
+            return made[said["object"]]
+        if "rows_of" in said:
+            rows = arguments[said["rows_of"]]
+            bits = np.frombuffer(_unpacked(said["mask"]), np.uint8)
+            return rows[np.unpackbits(bits, count=len(rows)).astype(bool)]
+        if "renamed" in said:
+            labels, names = (np.array(part, dtype=np.int64) for part in said["pairs"])
+            return names[np.searchsorted(labels, arguments[said["renamed"]])]
+        return _as_array(said)
+
+    for thing, entry in zip(made, table, strict=True):
+        for name, value in entry["fields"].items():
+            object.__setattr__(thing, name, one(value))
+    return one(stored["answer"] if has_objects else stored)
+
+
+def _class_of(entry: dict, namespace: dict) -> type:
+    if entry["module"]:
+        return getattr(importlib.import_module(entry["module"]), entry["class"])
+    return namespace[entry["class"]]
+
+
+def _as_array(said: dict) -> np.ndarray:
+    shape = tuple(said["shape"])
+    kind = {"f": float, "b": bool}.get(said["kind"], np.int64)
+    if "numbers" in said:
+        return np.array(said["numbers"], dtype=kind).reshape(shape)
+    if "single" in said:
+        return np.frombuffer(_unpacked(said["single"]), "<f4").astype(float).reshape(shape)
+    planes = np.frombuffer(_unpacked(said["changes"]), np.uint8).reshape(8, -1)
+    whole = np.ascontiguousarray(planes.T).view("<i8").ravel()
+    whole = np.cumsum(whole.reshape(shape[0], -1), axis=0).reshape(shape)
+    return whole * said["step"] if "step" in said else whole.astype(kind)
+
+
+def _packed(data: bytes) -> str:
+    return base64.b85encode(zlib.compress(data, 9)).decode()
+
+
+def _unpacked(text: str) -> bytes:
+    return zlib.decompress(base64.b85decode(text))

@@ -1,0 +1,50 @@
+"""Rings around what a reader should look at."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.patches import Ellipse
+
+from utils.plots.style import INK, PAPER, styled
+
+
+@styled
+def ring(axes: Axes, x: float, y: float, *, radius: float, text: str = "") -> Axes:
+    """Draw a ring around a place in a picture.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        That has been drawn into already.
+    x, y : float
+        The middle, in data coordinates.
+    radius : float
+        Along x, in data coordinates; up it is as long on the page.
+    text : str
+        Written above the ring.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    window = axes.get_window_extent()
+    scale = abs((right - left) / window.width), abs((high - low) / window.height)
+    tall = radius if axes.get_aspect() == 1 else radius * scale[1] / scale[0]
+    look = {"facecolor": "none", "edgecolor": INK, "linewidth": 2.2, "zorder": 8}
+    axes.add_patch(Ellipse((x, y), 2 * radius, 2 * tall, **look))
+    if text:
+        axes.annotate(
+            text,
+            (x, y + tall),
+            xytext=(0, 4),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=10,
+            color=INK,
+            zorder=8,
+            annotation_clip=True,
+            bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
+        )
+    return axes

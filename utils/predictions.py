@@ -1,0 +1,136 @@
+"""A guess before the result, and the result beside the guess."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from html import escape
+
+from utils.showing import show
+
+# What was guessed, by question: a cell that runs again keeps it.
+_GUESSES: dict[str, float | str] = {}
+
+
+class Prediction:
+    """A question, and what somebody guesses.
+
+    Made by `predict`.
+    """
+
+    def __init__(self, question: str, choices: tuple[str, ...], unit: str, digits: int) -> None:
+        self._question, self._choices = question, choices
+        self._unit, self._digits = unit, digits
+
+    @property
+    def guess(self) -> float | str | None:
+        """What was guessed; None before."""
+        return _GUESSES.get(self._question)
+
+    def compare(self, answer: float | str, why: str) -> None:
+        """Show the guess beside the answer.
+
+        Parameters
+        ----------
+        answer : float or str
+            One of the choices, where there are some; else a number, in the unit of the question.
+        why : str
+            Stays folded until somebody asks for it.
+
+        Raises
+        ------
+        ValueError
+            The answer is none of the choices.
+        """
+        if self._choices and answer not in self._choices:
+            raise ValueError(f"{answer!r} is none of the choices: {', '.join(self._choices)}.")
+        guess = "none yet" if self.guess is None else self._said(self.guess)
+        rows = {"Your guess": guess, "Answer": self._said(answer)}
+        text = "\n".join([self._question, *(f"{row}: {said}" for row, said in rows.items()), why])
+        cells = "".join(
+            f"<span style='margin-right:2em'>{row}: <b>{escape(said)}</b></span>"
+            for row, said in rows.items()
+        )
+        html = (
+            "<div style='border-left:4px solid #0072B2;padding:0.3em 0.8em;line-height:1.5'>"
+            f"<div>{escape(self._question)}</div><div>{cells}</div>"
+            f"<details><summary>Why?</summary>{escape(why)}</details></div>"
+        )
+        show(html, text)
+
+    def _said(self, value: float | str) -> str:
+        if isinstance(value, str):
+            return value
+        space = "" if self._unit in ("", "%", "°") else " "
+        return f"{value:,.{self._digits}f}{space}{self._unit}".replace("-", "−")
+
+
+def predict(
+    question: str,
+    *,
+    choices: Sequence[str] = (),
+    between: tuple[float, float] | None = None,
+    step: float = 1,
+    unit: str = "",
+    digits: int = 0,
+) -> Prediction:
+    """Ask for a guess before the answer can be seen.
+
+    Parameters
+    ----------
+    question : str
+    choices : sequence of str, optional
+        One of them can be chosen.
+    between : (float, float), optional
+        A slider between two numbers; without it, and without choices, a number is typed.
+    step : float
+        Of the slider.
+    unit : str
+        Of the number, such as "%" or "m".
+    digits : int
+        Decimals of the number.
+
+    Returns
+    -------
+    Prediction
+        Its ``compare(answer, why)`` shows both.
+
+    Examples
+    --------
+    >>> share = predict("What share of all returns is road?", between=(0, 100), unit="%")
+    >>> share.compare(100 * len(road) / len(cloud), "Most beams look down.")
+    """
+    import ipywidgets
+    from IPython.display import display
+
+    prediction = Prediction(question, tuple(choices), unit, digits)
+    if choices:
+        entry = ipywidgets.RadioButtons(options=list(choices), value=prediction.guess)
+    elif between:
+        low, high = between
+        entry = ipywidgets.FloatSlider(
+            min=low,
+            max=high,
+            step=step,
+            value=low if prediction.guess is None else prediction.guess,
+            readout_format=f",.{digits}f",
+        )
+    else:
+        known = "" if prediction.guess is None else f"{prediction.guess:g}"
+        entry = ipywidgets.Text(value=known, placeholder="a number")
+
+    def remember(change: dict) -> None:
+        guess = change["new"]
+        if not choices and not between:
+            found = re.search(r"-?\d+(?:\.\d+)?", guess.replace(",", "").replace("−", "-"))
+            guess = float(found[0]) if found else None
+        if guess is None:
+            _GUESSES.pop(question, None)
+        else:
+            _GUESSES[question] = guess
+
+    entry.observe(remember, names="value")
+    say = ipywidgets.HTML(f"<b>Your prediction.</b> {escape(question)}")
+    after = [ipywidgets.Label(unit)] if unit and not choices else []
+    display(ipywidgets.VBox([say, ipywidgets.HBox([entry, *after])]))
+    return prediction
