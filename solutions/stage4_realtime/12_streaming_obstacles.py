@@ -21,7 +21,7 @@
 # - measure how good it is against the truth, find out why it is not better, and choose its parameters by that,
 # - follow obstacles from [frame](#Words-of-the-course) to frame under one name, also while they are out of sight.
 #
-# **You write** `detect_obstacles` (20 points) and `match_boxes` (5 points), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **Time:** (time). Take an evening for each half, and one more for the two reports. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
+# **You write** `detect_obstacles` (20 points) and `match_boxes` (5 points), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **Time:** (time). The two reports come on top: leave an evening for them. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -292,7 +292,7 @@ plots.boxes(found, axes=axes, label="found", title="Your boxes on the first fram
 # **Now a bad day.** In fog a scanner loses thousands of returns, and a dirty bonnet sends light back from edge to edge. On a good day the few returns of our own car are thinned to small patches, too few points for a box, and three lost returns make one point: a detector that forgets both steps looks all right. This scan tells. The number of boxes should not change.
 
 # %%
-x, y = (axis.ravel() for axis in np.mgrid[0.9:2.5:0.08, -1.6:1.6:0.08])
+x, y = (axis.ravel() for axis in np.mgrid[0.9:2.3:0.08, -1.0:1.0:0.08])
 bonnet = np.column_stack([x, y, np.full(x.size, -0.85), np.full(x.size, 0.5)])
 lost = np.zeros((3000, 4))
 lost[:1500] = np.nan
@@ -301,7 +301,7 @@ still_found = detect_obstacles(bad_day)
 print(f"{len(found)} boxes on a good day, {len(still_found)} on a bad one")
 axes = plots.boxes(still_found, cloud=bonnet, limits=((-6, 12), (-5, 5)), label="found",
                    title="Close around us, on a bad day")
-plots.ring(axes, 1.7, 0, radius=2.2, text="no box in here");
+plots.ring(axes, 1.5, 0, radius=1.7, text="no box in here");
 
 # %% nbgrader={"grade": true, "grade_id": "test_detect_obstacles", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(detect_obstacles)
@@ -613,7 +613,7 @@ for number, axes in zip((0, 1, 2), rows):
 #
 # ## Exercise 2 · `match_boxes` (5 points)
 #
-# A tenth of a second is short: nothing moves far. So the partner of a box is the previous box whose centre is closest, if it is close enough, and if nobody closer wants it.
+# A tenth of a second is short: nothing moves far. So the partner of a box is the previous box whose centre is closest, if it is close enough, and if no closer box wants it.
 #
 # Give for each current box the row of its partner in `previous`, or -1 for a box without one. Each previous box has at most one partner. The centre of a box is the mean of its corners.
 
@@ -785,7 +785,9 @@ if is_written(match_boxes):
         axes.axvline(0.5, color="black", linestyle=":")
 
 # %% [markdown]
-# The dotted line is our own way in a frame. To the left of it matching alone loses even parked cars; prediction takes our motion out, so that a much shorter distance will do. Coasting bridges the gaps, and halves the rest of the switches or better. In the other direction names change hands: the farther a partner may be, the more often a name goes over to whoever appears when somebody vanishes. Neither mistake ever gets to zero, and neither can be had for nothing. A distance between 1 and 1.5 m, with prediction and coasting, is a fair choice here. In a crowd the two curves come closer, and position alone is not enough.
+# The dotted line is our own way in a frame. To the left of it matching alone loses even parked cars; prediction takes our motion out, so that a shorter distance will do. Coasting bridges the gaps: from 1 m on it halves the switches that are left. To the right names change hands: the farther a partner may be, the more often a name goes over to whatever appears when something else vanishes.
+#
+# At no distance are both mistakes zero. Between 1 and 1.5 m, with prediction and coasting, is a fair choice here. In a crowd things stand closer, names change hands sooner, and position alone is not enough.
 #
 # ## Names
 #
@@ -965,7 +967,7 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 #
 # | what was done | what you see |
 # |---|---|
-# | the road stays in | flat slabs across road and pavement |
+# | the road stays in | one giant box around all that is near, and flat slabs farther out |
 # | our own car stays in | a box around the sensor on a bad day, and perhaps none on a good one |
 # | threshold too large | cars, posts and trees in one box |
 # | `min_num_points=100` on a thinned cloud | cars near by, but few far ahead, and nobody on foot |
