@@ -21,7 +21,11 @@
 # - measure how good it is against the truth, find out why it is not better, and choose its parameters by that,
 # - follow obstacles from [frame](#Words-of-the-course) to frame under one name, also while they are out of sight.
 #
-# **You write** `detect_obstacles` (20 points) and `match_boxes` (5 points), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **Time:** (time). The two reports come on top: leave an evening for them. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
+# **You write** `detect_obstacles` (20 points) and `match_boxes` (5 points), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
+#
+# **Time:** (time)
+#
+# The two reports come on top: leave an evening for them.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -256,13 +260,14 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 
 # %% tags=["folded"]
 # @title A street of cardboard (you need not read this)
-def cardboard_street(yaw=np.radians(30)):
+def cardboard_street(degrees=30):
     """A level road, the four sides of a car, and two lost returns; shape (n, 4)."""
     x, y = (axis.ravel() for axis in np.mgrid[1:15:0.2, -5:7:0.2])
     road = np.column_stack([x, y, np.full(x.size, -1.73)])
     u, v, w = (axis.ravel() for axis in np.mgrid[-2:2.01:0.1, -0.9:0.91:0.1, -1.7:-0.29:0.1])
     side = (np.abs(u) > 1.95) | (np.abs(v) > 0.85)
     u, v, w = u[side], v[side], w[side]
+    yaw = np.radians(degrees)
     car = np.column_stack([8 + u * np.cos(yaw) - v * np.sin(yaw),
                            2 + u * np.sin(yaw) + v * np.cos(yaw), w])
     lost = np.array([[0.0, 0.0, 0.0], [np.nan, np.nan, np.nan]])
