@@ -141,7 +141,7 @@ useful = {"01_point_clouds": ["drop_invalid"],
 for notebook, functions in useful.items():
     try:
         mine = load_my_functions(f"{notebook}.ipynb")
-    except FileNotFoundError as problem:
+    except (FileNotFoundError, ValueError) as problem:
         print(problem)
         continue
     for name in functions:
