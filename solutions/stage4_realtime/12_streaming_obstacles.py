@@ -810,7 +810,7 @@ def draw_names(number, axes=None, limits=street, **options):
     age = {name: sum(name in earlier for earlier in names[:number]) for name in mine.tolist()}
     shown = [str(name) if name and old and steady else "" for name, old, steady in
              zip(mine.tolist(), on(boxes, carriageway), (age[name] >= 10 for name in mine.tolist()))]
-    points = frame.cloud[frame.scan.objects > 0][::4]
+    points = frame.cloud[frame.scan.objects > 0][::8]
     axes = plots.boxes(boxes, cloud=points, limits=limits, axes=axes, **options)
     for box, text in zip(boxes, shown):
         if text:
@@ -826,7 +826,7 @@ for name in names[-1][on(detected[-1], carriageway)].tolist():
     axes.plot(*np.array(way)[:, :2].T, ".-", color="black", linewidth=1, markersize=3, zorder=3)
 
 # %% [markdown]
-# Parked cars have come half a metre per frame: that is us, driving. Objects moving with us leave a short trail, those coming towards us a long one. A trail that bends or jumps tells of a box that grew, shrank or merged with another.
+# Parked cars have come half a metre per frame: that is us, driving. Objects moving with us leave a short trail, those coming towards us a long one. A trail that bends or jumps tells of a box that grew, shrank or merged with another: things that come closer than the threshold share one large box for as long as they do.
 #
 # ## Watch it drive
 #
