@@ -6,7 +6,7 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     packages: [scikit-learn]
-#     lent: [overlap_curves, sweep, score]
+#     lent: [overlap_curves, score, sweep, mistakes_of]
 # ---
 
 # %% [markdown]
@@ -430,6 +430,8 @@ def score(name, numbers, region, overlap=0.5, **parameters):
 
 
 few = (0, 4, 8)
+
+# %%
 result = score("city", few, carriageway)
 print(f"{result.true_positives} hits, {result.false_positives} false boxes, "
       f"{result.false_negatives} missed: precision {result.precision:.2f}, "
@@ -568,7 +570,7 @@ def sweep(parameter, values):
     results = [score("city", (0, 8), carriageway, **{parameter: value}) for value in values]
     return np.array([[one.precision, one.recall, one.f1] for one in results]).T
 
-
+# %%
 thresholds, sizes = [0.2, 0.3, 0.4, 0.5, 0.7, 1.0], [2, 5, 10, 20, 40, 80, 160]
 figure, rows = plt.subplots(2, 1, figsize=(7, 7.5), layout="compressed")
 for axes, parameter, values, unit in ((rows[0], "threshold", thresholds, " (m)"),
@@ -758,36 +760,36 @@ switching = predict("Matching alone, up to 1 m, three seconds, some thirty boxes
 # %%
 things = [scoring.holders(boxes, frame.cloud[::3], frame.scan.objects[::3])
           for boxes, frame in zip(detected, city)]
-if is_written(match_boxes):
-    ways = {"matching alone": (False, 0), "with prediction": (True, 0),
-            "and with coasting": (True, 3)}
-    mistakes = {way: scoring.name_mistakes(things, follow(detected, 1.0, *settings))
-                for way, settings in ways.items()}
-    for way, made in mistakes.items():
-        print(f"{way:18}: {made.switches:3} switches, {made.shared:2} names shared")
-    switching.compare(mistakes["matching alone"].switches,
-                      "Most boxes move 0.5 m in a frame, because we do. Add the wobble of a box that "
-                      "grows or shrinks, and many are more than 1 m from where they were.")
-else:
-    print("There is nothing to count yet: match_boxes is not written.")
+
+
+def mistakes_of(max_distance, predicting, patience):
+    """Switches and shared names in three seconds."""
+    return scoring.name_mistakes(things, follow(detected, max_distance, predicting, patience))
 
 # %%
-if is_written(match_boxes):
-    limits = np.array([0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0])
-    figure, rows = plt.subplots(2, 1, figsize=(7, 8), layout="compressed")
-    counted = {way: [scoring.name_mistakes(things, follow(detected, limit, *settings))
-                     for limit in limits.tolist()] for way, settings in ways.items()}
-    for axes, kind, top in ((rows[0], "switches", 200), (rows[1], "shared", 25)):
-        plots.curves({way: (limits, [getattr(one, kind) for one in made])
-                      for way, made in counted.items()}, across="max_distance (m)",
-                     up="number in three seconds", axes=axes,
-                     title={"switches": "Switches: things that change their name",
-                            "shared": "Shared: names that change hands"}[kind])
-        axes.set_xscale("log")
-        axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10], ["0.1", "0.2", "0.5", "1", "2", "5", "10"])
-        axes.minorticks_off()
-        axes.set_ylim(0, top)
-        axes.axvline(0.5, color="black", linestyle=":")
+ways = {"matching alone": (False, 0), "with prediction": (True, 0), "and with coasting": (True, 3)}
+mistakes = {way: mistakes_of(1.0, *settings) for way, settings in ways.items()}
+for way, made in mistakes.items():
+    print(f"{way:18}: {made.switches:3} switches, {made.shared:2} names shared")
+switching.compare(mistakes["matching alone"].switches,
+                  "Most boxes move 0.5 m in a frame, because we do. Add the wobble of a box that "
+                  "grows or shrinks, and many are more than 1 m from where they were.")
+
+# %%
+limits = [0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0]
+counted = {way: [mistakes_of(limit, *settings) for limit in limits] for way, settings in ways.items()}
+figure, rows = plt.subplots(2, 1, figsize=(7, 8), layout="compressed")
+for axes, kind, top, title in (
+        (rows[0], "switches", 200, "Switches: things that change their name"),
+        (rows[1], "shared", 25, "Shared: names that change hands")):
+    plots.curves({way: (limits, [getattr(one, kind) for one in made])
+                  for way, made in counted.items()}, across="max_distance (m)",
+                 up="number in three seconds", axes=axes, title=title)
+    axes.set_xscale("log")
+    axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10], ["0.1", "0.2", "0.5", "1", "2", "5", "10"])
+    axes.minorticks_off()
+    axes.set_ylim(0, top)
+    axes.axvline(0.5, color="black", linestyle=":")
 
 # %% [markdown]
 # The dotted line is our own way in a frame. To the left of it matching alone loses even parked cars; prediction takes our motion out, so that a shorter distance will do. Coasting bridges the gaps: from 1 m on it halves the switches that are left. To the right names change hands: the farther a partner may be, the more often a name goes over to whatever appears when something else vanishes.
