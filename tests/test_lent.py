@@ -207,6 +207,18 @@ def test_a_check_asks_the_stub_itself():
 def test_stubs_are_known():
     assert not lent.is_written(stub)
     assert lent.is_written(written) and lent.is_written(len)
+
+    def with_a_given_line(rng):
+        rng = np.random.default_rng(rng)
+        raise NotImplementedError
+
+    def begun(cloud):
+        if len(cloud) == 0:
+            return cloud
+        raise NotImplementedError
+
+    assert not lent.is_written(with_a_given_line)
+    assert lent.is_written(begun)
     namespace = {"keep": stub}
     lent.Lender({"exercises": {"keep": {}}}, namespace).look_round()
     assert not lent.is_written(namespace["keep"])
@@ -214,3 +226,32 @@ def test_stubs_are_known():
 
 def test_without_a_notebook_nothing_happens():
     lent.lend_answers("06")
+
+
+def test_an_answer_can_be_asked_about():
+    line = tuple(np.random.default_rng(8).normal(size=(500, 3)).ravel())
+    back = encoding.decode(json.loads(json.dumps(encoding.encode(line))), (), {})
+    assert encoding.key_of((back,), {}) == encoding.key_of((line,), {})
+
+
+def test_an_experiment_is_recorded_once_more():
+    namespace = {}
+    exec(
+        "def one(a):\n    return a + 1\ndef all(n):\n    return sum(map(one, range(n)))", namespace
+    )
+    lender = lent.Lender({"exercises": {"one": {}}, "experiments": {"all": {}}}, namespace)
+    recorder = lent.Recorder(["one"], ["all"], namespace)
+    for _ in range(2):
+        lender.look_round()
+        recorder.look_round()
+    assert namespace["all"](4) == 10
+    recorded = json.loads(recorder.text())
+    assert [one["answer"] for one in recorded["experiments"]["all"].values()] == [10]
+    assert recorded["exercises"]["one"] == {}
+
+
+def test_an_experiment_is_recorded_anew_though_it_is_lent():
+    namespace = {"experiment": len}
+    lent.Lender({"experiments": {"experiment": {}}}, namespace).look_round()
+    stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])
+    assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]

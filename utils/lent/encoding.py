@@ -120,7 +120,8 @@ def encode(answer: object, arguments: tuple = ()) -> object:
         if isinstance(value, numbers.Integral):
             return int(value)
         if isinstance(value, numbers.Real):
-            return float(f"{float(value):.9g}")
+            # Far more digits than `key_of` reads: an answer may be asked about in the next call.
+            return float(f"{float(value):.15g}")
         if isinstance(value, np.ndarray):
             return _array(value, arguments)
         if isinstance(value, list):
@@ -166,7 +167,7 @@ def _array(array: np.ndarray, arguments: tuple) -> dict:
         return about | {"numbers": array.ravel().tolist()}
     if kind == "f":
         if array.size <= FEW:
-            return about | {"numbers": [float(f"{x:.9g}") for x in array.ravel().tolist()]}
+            return about | {"numbers": [float(f"{x:.15g}") for x in array.ravel().tolist()]}
         if not np.isfinite(array).all() or np.abs(array).max() > 1e4:
             return about | {"single": _packed(array.astype("<f4").tobytes())}
         step = FINE if array.size <= MANY else COARSE
