@@ -116,7 +116,7 @@ plots.ring(axes, 29, 0, radius=4.5, text="bare road");
 # | keep the region of interest | 07 | whatever we cannot hit | time for house fronts, and boxes around them |
 # | remove our [own car](#Words-of-the-course) | 07 | returns from our bonnet and roof | full braking, for ever, as soon as enough of it is seen |
 # | remove the road | 03 | a third of all returns | rings of road tie cars and pavements together |
-# | thin with a [voxel](#Words-of-the-course) grid | 06 | nine of ten points that are left | many times the time for clustering, and near things need another minimum than far ones |
+# | thin with a [voxel](#Words-of-the-course) grid | 06 | nine of ten points that are left | more than ten times as many points to cluster, most of them on the nearest things |
 # | cluster | 10 or 05 | nothing: it adds labels | points, but no things |
 # | remove small clusters | 09 | raindrops, specks, single leaves | twice as many boxes |
 # | fit boxes | 11 | all points | nothing that a planner can use |
@@ -878,7 +878,7 @@ for axes, title, settings in (
     plots.boxes(boxes, axes=axes, label="found", title=title)
 
 # %% [markdown]
-# Two numbers had to follow the scanner: the ground level its height, the threshold the gaps between its beams. Nothing in the code is about cars of one size, so nothing else had to change.
+# Three numbers had to follow the scanner: the ground level its height, the threshold and the minimum the gaps between its beams. The code itself stayed as it was.
 #
 # ## Second data set (5 points, read by a person)
 #
