@@ -256,7 +256,7 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** A level road of dots, two lost returns, and one car of cardboard: 4 m long, 1.8 m wide, at (8, 2), turned by 30°. So there should be one box, a little smaller than the cardboard, because thinning takes the mean of each voxel.
+# **First a tiny case.** A level road of dots, two lost returns, and one car of cardboard: 4 m long, 1.8 m wide, at (8, 2), turned by 30°. So there should be one box of about that size, along the cardboard, and none on the road.
 
 # %% tags=["folded"]
 # @title A street of cardboard (you need not read this)
