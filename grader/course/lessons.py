@@ -108,6 +108,17 @@ class Lesson:
         return tuple(exercise for exercise in self.exercises if not exercise.by_hand)
 
     @functools.cached_property
+    def steps(self) -> tuple[str, ...]:
+        """Functions that a student writes on the way to an exercise, and that nothing grades."""
+        graded = {exercise.name for exercise in self.exercises}
+        found = []
+        for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
+            grading = cell["metadata"].get("nbgrader", {})
+            if grading.get("solution") and grading["grade_id"] not in graded:
+                found.append(grading["grade_id"])
+        return tuple(found)
+
+    @functools.cached_property
     def exercises(self) -> tuple[Exercise, ...]:
         """All exercises, in the order of the notebook."""
         found = []
@@ -158,13 +169,25 @@ def lesson_of(exercise: str) -> Lesson:
 
 
 @functools.cache
-def load_reference(lesson_name: str) -> types.SimpleNamespace:
-    """The reference functions of a lesson, as attributes of a namespace."""
+def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
+    """The reference functions of a lesson, as attributes of a namespace.
+
+    Parameters
+    ----------
+    lesson_name : str
+    *others : str
+        Further functions of the lesson, which nothing grades.
+
+    Returns
+    -------
+    types.SimpleNamespace
+    """
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
         raise ValueError(f"{lesson.source.name}: {problems[0]}")
+    names = (*lesson.names, *others)
     namespace = {"__name__": lesson.name}
-    for statement in slicing.slice_for(lesson.names, statements):
+    for statement in slicing.slice_for(names, statements):
         exec(slicing.compile_statement(statement, str(lesson.source)), namespace)
-    return types.SimpleNamespace(**{name: namespace[name] for name in lesson.names})
+    return types.SimpleNamespace(**{name: namespace[name] for name in names})
