@@ -123,8 +123,6 @@ def test_boxes_lie_along_the_cars_within_15_m(told):
             if overlaps.max(initial=0) >= 0.5:
                 crooked.append(crookedness(boxes[overlaps.argmax()], car))
     assert len(crooked) >= 12
-    if "floor_area_at" not in told:
-        pytest.skip("lesson 11 still boxes along principal axes")
     assert np.median(crooked) < 2 and np.mean(np.array(crooked) < 10) > 0.9
 
 
@@ -158,8 +156,6 @@ def test_a_bad_day_shows_whether_the_own_car_and_lost_returns_go(told):
 def test_the_car_of_cardboard_has_one_box(told):
     boxes = told["detect_obstacles"](told["cardboard_street"]())
     assert len(boxes) == 1
-    if "floor_area_at" not in told:
-        pytest.skip("lesson 11 still boxes along principal axes")
     sides = sorted(np.linalg.norm(boxes[0][[1, 2]] - boxes[0][[0, 1]], axis=1))
     assert np.allclose(sides, (1.8, 4.0), atol=0.15)
 
