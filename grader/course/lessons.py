@@ -12,6 +12,7 @@ import types
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course import earlier
 from grader.course.header import Header, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
@@ -54,6 +55,11 @@ class Lesson:
     def source(self) -> Path:
         """The one file in which the lesson is written."""
         return PROJECT / "solutions" / self.stage / f"{self.name}.py"
+
+    @property
+    def text(self) -> str:
+        """What stands in the source, and in the place of their names what earlier lessons lend."""
+        return earlier.filled(self.source.read_text("utf-8"))
 
     @property
     def released(self) -> Path:
@@ -177,8 +183,7 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     types.SimpleNamespace
     """
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
-    text = lesson.source.read_text("utf-8")
-    statements, problems = slicing.parse_notebook([text])
+    statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
         raise ValueError(f"{lesson.source.name}: {problems[0]}")
     names = (*lesson.names, *others)
