@@ -11,7 +11,7 @@ from nbgrader.apps.api import NbGraderAPI
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
-from grader.course import build, minutes
+from grader.course import build, earlier, minutes
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
 from grader.course.nbgrader_settings import STUB, configure
 from grader.course.paths import PROJECT
@@ -56,6 +56,8 @@ def test_student_notebook_is_the_solved_one_up_to_its_first_stub(built, lesson):
         if cell["metadata"].get("nbgrader", {}).get("solution")
     )
     for mine, theirs in zip(solved[:first], released[:first], strict=True):
+        if earlier.TAG in mine["metadata"].get("tags", ()):
+            mine["source"] = earlier.emptied(source_of(mine))
         assert (mine["cell_type"], source_of(mine)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
     exec(source_of(released[first]), namespace)  # defining a stub is no error
@@ -114,13 +116,70 @@ def test_a_planted_leak_is_found(built):
     assert build.leaks(built[lesson.solved], json.dumps(notebook).encode())
 
 
+PASTED = """\
+# Paste here.
+### BEGIN SOLUTION
+# from 07_filter_by_distance: crop_region
+# from 11_pca_boxes: get_oriented_boxes
+### END SOLUTION
+"""
+
+
+def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_need():
+    namespace = {}
+    text = earlier.filled(PASTED)
+    exec(text, namespace)  # imports included
+    cloud = np.arange(12.0).reshape(3, 4)
+    assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
+    points = np.random.default_rng(1).random((40, 3))
+    box = namespace["get_oriented_boxes"](points, np.ones(40, dtype=int))
+    right = load_reference("11_pca_boxes").get_oriented_boxes(points, np.ones(40, dtype=int))
+    assert box.tolist() == right.tolist()
+    assert text.count("import numpy as np") == 1 and text.count("### ") == 2
+    assert "remove_ego_returns" not in text and "plots" not in text
+    assert earlier.emptied(text) == "# Paste here.\n"
+
+
+@pytest.mark.parametrize(
+    "line, message",
+    [
+        ("# from 06_filter_grounds: filter_ground", "no lesson '06_filter_grounds'"),
+        ("# from 06_filter_ground: filter_ground, grid", "06_filter_ground does not define grid"),
+    ],
+)
+def test_a_wrong_name_of_an_earlier_function_is_said(line, message):
+    with pytest.raises(ValueError, match=message):
+        earlier.filled(line)
+
+
+def test_students_get_no_function_of_an_earlier_lesson(built):
+    """Their cell is empty; a line from elsewhere is a leak unless its own lesson gives it."""
+    lesson = find_lesson("12_streaming_obstacles")
+    (solved,), (released,) = (
+        [cell for cell in cells_of(built[path]) if earlier.TAG in cell["metadata"].get("tags", ())]
+        for path in (lesson.solved, lesson.released)
+    )
+    assert "def filter_clusters" in source_of(solved)
+    assert not any(
+        line for line in source_of(released).splitlines() if not line.startswith("# Paste")
+    )
+    others = [built[other.released] for other in all_lessons() if other != lesson]
+    notebook = json.loads(built[lesson.released])
+    theirs = "return cloud[is_somewhere & ~is_origin]"  # the answer of lesson 01
+    given = "def turned(points, angle):"  # lesson 11 gives it
+    for line, found in ((theirs, [theirs]), (given, [])):
+        assert line in built[lesson.solved].decode()
+        notebook["cells"][-1]["source"] = f"x = 1\n{line}\n"
+        assert build.leaks(built[lesson.solved], json.dumps(notebook).encode(), others) == found
+
+
 def test_stale_files_are_named(monkeypatch):
     lesson = all_lessons()[0]
     real = build.build_all()
     monkeypatch.setattr(
         build, "build_all", lambda: {**real, lesson.released: b"{}" + real[lesson.released]}
     )
-    monkeypatch.setattr(build, "leaks", lambda solved, released: [])
+    monkeypatch.setattr(build, "leaks", lambda solved, released, others: [])
     assert [fault for fault in build.check() if f"{lesson.name}.ipynb is stale" in fault]
 
 

@@ -417,14 +417,33 @@ def test_a_plane_is_cut_through_the_sensor():
 def test_pruned_regions_are_the_largest_without_a_visited_node():
     root = balanced(QUIZ)
     axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, [7, 0, 3], limits=(-10, 10, -10, 10))
-    hatched = [patch for patch in axes.patches if patch.get_hatch()]
+    hatched = [patch for patch in axes.patches if patch.get_hatch() and patch.get_width()]
     # Right of the root; of the left half, above node 0, and left of node 3's cut below it.
     lowers = np.array([patch.get_xy() for patch in hatched])
     sizes = np.array([(patch.get_width(), patch.get_height()) for patch in hatched])
     assert sizes.prod(axis=1).max() == pytest.approx(9.8 * 20)
     inside = (QUIZ[:, None] > lowers + 1e-9) & (QUIZ[:, None] < lowers + sizes - 1e-9)
     assert not inside.all(axis=2).any(axis=1)[[7, 0, 3]].any()
-    assert f"{len(hatched)} pruned regions" in legend(axes)
+    assert {"8 pruned", "3 looked at"} <= set(legend(axes))
+
+
+def test_what_a_search_has_not_reached_yet_is_not_pruned():
+    root, visited = balanced(QUIZ), [7, 0, 3, 9, 1, 2]
+    marks = {"pruned": "//", "not yet": ".."}
+    for steps, expected in (
+        (0, {"not yet": 11}),
+        (1, {"pruned": 5, "not yet": 5}),
+        (6, {"pruned": 5}),
+    ):
+        axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, visited, found=[0, 1], steps=steps)
+        told = legend(axes)
+        for name, hatch in marks.items():
+            assert (f"{expected.get(name)} {name}" in told) == (name in expected)
+            assert (hatch in [one.get_hatch() for one in axes.patches]) == (name in expected)
+        assert f"{steps} looked at" in told
+        assert ("2 found" in told) == (steps == 6)
+        tree = plots.kd_tree(root, visited=visited, found=[0, 1], steps=steps)
+        assert ("pruned" in legend(tree)) == ("pruned" in expected)
 
 
 def test_wrong_trees_are_drawn_all_the_same():

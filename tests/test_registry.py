@@ -252,7 +252,9 @@ def test_no_list_names_a_lesson():
 
 def test_the_header_is_the_policy():
     assert find_lesson("04_kd_tree").header == Header(
-        forbidden=("scipy.spatial", "sklearn.neighbors"), given=("Node", "KdTree")
+        forbidden=("scipy.spatial", "sklearn.neighbors"),
+        given=("Node", "KdTree"),
+        lent=("grow", "trace", "levels", "cost_of", "measure", "search_the_scan"),
     )
     assert find_lesson("06_filter_ground").header == Header()
 

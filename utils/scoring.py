@@ -18,9 +18,12 @@ import numpy as np
 from utils.boxes import plane_iou, space_iou
 
 __all__ = [
+    "NameMistakes",
     "Score",
     "TrackedFrame",
+    "holders",
     "match",
+    "name_mistakes",
     "plane_iou",
     "score_boxes",
     "score_stream",
@@ -84,6 +87,22 @@ class TrackedFrame:
     labels: tuple[int, ...]
     truth: np.ndarray
     identities: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class NameMistakes:
+    """What a tracker did wrong with its names in a stream.
+
+    Attributes
+    ----------
+    switches : int
+        How often a thing was found under no name of the last time.
+    shared : int
+        Names that two things or more had, one after the other or at once.
+    """
+
+    switches: int
+    shared: int
 
 
 def match(overlaps: np.ndarray, minimum_overlap: float = 0.5) -> np.ndarray:
@@ -179,6 +198,69 @@ def score_stream(
             hits += 1
         total += Score(hits, len(frame.found) - hits, len(frame.truth) - hits, switches)
     return total
+
+
+def holders(boxes: np.ndarray, cloud: np.ndarray, objects: np.ndarray) -> np.ndarray:
+    """The thing whose returns each box holds most of.
+
+    Parameters
+    ----------
+    boxes : ndarray, shape (N, 8, 3)
+        Upright; the four corners of the floor first, going round.
+    cloud : ndarray, shape (n, 3) or (n, 4)
+    objects : ndarray of int, shape (n,)
+        The true thing of each return; 0 for none, such as the road.
+
+    Returns
+    -------
+    ndarray of int, shape (N,)
+        0 for a box that holds no return of any thing.
+    """
+    standing = np.flatnonzero(objects > 0)
+    xy, objects = np.asarray(cloud)[standing, :2], objects[standing]
+    found = np.zeros(len(boxes), dtype=int)
+    for number, box in enumerate(np.asarray(boxes, dtype=float)):
+        corner, sides = box[0, :2], box[[1, 3], :2] - box[0, :2]
+        length = np.maximum((sides**2).sum(axis=1), 1e-9)
+        low, high = box[:4, :2].min(axis=0) - 0.1, box[:4, :2].max(axis=0) + 0.1
+        near = np.flatnonzero(((xy >= low) & (xy <= high)).all(axis=1))
+        # Thinned clouds have centroids, which lie a little inside of the outermost returns.
+        share = (xy[near] - corner) @ sides.T / length
+        margin = 0.1 / np.sqrt(length)
+        held = near[((share >= -margin) & (share <= 1 + margin)).all(axis=1)]
+        if len(held):
+            found[number] = np.bincount(objects[held]).argmax()
+    return found
+
+
+def name_mistakes(things: Iterable[np.ndarray], names: Iterable[np.ndarray]) -> NameMistakes:
+    """Count what goes wrong with names: things that change theirs, and names that change hands.
+
+    Parameters
+    ----------
+    things : iterable of ndarray of int
+        For each frame the true thing of each box, from `holders`.
+    names : iterable of ndarray of int
+        For each frame the name of each box.
+
+    Returns
+    -------
+    NameMistakes
+    """
+    known: dict[int, set[int]] = {}
+    bearers: dict[int, set[int]] = {}
+    switches = 0
+    for of_frame, mine in zip(things, names, strict=True):
+        here: dict[int, set[int]] = {}
+        for thing, name in zip(of_frame.tolist(), mine.tolist(), strict=True):
+            if thing:
+                here.setdefault(thing, set()).add(name)
+                bearers.setdefault(name, set()).add(thing)
+        switches += sum(
+            thing in known and not known[thing] & mine_now for thing, mine_now in here.items()
+        )
+        known |= here
+    return NameMistakes(switches, sum(len(had_by) > 1 for had_by in bearers.values()))
 
 
 def _share(part: int, whole: int) -> float:

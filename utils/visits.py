@@ -1,8 +1,14 @@
-"""Which nodes of a kd-tree somebody looks at: ``with watched(tree) as visited: ...``."""
+"""Which nodes of a kd-tree a search looks at, and what it makes of the others.
+
+>>> with watched(tree) as visited:
+...     tree.search(target, 0.5)
+>>> fates(tree.root, visited)
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
@@ -38,11 +44,13 @@ def watched(tree: Tree) -> Iterator[list[int]]:
     Yields
     ------
     list of int
-        Fills up as nodes are looked at.
+        Fills up as nodes are looked at. Clear it between two searches.
     """
     visited, seen, kinds = [], set(), {}
 
     def read(node: Node) -> ArrayLike:
+        if not visited:
+            seen.clear()
         if id(node) not in seen:
             seen.add(id(node))
             visited.append(node.index)
@@ -62,17 +70,136 @@ def watched(tree: Tree) -> Iterator[list[int]]:
 
 
 def nodes_of(root: Node | None) -> list[Node]:
-    """All nodes of a tree, parents first, without recursion: bad trees are deep."""
+    """All nodes of a tree, parents first; no recursion, and each once: wrong trees have loops."""
     nodes = [root] if root is not None else []
+    seen = set(map(id, nodes))
     for node in nodes:  # grows while it is walked
-        nodes += [child for child in (node.left, node.right) if child is not None]
+        for child in (node.left, node.right):
+            if child is not None and id(child) not in seen:
+                seen.add(id(child))
+                nodes.append(child)
     return nodes
 
 
 def depth_of(root: Node | None) -> int:
     """Number of levels of a tree; 0 without a root."""
-    level, depth = [root] if root is not None else [], 0
-    while level:
-        level = [child for node in level for child in (node.left, node.right) if child is not None]
+    depths = {id(root): 1} if root is not None else {}
+    for node in nodes_of(root):
+        for child in (node.left, node.right):
+            if child is not None:
+                depths.setdefault(id(child), depths[id(node)] + 1)
+    return max(depths.values(), default=0)
+
+
+def place_of(root: Node | None, index: int) -> str:
+    """Where a node hangs in a tree.
+
+    Parameters
+    ----------
+    root : node or None
+    index : int
+        Of the node that is looked for.
+
+    Returns
+    -------
+    str
+        Such as "left of 5"; "the root", or "not in the tree".
+    """
+    if root is not None and root.index == index:
+        return "the root"
+    for node in nodes_of(root):
+        for side in ("left", "right"):
+            child = getattr(node, side)
+            if child is not None and child.index == index:
+                return f"{side} of {node.index}"
+    return "not in the tree"
+
+
+VISITED, PRUNED, NOT_YET = "looked at", "pruned", "not yet"
+
+
+def fates(root: Node | None, visited: Sequence[int], steps: int | None = None) -> dict[int, str]:
+    """What a search has made of each node so far.
+
+    A branch is pruned once its parent was looked at, if nothing in it is looked at then or later.
+
+    Parameters
+    ----------
+    root : node or None
+    visited : sequence of int
+        Indices of all nodes that the whole search looked at, in order, as `watched` notes them.
+    steps : int, optional
+        How many of them it has looked at so far; by default all.
+
+    Returns
+    -------
+    dict of int to str
+        By the id of the node: "looked at", "pruned" or "not yet".
+    """
+    visited = list(visited)
+    now, ever = set(visited[:steps]), set(visited)
+    nodes = nodes_of(root)
+    in_branch = {}
+    # Parents come before their children, so backwards each child is known before its parent.
+    for node in reversed(nodes):
+        branches = [in_branch.get(id(child), set()) for child in (node.left, node.right)]
+        kinds = {kind for kind, which in (("now", now), ("ever", ever)) if node.index in which}
+        in_branch[id(node)] = kinds.union(*branches)
+    found = {}
+    parents = {id(child): node for node in nodes for child in (node.left, node.right)}
+    for node in nodes:
+        above = found.get(id(parents.get(id(node))), VISITED)
+        kinds = in_branch[id(node)]
+        if "now" in kinds:
+            found[id(node)] = VISITED
+        elif above != VISITED:
+            found[id(node)] = above
+        else:
+            found[id(node)] = NOT_YET if "ever" in kinds else PRUNED
+    return found
+
+
+def told(
+    root: Node | None, visited: Sequence[int], step: int, target: ArrayLike, tolerance: float
+) -> str:
+    """One step of a search as a sentence: the node, its cut, its branches, its distance.
+
+    Parameters
+    ----------
+    root : node or None
+    visited : sequence of int
+        As for `fates`, of the whole search.
+    step : int
+        Counted from 1; 0 is before the search.
+    target : (k,) array_like of float
+    tolerance : float
+
+    Returns
+    -------
+    str
+    """
+    if not 0 < step <= len(visited):
+        return "Before the search: only the root waits."
+    node = next(one for one in nodes_of(root) if one.index == visited[step - 1])
+    made = fates(root, visited)
+    axis = _depth_in(root, node) % len(target)
+    branches = [
+        f"{side} {'no node' if child is None else made[id(child)].replace(VISITED, 'searched')}"
+        for side, child in (("left", node.left), ("right", node.right))
+    ]
+    distance = math.dist(node.point, target)
+    return (
+        f"node {node.index} cuts {'xyz'[axis]} at {node.point[axis]:g}, the box reaches from "
+        f"{target[axis] - tolerance:g} to {target[axis] + tolerance:g}: {', '.join(branches)}; "
+        f"{distance:.1f} m away: {'near' if distance <= tolerance else 'far'}"
+    )
+
+
+def _depth_in(root: Node | None, wanted: Node) -> int:
+    level, depth, seen = [root], 0, set()
+    while level and all(node is not wanted for node in level):
+        seen.update(map(id, level))
+        below = [child for node in level for child in (node.left, node.right)]
+        level = [child for child in below if child is not None and id(child) not in seen]
         depth += 1
     return depth

@@ -14,11 +14,12 @@ import json
 import re
 import tempfile
 import tomllib
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.course import minutes
+from grader.course import earlier, minutes
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT
 
@@ -78,11 +79,12 @@ def check() -> list[str]:
         for path in _strays()
     ]
     for lesson in all_lessons():
+        others = [built[other.released] for other in all_lessons() if other != lesson]
         if b"](pictures/" in built[lesson.solved]:
             faults.append(f"{lesson.name} shows a picture that is not there. Run: make pictures")
         faults += [
             f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: {line!r}"
-            for line in leaks(built[lesson.solved], built[lesson.released])
+            for line in leaks(built[lesson.solved], built[lesson.released], others)
         ]
     return faults
 
@@ -113,12 +115,14 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage},
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
-    seen, time = {}, minutes.told(notebook)
+    seen = {}
+    minutes.tell(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
+        if earlier.TAG in cell.metadata.get("tags", ()):
+            cell.source = earlier.filled(cell.source)
         if cell.cell_type == "markdown":
-            cell.source = cell.source.replace(minutes.PLACE, time)
             cell.source = NEXT.sub(functools.partial(_linked, lesson), cell.source)
             _attach_pictures(cell, lesson.source.parent)
         else:
@@ -135,13 +139,16 @@ def to_bytes(notebook: NotebookNode) -> bytes:
     return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
 
 
-def leaks(solved: bytes, released: bytes) -> list[str]:
+def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> list[str]:
     """Lines of a solution that also stand in the student's notebook.
 
     Parameters
     ----------
     solved, released : bytes
         The two notebooks.
+    others : collection of bytes
+        The students' notebooks of the other lessons. What was taken from an earlier one and stands
+        there for all to see, because that lesson gives it, is nobody's solution.
 
     Returns
     -------
@@ -149,17 +156,24 @@ def leaks(solved: bytes, released: bytes) -> list[str]:
     """
     secret = set()
     for cell in json.loads(solved)["cells"]:
+        from_earlier = earlier.TAG in cell["metadata"].get("tags", ())
         for region in re.findall(
             r"### BEGIN SOLUTION\n(.*?)### END SOLUTION", _text(cell["source"]), re.S
         ):
-            secret |= {line.strip() for line in region.splitlines()}
+            lines = {line.strip() for line in region.splitlines()}
+            secret |= lines.difference(*map(_lines, others)) if from_earlier else lines
     secret = {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
-    shown = {
+    shown = _lines(released)
+    return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
+
+
+def _lines(notebook: bytes) -> set[str]:
+    """All lines of a notebook's cells, as far as they say something."""
+    return {
         line.strip()
-        for cell in json.loads(released)["cells"]
+        for cell in json.loads(notebook)["cells"]
         for line in _text(cell["source"]).splitlines()
     }
-    return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
 
 
 @dataclass(frozen=True)
@@ -213,7 +227,6 @@ def read_origin() -> Origin:
 def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
     """Student notebooks made by nbgrader in a folder of their own."""
     from nbgrader.converters import GenerateAssignment
-    from nbgrader.preprocessors import SaveCells
 
     from grader.course.nbgrader_settings import converter
 
@@ -227,7 +240,7 @@ def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
             generate = converter(GenerateAssignment, root, stage)
             generate.no_database = True
             generate.preprocessors = [
-                step for step in generate.preprocessors if step is not SaveCells
+                step for step in generate.preprocessors if not step.endswith(".SaveCells")
             ]
             generate.start()
         return {

@@ -12,6 +12,7 @@ import types
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course import earlier
 from grader.course.header import Header, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
@@ -54,6 +55,11 @@ class Lesson:
     def source(self) -> Path:
         """The one file in which the lesson is written."""
         return PROJECT / "solutions" / self.stage / f"{self.name}.py"
+
+    @property
+    def text(self) -> str:
+        """What stands in the source, and in the place of their names what earlier lessons lend."""
+        return earlier.filled(self.source.read_text("utf-8"))
 
     @property
     def released(self) -> Path:
@@ -100,6 +106,17 @@ class Lesson:
     def machine_graded(self) -> tuple[Exercise, ...]:
         """The exercises that tests grade; a person grades the others."""
         return tuple(exercise for exercise in self.exercises if not exercise.by_hand)
+
+    @functools.cached_property
+    def steps(self) -> tuple[str, ...]:
+        """Functions that a student writes on the way to an exercise, and that nothing grades."""
+        graded = {exercise.name for exercise in self.exercises}
+        found = []
+        for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
+            grading = cell["metadata"].get("nbgrader", {})
+            if grading.get("solution") and grading["grade_id"] not in graded:
+                found.append(grading["grade_id"])
+        return tuple(found)
 
     @functools.cached_property
     def exercises(self) -> tuple[Exercise, ...]:
@@ -152,14 +169,25 @@ def lesson_of(exercise: str) -> Lesson:
 
 
 @functools.cache
-def load_reference(lesson_name: str) -> types.SimpleNamespace:
-    """The reference functions of a lesson, as attributes of a namespace."""
+def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
+    """The reference functions of a lesson, as attributes of a namespace.
+
+    Parameters
+    ----------
+    lesson_name : str
+    *others : str
+        Further functions of the lesson, which nothing grades.
+
+    Returns
+    -------
+    types.SimpleNamespace
+    """
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
-    text = lesson.source.read_text("utf-8")
-    statements, problems = slicing.parse_notebook([text])
+    statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
         raise ValueError(f"{lesson.source.name}: {problems[0]}")
+    names = (*lesson.names, *others)
     namespace = {"__name__": lesson.name}
-    for statement in slicing.slice_for(lesson.names, statements):
+    for statement in slicing.slice_for(names, statements):
         exec(slicing.compile_statement(statement, str(lesson.source)), namespace)
-    return types.SimpleNamespace(**{name: namespace[name] for name in lesson.names})
+    return types.SimpleNamespace(**{name: namespace[name] for name in names})

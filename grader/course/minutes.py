@@ -57,28 +57,28 @@ def _minutes_of_code(cell: NotebookNode) -> float:
     return lines / LINES_A_MINUTE + writing
 
 
-def told(notebook: NotebookNode) -> str:
-    """What a lesson says about its time.
+def tell(notebook: NotebookNode) -> None:
+    """Say how long a lesson takes, where it has the place for it, and unfolded by section below.
 
     Parameters
     ----------
     notebook : nbformat.NotebookNode
-
-    Returns
-    -------
-    str
-        Such as "about 60 minutes", with a table to unfold.
+        Is changed.
     """
+    in_short, by_section = f"about {in_all(notebook)} minutes", _table(notebook)
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown" and PLACE in cell.source:
+            cell.source = f"{cell.source.replace(PLACE, in_short)}\n\n{by_section}"
+
+
+def _table(notebook: NotebookNode) -> str:
     minutes = sections(notebook)
     rows = "".join(
         f"<tr><td>{title}</td><td>{round(part)}</td></tr>"
         for title, part in minutes.items()
         if round(part) > 0
     )
-    return (
-        f"about {in_all(notebook)} minutes\n"
-        f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>\n"
-    )
+    return f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>"
 
 
 def in_all(notebook: NotebookNode) -> int:

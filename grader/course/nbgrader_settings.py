@@ -19,6 +19,21 @@ COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
 # Solutions are written in .py files beside the notebooks that nbgrader reads.
 IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py", "pictures"]
+# What nbgrader does to a notebook before students get it, in its own order.
+RELEASE_STEPS = (
+    "IncludeHeaderFooter",
+    "InstantiateTests",
+    "LockCells",
+    "ClearSolutions",
+    "ClearOutput",
+    "CheckCellMetadata",
+    "ComputeChecksums",
+    "SaveCells",
+    "ClearHiddenTests",
+    "ClearMarkScheme",
+    "ComputeChecksums",
+    "CheckCellMetadata",
+)
 
 
 def configure(c: Config, root: Path) -> Config:
@@ -41,6 +56,11 @@ def configure(c: Config, root: Path) -> Config:
     c.CourseDirectory.release_directory = "notebooks"
     c.CourseDirectory.ignore = IGNORED
     c.ClearSolutions.code_stub = {"python": STUB}
+
+    c.GenerateAssignment.preprocessors = [
+        "grader.lms.nbgrader_plugin.ClearEarlier",
+        *(f"nbgrader.preprocessors.{step}" for step in RELEASE_STEPS),
+    ]
 
     # A damaged file must not cost the whole submission.
     c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"

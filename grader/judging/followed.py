@@ -92,7 +92,7 @@ def _with_right(
     lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
 ) -> Program:
     """The notebook, with the lesson's own helpers in the place of the student's."""
-    statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
+    statements, _ = slicing.parse_notebook([lesson.text])
     right = [
         ast.unparse(one.node)
         for one in slicing.slice_for(helpers, statements)

@@ -148,6 +148,7 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
         Given(lesson.header.given, given_code(lesson)),
         lesson.header.forbidden,
         (*PACKAGES, *lesson.header.packages),
+        lesson.steps,
     )
 
 

@@ -50,6 +50,8 @@ def build_copy(prepared: Prepared) -> NotebookNode:
     for place, cell in enumerate(prepared.cells):
         name = names.get(place)
         shown = name is None and cell.source.strip() != ""
+        if name is None and cell.grade_id in prepared.lesson.steps and cell.grade_id not in where:
+            name, shown = cell.grade_id, False
         if name is None and cell.grade_id in given and not is_solution(given[cell.grade_id]):
             # Ours, and shown as released; what a student changed in it was judged, and stays.
             shown = cell.source.split() != given[cell.grade_id].source.split()

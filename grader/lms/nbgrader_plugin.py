@@ -15,6 +15,7 @@ from traitlets import Enum, Integer
 
 from grader.classroom.grade import current_verdict
 from grader.classroom.submissions import Submission
+from grader.course import earlier
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
@@ -24,6 +25,29 @@ from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import build_copy, write_into
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
+
+
+class ClearEarlier(NbGraderPreprocessor):
+    """Take the functions of earlier lessons out of the cell into which students paste theirs."""
+
+    def preprocess_cell(
+        self, cell: NotebookNode, resources: dict, cell_index: int
+    ) -> tuple[NotebookNode, dict]:
+        """Empty a cell that is tagged so.
+
+        Parameters
+        ----------
+        cell : nbformat.NotebookNode
+        resources : dict
+        cell_index : int
+
+        Returns
+        -------
+        (nbformat.NotebookNode, dict)
+        """
+        if earlier.TAG in cell.metadata.get("tags", ()):
+            cell.source = earlier.emptied(cell.source)
+        return cell, resources
 
 
 class Judge(NbGraderPreprocessor):

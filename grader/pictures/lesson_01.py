@@ -8,6 +8,15 @@ from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.plots.style import COLOURS
 
+# Azimuth of the label in the upper picture; the thing on the map, and how far from it the label is.
+LABELLED = {
+    "cyclist": (37, (3.4, 2.0), (-12, 32)),
+    "turning car": (19, (7.0, 3.4), (24, 32)),
+    "pedestrian": (-2, (8.9, -0.3), (34, 20)),
+    "parked car": (-24, (6.8, -2.4), (20, -34)),
+}
+LABEL = {"ha": "center", "va": "bottom", "fontsize": 10.5, "zorder": 9}
+
 
 def draw() -> Figure:
     """Return the figure."""
@@ -34,6 +43,8 @@ def draw() -> Figure:
     )
     panorama.set(xlim=(75, -75), ylim=(-16, 2.4), facecolor="white")
     panorama.set_axis_off()
+    for name, (middle, _, _) in LABELLED.items():
+        panorama.text(middle, 3.0, name, **LABEL)
     near = (np.abs(cloud[:, 0] - 4) < 22) & (np.abs(cloud[:, 1]) < 11)
     plots.from_above(
         cloud[near],
@@ -42,4 +53,14 @@ def draw() -> Figure:
         limits=((-16, 24), (-10.5, 10.5)),
         axes=above,
     )
+    for name, (_, place, offset) in LABELLED.items():
+        above.annotate(
+            name,
+            place,
+            xytext=offset,
+            textcoords="offset points",
+            arrowprops={"arrowstyle": "-", "linewidth": 1.2},
+            bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1.0},
+            **LABEL,
+        )
     return figure

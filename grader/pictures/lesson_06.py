@@ -16,4 +16,6 @@ def draw() -> Figure:
         strip, strip[:, 2] >= -1.2, view="side", axes=axes, limits=((-12, 28), (-2.6, 2.6))
     )
     axes.axhline(-1.2, color="black", linestyle="--", linewidth=1)
+    axes.get_legend().remove()  # its counts would answer the lesson's first question
+    axes.set_title("")
     return figure

@@ -1,4 +1,4 @@
-"""Lesson 07: circle, region of interest and ego box on a street from above."""
+"""Lesson 07: circle, region of interest and the box of our own car, on a street from above."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,11 +14,12 @@ def draw() -> Figure:
     figure, axes = plt.subplots(figsize=(8.5, 4.6), layout="compressed")
     near = np.hypot(standing[:, 0], standing[:, 1]) <= 10
     plots.kept_and_removed(standing[::2], near[::2], limits=((-15, 35), (-13, 13)), axes=axes)
+    axes.get_legend().remove()  # its counts would answer the lesson's first question
     look = {"fill": False, "edgecolor": "black", "linewidth": 1.3}
     axes.add_patch(plt.Circle((0, 0), 10, linestyle="--", **look))
     axes.add_patch(plt.Rectangle((-10, -5), 40, 11, **look))
     axes.add_patch(plt.Rectangle((-1.5, -1.7), 4.1, 3.4, **look))
     axes.annotate("10 m around the sensor", (6.6, 8.4), fontsize=10)
     axes.annotate("region of interest", (30, 6.3), ha="right", fontsize=10)
-    axes.annotate("ego car", (2.8, -1.6), fontsize=10)
+    axes.annotate("our own car", (2.8, -1.6), fontsize=10)
     return figure

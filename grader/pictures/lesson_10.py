@@ -23,10 +23,10 @@ def draw() -> Figure:
         cKDTree(car).query_pairs(0.5, output_type="ndarray"),
         limits=window,
         axes=left,
-        title="Who is near whom?",
+        title="All pairs of neighbours",
     )
     edges = first[cKDTree(car[first]).query_pairs(0.5, output_type="ndarray")]
-    plots.graph(car, edges, limits=window, axes=right, title="What is enough to know")
+    plots.graph(car, edges, limits=window, axes=right, title="One point for each cell")
     right.plot(*car[first].T, "s", markersize=8, markerfacecolor="none", color="black")
     for axis, (low, high) in ((right.xaxis, window[0]), (right.yaxis, window[1])):
         axis.set_ticks(np.arange(np.ceil(low / side), high / side) * side, minor=True)

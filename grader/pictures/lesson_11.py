@@ -1,4 +1,4 @@
-"""Lesson 11: a diagonal car from above, with the box along the street and the one that turns."""
+"""Lesson 11: a diagonal car from above, in a frame along the street and in the smallest one."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -16,18 +16,20 @@ def draw() -> Figure:
     car = cloud[(objects == 10) & (cloud[:, 2] >= -1.2)]
     one = np.ones(len(car), dtype=int)
     figure, axes = plt.subplots(figsize=(6.4, 4.6), layout="compressed")
-    view = ((4.0, 10.4), (1.2, 6.4))
     plots.boxes(
         load_reference("08_bounding_boxes").get_bounding_boxes(car, one),
         cloud=car,
         reference=True,
-        label="along the street",
-        limits=view,
+        limits=((4.0, 10.4), (1.2, 6.4)),
         axes=axes,
     )
-    plots.boxes(
-        load_reference("11_pca_boxes").get_oriented_boxes(car, one),
-        axes=axes,
-        label="turned with the car",
+    plots.boxes(load_reference("11_pca_boxes").get_oriented_boxes(car, one), axes=axes)
+    lines = axes.get_legend_handles_labels()[0]
+    axes.legend(
+        lines,
+        ["along the street", "the smallest rectangle"],
+        loc="lower left",
+        bbox_to_anchor=(0, 1),
+        ncols=2,
     )
     return figure

@@ -34,6 +34,9 @@ class Program:
         Modules that the lesson does not allow.
     packages : tuple of str
         Installed packages that it does.
+    steps : tuple of str
+        Functions that the lesson asks for and does not grade. They are not called; a message may
+        name one that is still a stub.
     """
 
     cells: tuple[str, ...]
@@ -42,6 +45,7 @@ class Program:
     given: Given = Given()
     forbidden: tuple[str, ...] = ()
     packages: tuple[str, ...] = PACKAGES
+    steps: tuple[str, ...] = ()
 
     def line_at(self, place: str) -> str | None:
         """What stands at a place such as ``code cell 3, line 12``; None if there is no such one."""

@@ -243,7 +243,8 @@ class Student:
         )
         line = self._program.line_at(place)
         place, line = (None, "") if line is None else (place, _readable(line))
-        inside = inside if inside in self._program.names else ""
+        ours = (*self._program.names, *self._program.steps)
+        inside = inside if inside in ours else ""
         return StudentError(name, kind or "Exception", message, place, line, inside)
 
     def _ensure_running(self) -> None:

@@ -341,7 +341,7 @@ def test_tolerances(student, seed):
 @hidden(
     "ransac_plane",
     weight=2,
-    title="Draws three different rows",
+    title="Takes three different rows",
     hint="rng.choice(n, 3, replace=False): with replacement a row comes up twice.",
 )
 def test_three_points(student, seed):

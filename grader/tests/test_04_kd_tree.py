@@ -266,7 +266,7 @@ def test_search_radius(student, seed):
     "search",
     weight=3,
     title="Finds what lies at exactly the tolerance, in every direction",
-    hint="Near is who has a distance of at most the tolerance (<=).",
+    hint="A point is near when its distance is at most the tolerance (<=).",
 )
 def test_search_border(student, seed):
     # Whole numbers: along an axis the distance is exactly 1. Each cuts itself off.

@@ -158,7 +158,7 @@ def test_own_car(student, seed):
 @hidden(
     "detect_obstacles",
     weight=2,
-    title="Bears scans with thousands of lost returns",
+    title="Copes with scans with thousands of lost returns",
     hint="Let drop_invalid be the very first step.",
 )
 def test_dirty_scan(student, seed):
@@ -182,7 +182,7 @@ def test_rain(student, seed):
     "detect_obstacles",
     weight=2,
     title="An empty road has no obstacles",
-    hint="Each step must bear that nothing is left: no points, no labels, no clusters.",
+    hint="Each step must cope with nothing being left: no points, no labels, no clusters.",
 )
 def test_empty_road(student, seed):
     answer_for(student, square(seed + 4).cloud.copy(), square(seed + 4))

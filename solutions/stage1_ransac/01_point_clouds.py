@@ -4,21 +4,23 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     lent: [rings, nearer_than, profile]
 # ---
 
 # %% [markdown]
 # # 01 · Point clouds
 #
-# ![One turn of a laser scanner, twice, with colour for distance. Above, as the scanner sees it: rows of echoes in which a cyclist, two cars, people and posts stand out. Below, the same echoes as a map: a street from above, with rings of dots around the sensor.](pictures/01_preview.png)
+# ![One turn of a laser scanner, twice, with colour for distance. Above, as the scanner sees it: rows of returns in which a cyclist, a turning car, a pedestrian and a parked car are named. Below, the same returns as a map: a street from above, with rings of dots around the sensor.](pictures/01_preview.png)
 #
-# Both pictures show the same numbers. The upper one is how a scanner meets the street ahead: one row of echoes for each of its laser beams. The lower one is what it reports: a list of points in space, a *point cloud*. Every lesson of this course is about making sense of that list.
+# Both pictures show the same numbers. The upper one is how a scanner meets the street ahead: one row of dots for each of its laser beams. The lower one is what it reports: a list of points in space, a *point cloud*. Every lesson of this course is about making sense of that list.
 #
 # **After this lesson you can**
 # - say how a laser scanner makes a point, and what you gain from each of its parameters,
-# - treat a hundred thousand points with one line of NumPy instead of a loop, and tell what that gains,
+# - treat a hundred thousand points with one line of NumPy instead of a loop, and measure what that gains,
 # - throw out the returns that are not points at all.
 #
-# **You write** `horizontal_distance` (5 points) and `drop_invalid` (5 points). **Time:** about 45 minutes. **You need** Python; a little NumPy helps, and what is used is explained.
+# **You write** `horizontal_distance` (5 points) and `drop_invalid` (5 points). **Time:** (time). **You need** Python; a little NumPy helps, and what is used is explained.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -31,25 +33,32 @@
 #
 # *A LiDAR measures one thing: how long light takes to come back.*
 #
-# LiDAR stands for *light detection and ranging*. A laser sends a pulse of a few nanoseconds; a detector beside it waits for the echo. Light travels there and back, so for an echo after the time $t$ the range is
-#
-# $$r = \frac{c\,t}{2}, \qquad c = 299\,792\,458\ \text{m/s}.$$
-#
-# **Predict first.** A car drives 30 m ahead. After how long does the echo arrive: a second, a millisecond, a microsecond, less? And how well must the clock run to tell 30.00 m from 30.02 m?
+# LiDAR stands for *light detection and ranging*. A laser sends a pulse of a few nanoseconds; a detector beside it waits for the echo. Before the formula, a guess. You will find a few such questions in every lesson: answer first, and the answer will stand beside your guess.
 
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, IntSlider, interact
 
-from utils import check, load_cloud, plots
+from utils import check, is_written, load_cloud, plots, predict
 
-SPEED_OF_LIGHT = 299_792_458  # metres per second
-print(f"echo from 30 m: after {2 * 30 / SPEED_OF_LIGHT * 1e9:.0f} nanoseconds")
-print(f"2 cm more:      {2 * 0.02 / SPEED_OF_LIGHT * 1e12:.0f} picoseconds later")
+echo = predict("A car drives 30 m ahead. How long after the pulse does its echo arrive?",
+               choices=["0.2 seconds", "0.2 milliseconds", "0.2 microseconds", "0.2 nanoseconds"])
 
 # %% [markdown]
-# So waiting costs a scanner little: between two pulses a microsecond apart, light fetches an echo from up to 150 m.
+# Light travels there and back. So for an echo after the time $t$, the range is
+#
+# $$r = \frac{c\,t}{2}, \qquad c = 299\,792\,458\ \text{m/s}.$$
+
+# %%
+SPEED_OF_LIGHT = 299_792_458  # metres per second
+echo.compare(f"{2 * 30 / SPEED_OF_LIGHT * 1e6:.1f} microseconds",
+             "There and back are 60 m, and light covers 300 m in a microsecond. "
+             "So a scanner can send its next pulse a microsecond later.")
+print(f"if the car were 2 cm farther away: {2 * 0.02 / SPEED_OF_LIGHT * 1e12:.0f} picoseconds later")
+
+# %% [markdown]
+# So a scanner hardly waits: between two pulses a microsecond apart, light fetches an echo from up to 150 m. But its clock must be good. To tell 30.00 m from 30.02 m it has to tell times apart that differ by the last number above; a picosecond is a millionth of a microsecond.
 #
 # A range alone is not a point. But the scanner knows where it aimed: the *azimuth* $\alpha$ is the angle around the vertical, from straight ahead towards the left, and the *elevation* $\varepsilon$ is the angle above the horizon. Range and two angles make a point:
 #
@@ -73,49 +82,74 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # *A beam that turns around draws a ring on the road, and an obstacle tears the ring.*
 #
-# Stack several lasers at different elevations, let the stack turn, and fire all of them at every step. Each laser is a *beam* (or layer), each single shot a *ray*. A small sensor first: 8 beams, 128 steps, on a straight road with three box-shaped cars. The sensor is simulated, as everything in this course, so later we can ask what is true.
-#
-# **Predict first.** 8 × 128 rays leave the sensor. How many come back as points?
+# Stack several lasers at different elevations, let the stack turn, and fire all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot a *ray*, and each echo that comes back a [return](#Words-of-the-course). All returns of one turn are a *scan*. A small sensor first: 8 beams, 128 steps, on a straight road with three box-shaped cars. The sensor is simulated, as everything in this course, so later we can ask what is true.
 
 # %%
 from utils.scenes import simple_highway
 
-highway = simple_highway().cloud
-print(f"{8 * 128} rays, {len(highway)} returns")
+frame = simple_highway()
+highway = frame.cloud
+print(f"8 x 128 = {8 * 128} rays, {len(highway)} returns")
+print("returns of each beam, the steepest first:", np.bincount(frame.scan.beams))
 
-ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
-figure, (above, beside) = plt.subplots(2, 1, figsize=(8.5, 7.5), layout="compressed")
-plots.from_above(highway, limits=((-25, 35), (-16, 16)), axes=above,
-                 title="Rings on the road; the higher dots are cars")
-plots.from_side(ahead, limits=((-2, 22), (-3.2, 0.6)), axes=beside,
-                title="The rays that go straight ahead")
-for x, _, z, _ in ahead:
-    beside.plot([0, x], [0, z], color="black", linewidth=0.4)
+figure, axes = plt.subplots(figsize=(8.5, 5.2), layout="compressed")
+plots.from_above(highway, values=highway[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
+                 limits=((-25, 35), (-16, 16)), title="Rings on the road, and where the cars tear them")
+for x, y in ((15, 0), (8, -4), (-12, 4)):
+    plots.ring(axes, x, y, radius=2.8, text="car")
 
 # %% [markdown]
-# In the lower picture, the steep rays meet the road, each a little farther out. The two flattest meet a car, 13 m ahead. In the upper picture, the outermost ring is torn behind that car: it casts a *shadow*. A scanner sees fronts, never backs. And a ray that meets nothing within its reach gives no row at all: the list is silent about free space.
+# All missing rays belong to the two steepest beams. They hit the roof of our own car, at its four corners. This scanner reports nothing that is nearer than 5 m. The outermost ring is torn behind the car ahead of us: that car casts a *shadow*. A scanner sees fronts, never backs.
+#
+# Here are the rays that go straight ahead, from the side.
+
+# %%
+ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
+figure, axes = plt.subplots(figsize=(8.5, 3.4), layout="compressed")
+plots.from_side(ahead, values=ahead[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
+                limits=((-2, 22), (-3.2, 0.6)), title="The rays that go straight ahead")
+for x, _, z, _ in ahead:
+    axes.plot([0, x], [0, z], color="black", linewidth=0.4)
+print("they end at x =", ahead[:, 0].round(1), "m")
+
+# %% [markdown]
+# The steep rays meet the road, each a little farther out. The two flattest meet the car, 13 m ahead. Had they looked up instead, they would have met nothing, and there would be no row for them: a point cloud says nothing about free space.
 #
 # ## Play: build your own scanner
 #
-# *More beams cost lasers, finer steps cost time, less noise costs both.*
+# *Beams, steps and noise: each of the three leaves its own mark in the scan.*
 #
-# Three parameters decide what a scan looks like: the number of beams, the azimuth step between two firings, and the noise of the range. The street stays the same; you change the scanner. With how few beams do you still see that there are cars?
+# Three parameters decide what a scan looks like: the number of beams, the azimuth step between two firings, and the [noise](#Words-of-the-course) of the range. The street stays the same; you change the scanner. With 32 beams, each of the four cars and three pedestrians within 12 m has at least eight returns.
 
 # %%
+left_over = predict("With only 4 beams: how many of these seven still have five returns or more?",
+                    between=(0, 7))
+
+# %% tags=["folded"]
+# @title A street, seen by a scanner of your own (you need not read this)
 from utils.scenes import random_street
 from utils.simulator import Sensor, layers
 
 
 def scan_with(beams=32, step=0.8, noise=0.02):
-    """A street seen by a scanner of your own; the step in degrees, the noise in metres."""
+    """A frame of the street; the step in degrees, the noise in metres."""
     sensor = Sensor(elevations=layers(beams, -25.0, 2.0), azimuth_step=np.radians(step),
                     range_noise=noise)
-    return random_street(seed=3, sensor=sensor).cloud
+    return random_street(seed=3, sensor=sensor)
 
 
-block = ((-12, 18), (-10, 10))
+def distance_of(box):
+    return np.hypot(*box.centre[:2])
 
 
+block = ((-12, 20), (-10, 10))
+cars, pedestrians = ([box for box in sorted(scan_with().boxes, key=distance_of)
+                      if box.kind == kind and distance_of(box) < 12]
+                     for kind in ("car", "pedestrian"))
+marked = [box for box in scan_with().boxes if box.kind == "pole" and distance_of(box) < 12]
+marked += pedestrians[-1:]
+
+# %%
 @interact(beams=IntSlider(value=32, min=4, max=32, step=4, description="beams",
                           continuous_update=False),
           step=FloatSlider(value=0.8, min=0.8, max=6, step=0.4, description="step (°)",
@@ -123,29 +157,49 @@ block = ((-12, 18), (-10, 10))
           noise=FloatSlider(value=0.02, min=0, max=0.5, step=0.02, description="noise (m)",
                             continuous_update=False))
 def show_scanner(beams, step, noise):
-    seen = scan_with(beams, step, noise)
+    seen = scan_with(beams, step, noise).cloud
     plots.from_above(seen, limits=block, title=f"{len(seen):,} returns")
     plt.show()
 
 # %% [markdown]
-# The same without sliders: one scanner, and what happens when one of its three parameters gets worse.
+# The same without sliders: one scanner, and what happens when one of its three parameters gets worse. The rings hold a pole and a pedestrian, with the number of their returns.
 
 # %%
 scanners = {"32 beams, 0.8°, 2 cm": {}, "8 beams": {"beams": 8},
             "steps of 4°": {"step": 4.0}, "30 cm of noise": {"noise": 0.3}}
-figure, rows = plt.subplots(2, 2, figsize=(8.5, 6.4), layout="compressed")
+figure, rows = plt.subplots(2, 2, figsize=(8.5, 6.0), layout="compressed")
 for (name, change), axes in zip(scanners.items(), rows.flat):
-    seen = scan_with(**change)
-    plots.from_above(seen, limits=block, axes=axes, title=f"{name}: {len(seen):,}")
+    frame = scan_with(**change)
+    plots.from_above(frame.cloud, limits=block, axes=axes, title=f"{name}: {len(frame.cloud):,}")
+    for box in marked:
+        plots.ring(axes, *box.centre[:2], radius=1.2,
+                   text=f"{np.sum(frame.scan.objects == box.identity)}")
 
 # %% [markdown]
-# Fewer beams: the rings lie farther apart, and a pedestrian may slip between two of them. Coarser steps: gaps along each ring, and thin poles vanish. More noise: all is there, but walls grow thick and flat things rough.
+# Fewer beams: the rings lie farther apart, and a pedestrian slips between two of them. Coarser steps: gaps along each ring, and the thin pole vanishes. More noise: all is there, but walls grow thick and flat things rough.
 #
+# How much is left of each car and each pedestrian? The simulator knows which return came from which.
+
+# %% tags=["folded"]
+# @title Count the returns of each (you need not read this)
+print("returns on        cars at " + "  ".join(f"{distance_of(box):4.1f}" for box in cars)
+      + " m    pedestrians at " + "  ".join(f"{distance_of(box):4.1f}" for box in pedestrians) + " m")
+for beams in (32, 16, 8, 4):
+    returns = np.bincount(scan_with(beams).scan.objects, minlength=100)
+    on_cars, on_pedestrians = ([returns[box.identity] for box in group]
+                               for group in (cars, pedestrians))
+    print(f"   {beams:2d} beams              " + "  ".join(f"{n:4d}" for n in on_cars)
+          + " " * 20 + "  ".join(f"{n:4d}" for n in on_pedestrians))
+left_over.compare(sum(n >= 5 for n in on_cars + on_pedestrians),
+                  "The last line of the table: all four cars, and no pedestrian. A car is "
+                  "long and tall, so some ring crosses it; a pedestrian fits between two rings.")
+
+# %% [markdown]
 # ## A cloud is an array
 #
-# *One row per return, one column per quantity; the order of the rows says nothing about who is whose neighbour.*
+# *One row per return, one column per quantity; rows that follow each other need not be neighbours in space.*
 #
-# From here on we use one full turn of a 64-beam scanner on the roof of a car. The file has a row for each return: x, y, z, and the *intensity* of the echo between 0 and 1. Bright paint and number plates throw back much light, tyres and windows little.
+# From here on we use one scan of a 64-beam scanner on the roof of a car. The file has a row for each return: x, y, z, and the *intensity* of the echo between 0 and 1. Bright paint and number plates throw back much light, tyres and windows little.
 
 # %%
 cloud = load_cloud("cloud.txt")
@@ -154,13 +208,23 @@ print(f"shape {cloud.shape}: {len(cloud):,} rows of {cloud.shape[1]} numbers, "
 print(cloud[:3])
 
 street = ((-15, 25), (-11, 11))
-figure, (upper, lower) = plt.subplots(2, 1, figsize=(8.5, 9), layout="compressed")
-plots.from_above(cloud, limits=street, axes=upper, title="Coloured by height")
-plots.from_above(cloud, values=cloud[:, 3], label="intensity", limits=street, axes=lower,
+axes = plots.from_above(cloud, limits=street, title="Coloured by height")
+for x, y, name in ((3.4, 2.0, "cyclist"), (7.2, 3.8, "turning car"), (-5.8, -2.8, "parked car"),
+                   (16, 5.1, "truck"), (3, -9.4, "house front")):
+    axes.annotate(name, (x, y), xytext=(0, 16), textcoords="offset points", ha="center",
+                  bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1},
+                  arrowprops={"arrowstyle": "-"}, zorder=8)
+plots.from_above(cloud, values=cloud[:, 3], span=(0, 1), label="intensity", limits=street,
                  title="Coloured by intensity: the same points, another column");
 
 # %% [markdown]
-# From above, everything lies flat. Here are the same points in space: drag to turn them. Look along the street from behind, and find the people.
+# From above, everything lies flat. In space people are easier to find.
+
+# %%
+people = predict("How many people on foot are in the next picture? Those on bicycles do not count.")
+
+# %% [markdown]
+# Drag the points to turn them. Look along the street from behind, then from the side.
 
 # %%
 from utils.scene3d import Scene
@@ -169,7 +233,23 @@ nearby = cloud[(np.abs(cloud[:, 0]) < 25) & (np.abs(cloud[:, 1]) < 12)]
 Scene("The street in space").add_cloud(nearby).add_ego_car().show(interactive=True)
 
 # %% [markdown]
-# Four bits of NumPy are all you need to work with such an array:
+# With the scan comes a file of what is true: which return came from what, and where each car and each pedestrian stood.
+
+# %%
+from utils.datasets import DATA
+
+truth = np.load(DATA / "cloud_truth.npz")
+axes = plots.from_above(cloud, limits=street, title="The people on foot, and their returns")
+found = 0
+for kind, (x, y, _), returns in zip(truth["box_kinds"], truth["box_centres"], truth["box_returns"]):
+    if kind == "pedestrian" and abs(x) < 25 and abs(y) < 12:
+        found += 1
+        plots.ring(axes, x, y, radius=0.8, text=f"{returns}")
+people.compare(found, "The one with 9 returns is a child behind the car that is parked on the left: "
+                      "what hides from the scanner is not in the cloud, and nobody finds it there.")
+
+# %% [markdown]
+# Four bits of NumPy are enough to work with such an array:
 
 # %%
 heights = cloud[:, 2]                       # a column: one number per point
@@ -189,7 +269,7 @@ print("bright_left:", bright_left.shape)
 #
 # *A row of a cloud is not a vector: its columns do not all mean the same.*
 #
-# How far away is a return? A car brakes for what stands in its way *along the road*. Whether the laser hit a bumper or the roof above it must make no difference. NumPy has a function for the length of a vector, so the first idea is `np.linalg.norm(cloud, axis=1)`. We try it on a narrow strip straight ahead, less than 30 cm to either side. There the right answer is simply x.
+# How far away is a return? A car brakes for what stands in its way *along the road*. Whether the laser hit a bumper or the roof above it must make no difference. NumPy has a function for the length of a vector, so the first idea is `np.linalg.norm(cloud, axis=1)`. We try it on a narrow strip straight ahead, less than 30 cm to either side. There the distance along the road is simply x.
 
 # %%
 strip = cloud[(np.abs(cloud[:, 1]) < 0.3) & (cloud[:, 0] > 3) & (cloud[:, 0] < 21)]
@@ -200,21 +280,20 @@ plots.curves({}, {"returns straight ahead": (x, error)}, across="x, the distance
 print(f"largest error: {error.max():.2f} m, at a distance of {x[error.argmax()]:.1f} m")
 
 # %% [markdown]
-# The error is largest near the car, where it counts. The string of points that hangs down just before 9 m is a person crossing the road: her feet count as farther away than her head.
+# The error is largest near the car, where it counts. The column of points just before 9 m is somebody who crosses the road: by this length, the feet are farther away than the head.
 #
-# There are two reasons. The length runs down to the road at a slant, so height is mixed in. And the length of a whole row also squares and adds the intensity: what is "metres plus brightness"?
+# There are two reasons. The length runs down to the road at a slant, so height is mixed in. And the length of a whole row also squares and adds the intensity, and metres plus brightness mean nothing.
 #
 # ## The idea: measure on the ground
 #
-# *Drop the height and Pythagoras does the rest.*
+# *Leave the height out; two columns are enough.*
 #
 # The *horizontal distance* of a point $(x, y, z)$ from the sensor is
 #
 # $$d = \sqrt{x^2 + y^2}.$$
 #
 # All points of a lamp post have the same $d$, from foot to lamp.
-
-# %% [markdown]
+#
 # ## Exercise 1 · `horizontal_distance` (5 points)
 #
 # Return one distance per point. The cloud may have three columns or four, and it may be empty.
@@ -256,13 +335,20 @@ def horizontal_distance(cloud):
 # </details>
 
 # %% [markdown]
-# **Look before you check.** Coloured by your distance, the street should change in circles around the sensor: each dashed line, at 5, 10, 15 and 20 m, runs along one colour.
+# **Three points first.** They lie 3 m and 4 m, 6 m and 8 m, and 0 m and 7 m from the sensor; heights and intensities are there to mislead. Expected: 5, 10 and 7.
 
 # %%
-distance = horizontal_distance(cloud)
-near = np.abs(cloud[:, 0]) < 25
-axes = plots.from_above(cloud[near], values=distance[near], label="horizontal distance (m)",
-                        limits=street, title="Equal colour, equal distance")
+three = np.array([[3.0, 4.0, -1.7, 0.1], [-6.0, 8.0, 4.0, 0.9], [0.0, 7.0, 2.5, 1.0]])
+print("yours:   ", np.round(horizontal_distance(three), 2))
+print("expected: [ 5. 10.  7.]")
+
+# %% [markdown]
+# **Look before you check.** Coloured by your distance, the street should change in circles around the sensor: each dashed line, at 5, 10, 15 and 20 m, runs along one colour. One return in eight is enough for that.
+
+# %%
+some = cloud[::8]
+axes = plots.from_above(some, values=horizontal_distance(some), span=(0, 20), limits=street,
+                        label="horizontal distance (m)", title="Equal colour, equal distance")
 for radius in (5, 10, 15, 20):
     axes.add_patch(plt.Circle((0, 0), radius, fill=False, linestyle="--"))
 
@@ -278,13 +364,12 @@ check(horizontal_distance)
 #
 # $$d = \frac{h}{\tan\delta}.$$
 #
-# Our sensor sits $h = 1.73$ m above the road. For each beam we know its angle and, because the scan is simulated, which returns are road. Your function measures where its ring lies, once ahead of the car and once behind. **Predict first:** do the measured rings lie on the curve?
+# Our sensor sits $h = 1.73$ m above the road. For each beam we know its angle and, because the scan is simulated, which returns are road. Your function measures where its ring lies, once ahead of the car and once behind.
 
-# %%
-from utils.datasets import DATA
+# %% tags=["folded"]
+# @title The rings in the scan, by your function (you need not read this)
 from utils.simulator import hdl64
 
-truth = np.load(DATA / "cloud_truth.npz")
 is_road = truth["classes"] == truth["class_names"].tolist().index("ground")
 is_road &= np.abs(cloud[:, 1]) < 2.5  # not the pavement beside it
 downwards = -np.degrees(np.array(hdl64().elevations))
@@ -298,9 +383,9 @@ def rings(side):
         if met_road.sum() >= 10:
             angle_of.append(angle)
             ring_of.append(np.median(horizontal_distance(cloud[met_road])))
-    return angle_of, ring_of
+    return np.array(angle_of), np.array(ring_of)
 
-
+# %%
 angles = np.linspace(2.5, 25, 100)
 axes = plots.curves({"flat road": (angles, 1.73 / np.tan(np.radians(angles)))},
                     {"yours, ahead": rings(cloud[:, 0] > 2), "yours, behind": rings(cloud[:, 0] < -2)},
@@ -314,17 +399,16 @@ for place in (5, 10, 20, 40):
           f"{places[ring + 1] - places[ring]:.2f} m farther out")
 
 # %% [markdown]
-# Near the car the rings fit the curve. Farther out those ahead come too early and those behind too late: the street climbs. And look at the gaps: they grow faster than the distance, although the upper beams of this scanner, which reach far, stand closer together than the lower ones. So points crowd near the car, and a pedestrian far away has a handful of them. Keep that in mind whenever a later lesson asks for "at least so many points".
+# Near the car the measured rings lie on the curve. Farther out those ahead come too early and those behind too late: the street climbs. And look at the printed gaps: they grow faster than the distance, although the upper beams of this scanner, which reach far, stand closer together than the lower ones. So points crowd near the car, and a pedestrian far away gets only a few of them. Keep that in mind whenever a later lesson asks for "at least so many points".
 #
 # ## Why no loop?
 #
 # *NumPy does the same work in the same order, in machine code instead of Python.*
 #
-# A scanner delivers ten turns a second, so all processing of a turn must fit into 100 ms. Here is the loop that you did not write. **Predict first:** how many times faster is your function on the full scan: 2, 10, 100?
+# A scanner delivers ten turns a second, so all processing of a turn must fit into 100 ms. Here is the loop that you did not write.
 
 # %%
 import math
-from time import perf_counter
 
 
 def with_a_loop(cloud):
@@ -332,8 +416,17 @@ def with_a_loop(cloud):
     return [math.sqrt(row[0] * row[0] + row[1] * row[1]) for row in cloud]
 
 
+faster = predict("On 100,000 points: how many times as long as your function does the loop take?")
+
+# %% tags=["folded"]
+# @title A stopwatch (you need not read this)
+import inspect
+from time import perf_counter
+
+
 def seconds(function, cloud):
     """The quickest of several runs: the one that was disturbed least."""
+    function = inspect.unwrap(function)  # itself, without what may be around it
     runs = []
     for _ in range(5):
         begin = perf_counter()
@@ -341,19 +434,24 @@ def seconds(function, cloud):
         runs.append(perf_counter() - begin)
     return min(runs)
 
-
+# %%
 counts = np.array([100, 300, 1_000, 3_000, 10_000, 30_000, 100_000])
-loop = np.array([seconds(with_a_loop, cloud[:n]) for n in counts])
-yours = np.array([seconds(horizontal_distance, cloud[:n]) for n in counts])
-plots.timing({"loop": (counts, loop), "yours": (counts, yours)}, fit=False,
+times = {"loop": [seconds(with_a_loop, cloud[:n]) for n in counts]}
+if is_written(horizontal_distance):
+    times["yours"] = [seconds(horizontal_distance, cloud[:n]) for n in counts]
+    faster.compare(times["loop"][-1] / times["yours"][-1],
+                   "Python looks up, unpacks and allocates anew for every single number. NumPy "
+                   "does that once for the whole column, and the rest is plain arithmetic.")
+else:
+    print("horizontal_distance is not written yet: there is only the loop to measure.")
+plots.timing({name: (counts, series) for name, series in times.items()}, fit=False,
              title="Time for n points, both axes logarithmic")
-for n in (100, 100_000):
-    print(f"{n:7,} points: the loop takes {(loop / yours)[counts == n][0]:4.0f} times as long")
-slopes = [np.polyfit(np.log(counts[3:]), np.log(times[3:]), 1)[0] for times in (loop, yours)]
-print(f"from 3,000 points on: loop n^{slopes[0]:.2f}, yours n^{slopes[1]:.2f}")
+for name, series in times.items():
+    slope = np.polyfit(np.log(counts[3:]), np.log(series[3:]), 1)[0]
+    print(f"{name}: {series[-1] * 1e3:.2f} ms for 100,000 points; from 3,000 points on n^{slope:.2f}")
 
 # %% [markdown]
-# On logarithmic axes $t = k\,n^p$ is a straight line of slope $p$. Both lines rise with slope about 1: ten times the points, ten times the time, and a little more once the array outgrows the processor's cache. Being vectorised changes $k$, not $p$; the gap between the lines is the price of Python's handling of every single number. At the left end your curve goes flat: calling NumPy costs a microsecond or so, however little there is to do.
+# On logarithmic axes $t = k\,n^p$ is a straight line of slope $p$. Towards the right both lines rise with a slope of about 1: ten times the points, about ten times the time. Being vectorised changes $k$, not $p$; the gap between the lines is the price of Python's handling of every single number. At the left end your curve goes flat: calling NumPy costs a few microseconds, however little there is to do.
 #
 # ## A return from nowhere
 #
@@ -362,14 +460,20 @@ print(f"from 3,000 points on: loop n^{slopes[0]:.2f}, yours n^{slopes[1]:.2f}")
 # Your function can answer the question that an emergency brake asks ten times a second: how near is the nearest thing?
 
 # %%
-print(f"nearest return: {horizontal_distance(cloud).min():.2f} m")
-print("the rows at this distance:")
-print(cloud[horizontal_distance(cloud) < 0.5])
+def nearer_than(limit):
+    """The rows of the scan with a horizontal distance below `limit` metres."""
+    return cloud[horizontal_distance(cloud) < limit]
+
+# %%
+too_near = nearer_than(0.5)
+print(f"nearest return: {np.min(horizontal_distance(too_near), initial=99):.2f} m")
+print("all rows nearer than 0.5 m:")
+print(too_near)
 
 # %% [markdown]
-# Full braking, for nothing: an obstacle in the very middle of the sensor. When an echo is lost, many scanners write a row all the same, at exactly (0, 0, 0). Each frame of the street recordings that this course grew from holds one.
+# The car would brake as hard as it can, for nothing: an obstacle in the very middle of the sensor. When an echo is lost, many scanners write a row all the same, at exactly (0, 0, 0). Each frame of the street recordings that this course grew from holds one.
 #
-# Others write NaN, *not a number*, or an infinite range. NaN is poison: it spreads through every sum, and it is not equal to anything, itself included.
+# Others write NaN, *not a number*, or an infinite range. NaN spreads through every sum, and it is not equal to anything, itself included.
 
 # %%
 nan = np.nan
@@ -379,7 +483,7 @@ print("mean of the cloud:", one_bad.mean(axis=0))
 print("naive repair, one_bad[one_bad != nan]:", one_bad[one_bad != nan])
 
 # %% [markdown]
-# The naive repair keeps everything, and loses the rows on top of it. Ask with a function instead. `np.isfinite` is False for NaN and for both infinities, number by number. To come from numbers to rows, `all` and `any` go along an axis; `~` turns a mask around:
+# The naive repair keeps every number, NaN included, and it even loses the rows. Ask with a function instead. `np.isfinite` is False for NaN and for both infinities, number by number. To come from numbers to rows, `all` and `any` go along an axis; `~` turns a mask around:
 
 # %%
 table = np.array([[1.0, 2.0], [np.inf, 3.0], [0.0, 0.0]])
@@ -435,19 +539,47 @@ def drop_invalid(cloud):
 # </details>
 
 # %% [markdown]
-# **Look before you check.** We break the scan as rain would: thousands of echoes lost. Before, a tall bar stands at 0 m; after, it must be gone, and nothing else may change.
+# **Six rows first.** Three of them are points, and have to come back as they were: the first, and the two at the end.
+
+# %%
+six = np.array([[6.0, 2.0, -1.7, 0.4],      # a point like any other
+                [0.0, 0.0, 0.0, 0.3],       # a lost echo
+                [nan, 1.0, 2.0, 0.5],       # not a number
+                [4.0, -np.inf, 1.0, 0.5],   # infinitely far
+                [0.0, 5.0, -1.6, 0.1],      # a point exactly to the left
+                [4.0, -3.0, 1.0, nan]])     # a point whose intensity is missing
+print("yours:")
+print(drop_invalid(six))
+print("expected:")
+print(six[[0, 4, 5]])
+
+# %% [markdown]
+# **Look before you check.** We break the scan as heavy rain would: four thousand echoes lost, and a thousand rows that are not a number. Before, a bar stands at 0 m; after, it must be gone, and no other bar may change. Rows with NaN have no bar at all: you see in the number of rows that they are gone.
+
+# %%
+def profile(scan, clean):
+    """The number of rows, how many lie in each metre up to 20 m, and the nearest distance.
+
+    With `clean`, drop_invalid takes the lost returns out before.
+    """
+    if clean:
+        scan = drop_invalid(scan)
+    distance = horizontal_distance(scan)
+    return len(scan), np.histogram(distance, bins=np.arange(21))[0], np.nanmin(distance)
 
 # %%
 rng = np.random.default_rng(1)
 wet = cloud.copy()
 wet[rng.choice(len(wet), 4000, replace=False), :3] = 0.0
-wet[rng.choice(len(wet), 1000, replace=False), :3] = np.nan
-dry = drop_invalid(wet)
-figure, pair = plt.subplots(1, 2, figsize=(8.5, 3.6), sharex=True, sharey=True, layout="compressed")
-for name, seen, axes in (("before", wet, pair[0]), ("after", dry, pair[1])):
-    d = horizontal_distance(seen)
-    plots.histogram(d[~(d > 20)], label="horizontal distance (m)", axes=axes,
-                    title=f"{name}: {len(seen):,} rows, nearest {np.nanmin(d):.2f} m")
+wet[rng.choice(len(wet), 1000, replace=False), :3] = nan
+figure, pair = plt.subplots(2, 1, figsize=(8.5, 6.0), sharex=True, sharey=True, layout="compressed")
+bars = {}
+for (name, clean), axes in zip({"before": False, "after": True}.items(), pair):
+    rows, bars[name], nearest = profile(wet, clean)
+    plots.histogram(np.repeat(np.arange(20) + 0.5, bars[name]), bins=np.arange(21), axes=axes,
+                    label="horizontal distance (m), one bar for each metre",
+                    title=f"{name}: {rows:,} rows, the nearest at {nearest:.2f} m")
+print("bars that changed, by their left edge:", np.flatnonzero(bars["before"] != bars["after"]), "m")
 
 # %% nbgrader={"grade": true, "grade_id": "test_drop_invalid", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(drop_invalid)
@@ -459,40 +591,52 @@ check(drop_invalid)
 #
 # | what was written | what you see |
 # |---|---|
-# | `abs(x) + abs(y)` | diamonds instead of circles: the distance of a taxi in Manhattan |
-# | no square root | "up to 10 m" keeps next to nothing: 4 m count as 16 |
+# | `abs(x) + abs(y)` | diamonds instead of circles: the length of the way around the corner |
+# | no square root | "up to 10 m" keeps only what is nearer than 3.2 m: 4 m count as 16 |
 # | `cloud[0]` and `cloud[1]`, rows for columns | four numbers instead of one per point |
 # | `np.linalg.norm(cloud, axis=1)` | nearly right, and wrong where the car must brake |
-# | `x == 0` as the sign of a lost return | a slit to the left and right: points with x = 0 are gone |
+# | `x == 0` as the sign of a lost return | the points exactly to the left and right are gone, too |
 # | `cloud[cloud != nan]` | everything stays, as one long row of numbers |
 
-# %%
+# %% tags=["folded"]
+# @title Two of these mistakes (you need not read this)
 xs, ys = cloud[:, 0], cloud[:, 1]
 wrong = {"abs(x) + abs(y)": np.abs(xs) + np.abs(ys), "no square root": xs * xs + ys * ys}
-figure, pair = plt.subplots(1, 2, figsize=(8.5, 3.4), layout="compressed")
+figure, pair = plt.subplots(2, 1, figsize=(8.5, 9.4), layout="compressed")
 for (name, values), axes in zip(wrong.items(), pair):
     plots.kept_and_removed(cloud, values <= 10, limits=((-15, 15), (-11, 11)), axes=axes,
                            title=f"{name}, up to 10")
     axes.add_patch(plt.Circle((0, 0), 10, fill=False, linestyle="--"))
+print(f"points of this scan with x = 0 that are no lost returns: {((xs == 0) & (ys != 0)).sum()}")
 
 # %% [markdown]
 # ## In practice
 #
-# - Scanners speak in packets of ranges and angles; a driver turns them into points, as `point_of` does. Some keep the rows of the scanner (an *organised* cloud, rays × beams) and mark what is missing with NaN; others drop it. Check a new recording for both before you trust its nearest point.
+# - Scanners send packets of ranges and angles; a driver turns them into points, as `point_of` does. Some keep the rows of the scanner (an *organised* cloud, rays × beams) and mark what is missing with NaN; others drop it. Check a new recording for both before you trust its nearest point.
 # - A turn takes 100 ms. At 50 km/h the car moves 1.4 m meanwhile, so real pipelines shift each return by what the car has moved since. Our simulated street holds still for a turn.
 # - Intensity depends on range, angle and make of scanner. It helps to find lane markings and plates; do not compare it between two sensors.
 #
+# Open3D drops what is not finite with one call, and PCL has `pcl::removeNaNFromPointCloud` for it. Rows at (0, 0, 0) are finite, so both keep them:
+#
+# ```python
+# import open3d as o3d
+# scan = o3d.io.read_point_cloud("scan.pcd")  # x, y, z; the intensity is not kept
+# scan = scan.remove_non_finite_points(remove_nan=True, remove_infinite=True)
+# ```
+#
 # ## If you want more
 #
-# 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance.
-# 2. From which distance on can a pedestrian, 0.5 m wide and 1.7 m tall, get fewer than 10 returns from the 64-beam scanner (0.18° steps, beams a third of a degree apart)? Calculate first, then look into `cloud_truth.npz`.
-# 3. Write `with_a_loop` for `cloud.tolist()` instead of the array. Why is it faster than the loop over rows?
+# 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance. The picture at the head of this lesson was made so.
+# 2. Compute the distance beyond which a pedestrian, 0.5 m wide and 1.7 m tall, gets fewer than 10 returns from the 64-beam scanner (steps of 0.18°, beams a third of a degree apart). Compare with `truth["box_returns"]`.
+#    <details><summary>An answer</summary>At the distance d one step is 0.0031 d wide and one beam 0.0058 d high. So 0.5 / (0.0031 d) × 1.7 / (0.0058 d) returns fit, about 46,500 / d²: fewer than 10 beyond 68 m. In the scan it happens much nearer, because others stand in the way.</details>
+# 3. Run `with_a_loop` on `cloud.tolist()` instead of the array, and find out why it is faster.
+#    <details><summary>An answer</summary>A list holds Python's own numbers. Each `row[0]` of an array makes a new NumPy number first, and arithmetic with those is slower than with Python's own.</details>
 #
 # ## Summary
 #
-# - A ray gives a range; range, azimuth and elevation give a point; a turn gives a list of points without order.
+# - A ray gives a range; range, azimuth and elevation give a point; a turn gives a scan, a list of points.
 # - Columns and masks treat all points at once: the same growth with n, a far smaller constant.
-# - Distance that matters for driving is horizontal: sqrt(x² + y²).
+# - The distance that matters for driving is horizontal: sqrt(x² + y²).
 # - Rows at (0, 0, 0) and rows with NaN are not points. Drop them first.
 #
 # **Sources.** How LiDARs work: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).

@@ -4,20 +4,22 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     lent: [two_errors, vanishes_at, points_left, by_voxels]
 # ---
 
 # %% [markdown]
 # # 06 · Filter the ground
 #
-# ![A street seen from the side. A dashed line half a metre above the road separates grey road points below from dark points of cars, people and walls above.](pictures/06_preview.png)
+# ![A street seen from the side. A dashed line half a metre above the road separates grey points of the road below from dark points of cars, people and walls above.](pictures/06_preview.png)
 #
-# Nearly half of what a LiDAR sees is road. Road is where the car may go, so every road point that stays in the cloud is an obstacle that is not there.
+# To a LiDAR, road and obstacle are the same: points. The road is where the car may go, so every point of it that stays in the cloud is an obstacle that is not there.
 #
 # **After this lesson you can**
-# - take the road out of a scan with a single comparison, and say when that is not enough,
-# - thin a cloud to a tenth of its points without losing a pedestrian.
+# - take the ground out of a scan with a single comparison, and say when that is not enough,
+# - thin a cloud to a fifth of its points, and say which objects gain by it and which lose.
 #
-# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **Time:** about 45 minutes. **You need** NumPy arrays and boolean masks (lesson 01).
+# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -26,18 +28,18 @@
 # (setup)
 
 # %% [markdown]
-# ## One turn of the scanner
+# ## One scan
 #
 # *The sensor is the origin, so the road has negative heights.*
 #
-# The file `cloud.txt` holds one full turn of a 64-beam LiDAR on the roof of a car: one row per return, with x (forward), y (left) and z (up) in metres and an intensity between 0 and 1. All coordinates are measured from the sensor.
+# The file `cloud.txt` holds one scan of a 64-beam LiDAR on the roof of [our own car](#Words-of-the-course): one row per [return](#Words-of-the-course), with x (forward), y (left) and z (up) in metres and an intensity between 0 and 1. All coordinates are measured from the sensor.
 
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, load_cloud, plots
+from utils import check, load_cloud, plots, predict
 
 cloud = load_cloud("cloud.txt")
 print(f"{len(cloud):,} returns, {cloud.shape[1]} columns, heights from "
@@ -49,14 +51,33 @@ street = ((-15, 40), (-12, 12))  # x from, to; y from, to
 plots.from_above(cloud, limits=street, title="The street from above, coloured by height");
 
 # %% [markdown]
-# **Predict first.** The sensor sits on the roof, 1.73 m above the road. Before you run the next cell: at which heights do you expect the most returns? And what share of all returns is road?
+# The sensor sits on the roof, 1.73 m above the road. Two guesses, before you see how the heights are distributed:
 
 # %%
-plots.histogram(cloud[:, 2], label="height z (m)", marks={"road under the car": -1.73},
-                title="Where the returns are, by height");
+peak = predict("At which height z do the most returns lie?", between=(-3, 3), step=0.1,
+               unit="m", digits=1)
+share = predict("What share of all returns is ground (road and pavement)?",
+                between=(0, 100), unit="%")
 
 # %% [markdown]
-# The tall peak is road and pavement: it has a width, because the street slopes and the scanner is never quite exact. The long shoulder to its right is everything else: cars, people, walls, trees. A good ground level lies at the foot of the peak, where the shoulder begins.
+# The scan was simulated, so for each return we know what it hit.
+
+# %%
+from utils.datasets import DATA
+
+truth = np.load(DATA / "cloud_truth.npz")
+kinds = truth["class_names"][truth["classes"]]  # for each return a word, such as "ground" or "car"
+
+plots.histogram(cloud[:, 2], label="height z (m)", marks={"road under the car": -1.73},
+                title="Where the returns are, by height")
+counts, edges = np.histogram(cloud[:, 2], bins=np.arange(-3.5, 3.05, 0.1))
+peak.compare(edges[np.argmax(counts)] + 0.05, "The peak is the ground. It lies a little above "
+             "-1.73 m, as the street climbs and a pavement is a kerb higher than the road.")
+share.compare(100 * np.mean(kinds == "ground"), "Most beams point downwards, and between the "
+              "obstacles they all end on the ground.")
+
+# %% [markdown]
+# The tall peak is road and pavement. It has a width because the street slopes, and because the scanner is never quite exact. The long shoulder to its right is everything else: cars, people, walls, trees. A good ground level lies at the foot of the peak, where the shoulder begins.
 
 # %% [markdown]
 # ## The naive idea: ground is where z is 0
@@ -73,18 +94,18 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
 # %% [markdown]
 # Whole cars lie below the line: their roofs are lower than our sensor. The zero of this cloud is on *our* roof.
 #
-# Teaching sheets often say "remove everything below 1 metre, for example". For a sensor 1.73 m above the road that is as wrong as 0. The level depends on how the sensor is mounted, so it must be a parameter.
+# Some teaching sheets say "remove everything below 1 metre, for example". For a sensor 1.73 m above the road that is as wrong as 0. The level depends on how the sensor is mounted, so it must be a parameter.
 
 # %% [markdown]
 # ## The idea: one level, a little above the road
 #
-# *Half a metre of margin buys freedom from bumps, slopes and noise, and costs the wheels of the cars.*
+# *Half a metre of margin forgives bumps, slopes and noise, and costs the wheels of the cars.*
 #
 # Let $g$ be the ground level. Keep the points
 #
 # $$\{\, p : z_p \ge g \,\}.$$
 #
-# With the road at about $-1.7$ m, $g = -1.2$ m leaves half a metre for kerbs, potholes and range noise. We lose wheels and feet, but a car without wheels is still a car to a clustering algorithm.
+# With the road at about $-1.7$ m, $g = -1.2$ m leaves half a metre for kerbs, potholes and range noise. We lose wheels and feet, but a car without wheels still makes one cluster.
 #
 # In NumPy a condition on a column gives one `True` or `False` per row, and indexing with it keeps the rows that are `True`, in order. For example, the bright returns of a scan:
 
@@ -140,6 +161,19 @@ def filter_ground(cloud, ground_level=-1.2):
 # </details>
 
 # %% [markdown]
+# **Seven points first.** Four of them stand above -1.2 m: the bumper, the door, the roof and the sign. These four rows should come back, in this order and with all four columns.
+
+# %%
+seven = np.array([[6.0, 0.5, -1.73, 0.20],   # road
+                  [6.2, 0.5, -0.90, 0.90],   # a bumper
+                  [8.0, -2.0, -1.58, 0.30],  # a kerb
+                  [8.1, -2.0, -1.15, 0.40],  # the lowest part of a door
+                  [9.0, 3.0, 0.10, 0.60],    # the roof of a van
+                  [9.5, 3.0, -1.70, 0.10],   # road
+                  [4.0, 1.0, 1.40, 0.80]])   # a sign
+print(filter_ground(seven))
+
+# %% [markdown]
 # **Look before you check.** The first picture should show a street without a road; in the second, nothing may lie below the dashed line.
 
 # %%
@@ -152,16 +186,17 @@ plots.from_side(filter_ground(near), level=-1.2, limits=((-15, 40), (-3, 3)),
 
 # %% nbgrader={"grade": true, "grade_id": "test_filter_ground", "locked": true, "points": 10, "schema_version": 3, "solution": false, "task": false}
 check(filter_ground)
-
 # %% [markdown]
 # ## Play: how high is high enough?
 #
-# *Too low and the road comes back; too high and the pedestrians go.*
-#
-# Move the slider. When does the first ring of road appear? When does the first car vanish?
+# *Too low and the ground comes back; too high and obstacles go.*
 
 # %%
-thin = cloud[::6]  # every sixth point is enough to look at
+first = predict("Raise the level step by step. Of which kind does one vanish first?",
+                choices=["a car", "a pedestrian", "a wall"])
+
+# %%
+thin = cloud[::12]  # every twelfth point is enough to look at
 
 
 @interact(level=FloatSlider(value=-1.2, min=-2.2, max=0.6, step=0.1, description="level (m)",
@@ -173,56 +208,84 @@ def show_level(level):
     plt.show()
 
 # %% [markdown]
-# The same without a slider: three levels.
+# The same without a slider: three levels. Colours mean the same heights in all of them.
 
 # %%
-figure, rows = plt.subplots(3, 1, figsize=(8.5, 10), layout="compressed")
+figure, rows = plt.subplots(3, 1, figsize=(8.5, 10.5), layout="compressed")
 for level, axes in zip((-1.6, -1.2, -0.5), rows):
     kept = filter_ground(thin, level)
     plots.from_above(kept, limits=street, axes=axes,
                      title=f"ground_level = {level} m keeps {len(kept) / len(thin):.0%}")
+plots.ring(rows[1], -11.7, -2.7, radius=2.5, text="a car")
+plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");
+
+# %% [markdown]
+# Which kind loses one first? Your function can tell, with the truth at hand. We ask for the objects that have a hundred returns or more and stand within 15 m.
+
+# %%
+def vanishes_at(kind, levels):
+    """The first of some rising levels at which an object of this kind has no return left."""
+    mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
+    numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
+    for level in levels:
+        for number in numbers[sizes >= 100]:
+            if len(filter_ground(cloud[mine & (truth["objects"] == number)], level)) == 0:
+                return level
+    return np.inf
+
+# %%
+rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
+gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
+for name, level in gone.items():
+    print(f"{name} vanishes at {level:4.1f} m")
+first.compare(min(gone, key=gone.get), "A car is lower than a person. What a level loses first is "
+              "not what is small, but what is low.")
 
 # %% [markdown]
 # ## Theory against practice: what does the best level cost?
 #
-# *No single height separates road from obstacles; the best one balances two errors.*
+# *No single height separates ground from obstacles; the best one balances two errors.*
 #
-# This scan was simulated, so we know what each return truly hit. That lets us count two kinds of error for every level: road that stays (a ghost obstacle) and obstacle that goes (a blind spot). Your own `filter_ground` does the counting.
+# With the truth we can count two kinds of error for every level: ground that stays (an obstacle that is not there) and obstacle that goes (a blind spot). Your own `filter_ground` does the counting.
 
 # %%
-from utils.datasets import DATA
+ground = cloud[kinds == "ground"]
+objects = truth["objects"]  # the number of the object behind each return; 0: none
+upright = cloud[objects > 0]  # all returns from objects that stand on the ground
 
-truth = np.load(DATA / "cloud_truth.npz")
-names = truth["class_names"].tolist()
-road = cloud[truth["classes"] == names.index("ground")]
-things = cloud[~np.isin(truth["classes"], [names.index(n) for n in ("ground", "invalid", "ego")])]
-print(f"{len(road) / len(cloud):.0%} of all returns are road and pavement. What did you predict?")
 
-levels = np.arange(-2.2, 0.3, 0.05)
-road_kept = [len(filter_ground(road, level)) / len(road) for level in levels]
-things_lost = [1 - len(filter_ground(things, level)) / len(things) for level in levels]
+def two_errors(levels):
+    """For each level the share of the ground that stays, and of the obstacles that go."""
+    stays = [len(filter_ground(ground, level)) / len(ground) for level in levels]
+    goes = [1 - len(filter_ground(upright, level)) / len(upright) for level in levels]
+    return np.array(stays), np.array(goes)
 
-axes = plots.curves({"road that stays": (levels, road_kept),
-                     "obstacles that go": (levels, things_lost)},
+# %%
+levels = np.round(np.arange(-2.2, 0.3, 0.05), 2)
+ground_kept, obstacles_lost = two_errors(levels)
+
+axes = plots.curves({"ground that stays": (levels, ground_kept),
+                     "obstacles that go": (levels, obstacles_lost)},
                     across="ground_level (m)", up="share of its points",
                     title="The two errors of a ground level")
 axes.axvline(-1.2, color="black", linestyle=":", label="the default, -1.2 m")
 axes.legend()
-crossing = levels[np.argmin(np.abs(np.subtract(road_kept, things_lost)))]
-print(f"the curves cross at {crossing:.2f} m; the road is at {np.median(road[:, 2]):.2f} m")
+crossing = levels[np.argmin(np.abs(ground_kept - obstacles_lost))]
+print(f"the curves cross at {crossing:.2f} m; half of the ground lies below "
+      f"{np.median(ground[:, 2]):.2f} m")
 
 # %% [markdown]
-# The curves cross a little above the road; the default stands to the right of the crossing. That is a choice: a ghost obstacle makes the car brake for nothing on every frame, while the lower half metre of an obstacle is the half we can spare.
+# The default stands to the right of the crossing. That is a choice: an obstacle that is not there makes the car brake for nothing in every scan, while the lower half metre of an obstacle is the half that we can spare.
 #
-# And at the default some road is still there. Where does it come from?
+# And at the default some ground is still there. Where does it come from? Look along the street, from far behind to far ahead.
 
 # %%
-left_over = filter_ground(road)
-far = np.hypot(left_over[:, 0], left_over[:, 1])
-print(f"{len(left_over)} road points stay, "
-      + (f"the nearest of them {far.min():.0f} m away" if len(far) else "none at all"))
-plots.from_side(road[np.abs(road[:, 1]) < 6], level=-1.2, limits=((-40, 75), (-3.5, 1)),
-                title="The road is not flat: far away it rises above the level");
+left_over = filter_ground(ground)
+distance = np.hypot(left_over[:, 0], left_over[:, 1])
+print(f"{len(left_over):,} ground points stay, "
+      + (f"the nearest of them {distance.min():.0f} m away" if len(distance) else "none at all"))
+plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75), (-3.5, 1)),
+                title="The road is not flat: far ahead it rises above the level");
 
 # %% [markdown]
 # A street has a crown, a kerb and a slope. One degree of slope lifts the road by 0.5 m over 30 m: exactly our margin. Near the car a level is enough. For the whole scan, fit a plane to the road, as RANSAC does in lesson 03.
@@ -232,49 +295,67 @@ plots.from_side(road[np.abs(road[:, 1]) < 6], level=-1.2, limits=((-40, 75), (-3
 #
 # *The density of a scan falls with the square of the distance on whatever stands upright, and faster on the road: most points lie where everything is already clear.*
 #
-# The next lessons compare points with their neighbours, which takes time for every point. So we want fewer points. The naive way is to keep every hundredth:
+# The next lessons compare points with their neighbours, which takes time for every point. So we want fewer points. The naive way is to keep every fifth row. From here on we use `upright`, the returns of all objects that stand on the ground: by the truth, so that nothing below depends on your exercise 1.
+
+# %% tags=["folded"]
+# @title Prints what is left of a wall, of a pedestrian and of three cars (you need not read this)
+def print_what_is_left(ways):
+    """Print, for some objects, how many points each way of thinning leaves: a dict of functions."""
+    numbers = objects[objects > 0]
+    print("object          distance   returns" + "".join(f"{name:>16}" for name in ways))
+    for name, number in {"wall": 30, "pedestrian": 15, "car": 1, "car ": 8, "car  ": 72}.items():
+        rows = np.flatnonzero(numbers == number)
+        far = np.hypot(*upright[rows, :2].mean(axis=0))
+        print(f"{name.strip():<10} {number:>4} {far:7.0f} m {len(rows):9,}"
+              + "".join(f"{way(rows):16,}" for way in ways.values()))
 
 # %%
-standing = cloud[:, 2] >= -1.2
-objects = truth["objects"][standing]  # the number of the object that each return hit
+def by_skipping(rows):
+    """How many of these rows of `upright` are left when every fifth row is kept."""
+    return np.sum(rows % 5 == 0)
 
 
-def returns_of(kind, at_least=100):
-    """Rows of `obstacles` on each object of a kind: a dictionary of number -> rows."""
-    is_kind = truth["classes"][standing] == names.index(kind)
-    numbers, sizes = np.unique(objects[is_kind], return_counts=True)
-    return {n: np.flatnonzero(is_kind & (objects == n)) for n in numbers[sizes >= at_least]}
-
-
-chosen = {"wall": returns_of("wall", 3000), "pedestrian": returns_of("pedestrian")}
-for kind, members in chosen.items():
-    for number, rows in members.items():
-        distance = np.hypot(*obstacles[rows, :2].mean(axis=0))
-        print(f"{kind:>10} {number:3d}, {distance:4.1f} m away: {len(rows):6,} returns, "
-              f"{(rows % 100 == 0).sum():4d} after skipping")
+print_what_is_left({"every fifth": by_skipping})
 
 # %% [markdown]
-# The walls keep dozens of points, the pedestrians a handful or fewer. Skipping rows thins everything by the same factor. We want the opposite: the same density everywhere.
+# Skipping rows thins everything by the same factor. The wall still has far more points than its shape needs, and the last car, 29 m away, is down to a few dozen. We want the opposite: the same density everywhere.
 #
 # ## The idea: one point per box of space
 #
 # *Cut space into cubes and replace all points of a cube by their mean.*
 #
-# With cubes of side $s$ (a *voxel*, a pixel with volume), a point $p$ lies in the cell
+# With cubes of side $s$ (a [*voxel*](#Words-of-the-course), a pixel with volume), a point $p$ lies in the cell
 #
 # $$\left(\left\lfloor \tfrac{x}{s} \right\rfloor,\ \left\lfloor \tfrac{y}{s} \right\rfloor,\ \left\lfloor \tfrac{z}{s} \right\rfloor\right).$$
 #
 # Points with the same three whole numbers share a cell. Their mean, the *centroid*, stands for all of them, intensity included.
 #
-# `np.unique` finds the different rows of an array, and tells for each row which of them it is:
+# Two tools of NumPy do most of the work. `np.unique` finds the different rows of an array, and tells for each row which of them it is:
 
 # %%
 cells = np.array([[0, 1], [3, 2], [0, 1], [0, 1]])
 different, which, how_many = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+which = which.ravel()  # some versions of NumPy return it as a column
 print("different rows:\n", different)
-print("row by row:", which.ravel(), "  how many of each:", how_many)
+print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
+# So rows 0, 2 and 3 are of kind 0, and row 1 is of kind 1. Now add up something for each kind, here four prices. There is a trap:
+
+# %%
+prices = np.array([10, 1, 5, 2])
+
+sums = np.zeros(2)
+sums[which] += prices
+print("sums[which] += prices: ", sums, "   only the last one of each kind!")
+
+sums = np.zeros(2)
+np.add.at(sums, which, prices)
+print("np.add.at:             ", sums, "  10 + 5 + 2, and 1")
+
+# %% [markdown]
+# `sums[which] += prices` reads all old values first, which are zeros, and then writes 10, 1, 5 and 2 to their places. Place 0 is written three times, and the last write, 2, wins. `np.add.at` adds one after the other. It takes whole rows as well as single numbers.
+#
 # ## Exercise 2 · `voxel_grid` (20 points)
 #
 # Return one centroid per occupied cell, in any order.
@@ -329,61 +410,102 @@ def voxel_grid(cloud, voxel_size=0.2):
 # </details>
 
 # %% [markdown]
-# **Look before you check.** Left: all points of a patch with a car. Right: your centroids. The shape should survive, and the points should stand about evenly.
+# **Four voxels first.** Seven points, cells of half a metre. Two points share a cell, three share another, and two are alone. By hand: the two become (0.2, 0.2, 0.2) with intensity 0.3, the three become (0.7, 0.7, 0.2) with 0.4.
+
+# %% tags=["folded"]
+# @title Draws points, cells and centroids (you need not read this)
+def draw_cells(points, centroids, size, up=1, title=""):
+    """From above, or from the side with up=2; the lines are the borders of the cells."""
+    figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="compressed")
+    low, high = np.floor(points.min(axis=0) / size), np.floor(points.max(axis=0) / size) + 1
+    for column, draw_line in ((0, axes.axvline), (up, axes.axhline)):
+        for border in np.arange(low[column], high[column] + 1):
+            draw_line(border * size, color="0.8", linewidth=0.8)
+    axes.plot(points[:, 0], points[:, up], "o", color="0.6",
+              markersize=3.5 if len(points) > 50 else 9,
+              label=f"{len(points):,} points")
+    axes.plot(centroids[:, 0], centroids[:, up], "x", color="#D55E00", markersize=7,
+              markeredgewidth=2, label=f"{len(centroids):,} centroids")
+    axes.set(aspect="equal", xlabel="x, forward (m)", ylabel="y, left (m)" if up == 1 else "z, up (m)")
+    axes.spines[:].set_visible(False)
+    axes.set_title(title, loc="left", fontweight="bold", pad=26)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False)
 
 # %%
-patch = obstacles[(np.abs(obstacles[:, 0] - 8) < 7) & (np.abs(obstacles[:, 1]) < 6)]
-thinned = voxel_grid(patch, 0.2)
-figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4.2), layout="compressed")
-window = ((1, 15), (-6, 6))
-plots.from_above(patch, limits=window, axes=left, title=f"{len(patch):,} points")
-plots.from_above(thinned, limits=window, axes=right, title=f"{len(thinned):,} centroids");
+few = np.array([[0.1, 0.1, 0.2, 0.2], [0.3, 0.3, 0.2, 0.4],                          # two
+                [0.6, 0.8, 0.3, 0.1], [0.8, 0.6, 0.1, 0.3], [0.7, 0.7, 0.2, 0.8],    # three
+                [0.7, 0.2, 0.1, 0.6], [-0.2, 0.3, 0.1, 0.5]])                        # alone
+four = voxel_grid(few, 0.5)
+print(np.round(four, 3))
+draw_cells(few, four, 0.5, title="Seven points from above, in four cells of 0.5 m");
 
 # %% [markdown]
-# And the walls and pedestrians from above? To be fair, let skipping keep as many points in all as the grid does. And look at the cars, too: some are far away.
+# **Look before you check.** Now the flank of a real car, from the side. Each square that holds points should hold exactly one centroid, and the shape of the car should survive.
 
 # %%
-step = round(len(obstacles) / len(voxel_grid(obstacles, 0.2)))
-print(f"one row in {step} is about as many points as there are centroids")
-for kind, members in {**chosen, "car": returns_of("car", 50)}.items():
-    for number, rows in members.items():
-        distance = np.hypot(*obstacles[rows, :2].mean(axis=0))
-        print(f"{kind:>10} {number:3d}, {distance:4.1f} m away: {len(rows):6,} returns, "
-              f"{(rows % step == 0).sum():4d} after skipping, "
-              f"{len(voxel_grid(obstacles[rows], 0.2)):4d} centroids")
-
-# %% [markdown]
-# The grid is no gift to everybody: what is near keeps fewer points than by skipping, but plenty. What it saves there goes to what is far: compare the last cars. A centroid stands for a piece of surface, and a surface far away has as many pieces as one nearby.
+flank = cloud[(objects == 1) & (cloud[:, 1] > -2.4)]
+flank[:, 1] = -2.1  # pressed flat, so that each square of the picture is one cell
+draw_cells(flank, voxel_grid(flank, 0.2), 0.2, up=2,
+           title="The flank of a car from the side, cells of 0.2 m");
 
 # %% nbgrader={"grade": true, "grade_id": "test_voxel_grid", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(voxel_grid)
+# %% [markdown]
+# And the walls, pedestrians and cars from above? Both ways of thinning leave about as many points in all, so the comparison is fair.
+
+# %%
+def by_voxels(rows):
+    """How many centroids the voxel grid leaves of these rows of `upright`."""
+    return len(voxel_grid(upright[rows], 0.2))
+
+# %%
+everything = np.arange(len(upright))
+print(f"In all: {by_skipping(everything):,} by skipping, {by_voxels(everything):,} centroids\n")
+print_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %% [markdown]
+# The grid takes from the near and gives to the far. What is near keeps fewer points than by skipping, but plenty; the two far cars keep more than twice as many. A centroid stands for a piece of surface, and a surface far away has as many pieces as one nearby.
+#
 # ## Play: detail against cost
 #
 # *Bigger cells save work, until the objects melt.*
 
 # %%
-@interact(size=FloatSlider(value=0.2, min=0.1, max=1.5, step=0.1, description="cell (m)",
+fewer = predict("Cells twice as wide hold eight times the volume. "
+                "How many times fewer points will be left?", between=(1, 8), step=0.1,
+                digits=1)
+
+# %%
+@interact(size=FloatSlider(value=0.2, min=0.1, max=1.0, step=0.1, description="cell (m)",
                            continuous_update=False))
 def show_cells(size):
-    few = voxel_grid(patch[::2], size)
-    plots.from_above(few, limits=window, title=f"cells of {size:.1f} m: {len(few):,} points")
+    draw_cells(flank, voxel_grid(flank, size), size, up=2, title=f"cells of {size:.1f} m")
     plt.show()
 
-# %% [markdown]
-# How fast does the number of points fall? A LiDAR sees surfaces, not volumes. A surface of area $A$ passes through about $A / s^2$ cubes of side $s$: a line of slope $-2$ on logarithmic axes. A pole or an edge of length $L$ passes through $L / s$ cubes: slope $-1$. A street has both, so expect something in between. And at the left end there is nothing to merge: most cells hold a single point.
+# %%
+def points_left(sizes):
+    """How many centroids are left of all that stands on the ground, for each size of the cells."""
+    return np.array([len(voxel_grid(upright, size)) for size in sizes])
 
 # %%
 sizes = np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6])
-counts = np.array([len(voxel_grid(obstacles, size)) for size in sizes])
-axes = plots.curves({"surfaces: $s^{-2}$": (sizes, counts[3] * (sizes / sizes[3]) ** -2),
-                     "poles and edges: $s^{-1}$": (sizes, counts[3] * (sizes / sizes[3]) ** -1)},
-                    {"your voxel_grid": (sizes, counts)},
+left = points_left(sizes)
+axes = plots.curves({"surfaces: $s^{-2}$": (sizes, left[3] * (sizes / sizes[3]) ** -2),
+                     "poles and edges: $s^{-1}$": (sizes, left[3] * (sizes / sizes[3]) ** -1)},
+                    {"your voxel_grid": (sizes, left)},
                     across="cell size (m)", up="points left",
                     title="Points left by a voxel grid")
 axes.set_xscale("log")
 axes.set_yscale("log")
+axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
+axes.set_yticks([300, 1_000, 3_000, 10_000, 30_000, 100_000, 300_000],
+                ["300", "1,000", "3,000", "10,000", "30,000", "100,000", "300,000"])
+axes.minorticks_off()
+fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes: four times fewer cells "
+              "touch a surface, two times fewer touch a pole or an edge. A street has both.")
+
+# %% [markdown]
+# A surface of area $A$ passes through about $A / s^2$ cubes of side $s$: a line of slope $-2$ on logarithmic axes. A pole or an edge of length $L$ passes through $L / s$ cubes: slope $-1$. The measured points lie in between. At the left end they bend away from both lines: there is little to merge where most cells hold a single point.
 
 # %% [markdown]
 # ## Common mistakes
@@ -396,19 +518,29 @@ axes.set_yscale("log")
 # | the wrong column, `cloud[:, 1]` | half a street: everything on the right is gone |
 # | `abs(z)` in the comparison | everything stays: heights below the sensor count as high |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
+# | `sums[which] += cloud` | centroids are pulled towards the sensor |
 # | `0.2` written into the function | the slider does nothing |
 
 # %%
-wrong = {"< instead of >=": ~(thin[:, 2] >= -1.2), "column 1 instead of 2": thin[:, 1] >= -1.2,
-         "abs(z)": np.abs(thin[:, 2]) >= -1.2}
-figure, rows = plt.subplots(1, 3, figsize=(8.5, 3.2), layout="compressed")
-for (name, keep), axes in zip(wrong.items(), rows):
+wrong = {"as it should be": thin[:, 2] > -1.2, "< instead of >=": ~(thin[:, 2] > -1.2),
+         "column 1 instead of 2": thin[:, 1] > -1.2, "abs(z)": np.abs(thin[:, 2]) > -1.2}
+figure, grid = plt.subplots(2, 2, figsize=(8.5, 7.8), layout="compressed")
+for (name, keep), axes in zip(wrong.items(), grid.flat):
     plots.kept_and_removed(thin, keep, limits=((-10, 20), (-12, 12)), title=name, axes=axes)
 
 # %% [markdown]
 # ## In practice
 #
-# - Cars do not use one level. They fit planes piece by piece; or they go outward along one azimuth, from beam to beam, and look for the first jump in height: on a flat road neighbouring rings lie at foreseeable distances, and an obstacle shortens them.
+# - Libraries have both filters. In Open3D the second exercise is one call; its grid begins at the lowest corner of the cloud, ours at the sensor:
+#
+#   ```python
+#   import open3d
+#   cloud = open3d.io.read_point_cloud("scan.pcd")
+#   thinned = cloud.voxel_down_sample(voxel_size=0.2)
+#   ```
+#
+#   In the Point Cloud Library they are [`PassThrough`](https://pcl.readthedocs.io/projects/tutorials/en/latest/passthrough.html) on the field "z", with `setFilterLimits`, and [`VoxelGrid`](https://pcl.readthedocs.io/projects/tutorials/en/latest/voxel_grid.html), with `setLeafSize`.
+# - Cars do not use one level. They fit planes piece by piece; or they go outward along one azimuth, from [beam](#Words-of-the-course) to beam, and look for the first jump in height: on a flat road neighbouring rings lie at foreseeable distances, and an obstacle shortens them.
 # - Level and margin come from calibration: the sensor's height changes by centimetres with the load of the car.
 # - A voxel grid stands at the start of nearly every pipeline; 0.1 to 0.3 m is usual in a city. The real-time lessons (10 to 12) show when you can do without.
 #
@@ -421,10 +553,10 @@ for (name, keep), axes in zip(wrong.items(), rows):
 # ## Summary
 #
 # - Coordinates are relative to the sensor; the ground level is a property of the car.
-# - One comparison removes nearly all of the road; slopes and kerbs need a plane.
-# - A voxel grid evens out density; doubling the cell divides the points by two to four.
+# - One comparison removes nearly all of the ground; slopes and kerbs need a plane.
+# - A voxel grid evens out density. Cells twice as wide leave between two and four times fewer points, as long as most cells hold several.
 #
-# **Sources.** Ground height and margin: sensor set-up of the KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by lines in sectors of azimuth: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059); by planes, piece by piece: [Zermas et al. 2017](https://doi.org/10.1109/ICRA.2017.7989591).
+# **Sources.** A sensor 1.73 m above the road: set-up of the KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by lines in sectors of azimuth: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059); by planes, piece by piece: [Zermas et al. 2017](https://doi.org/10.1109/ICRA.2017.7989591).
 #
 # **Next:** 07 · Filter by distance
 

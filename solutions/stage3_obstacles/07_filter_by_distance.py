@@ -16,9 +16,9 @@
 # **After this lesson you can**
 # - keep what is near, with the right kind of distance, and say what a metre more costs,
 # - cut a region of interest out of a street,
-# - find and remove the returns that are no obstacles at all: your own car, and rays that never came back.
+# - find and remove [returns](#Words-of-the-course) that are no obstacles at all.
 #
-# **You write** `filter_by_distance` (20 points), `crop_region` (5 points) and `remove_ego_returns` (5 points). **Time:** about 45 minutes. **You need** boolean masks (lesson 01 or 06).
+# **You write** `filter_by_distance` (20 points), `crop_region` (5 points) and `remove_ego_returns` (5 points). **Time:** (time). **You need** boolean masks (lesson 01 or 06).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -31,23 +31,27 @@
 #
 # *A scanner does not know what is near: it reports everything it can reach.*
 #
-# So far our pictures showed a few dozen metres of street. Here is the full turn: x forward, y left, z up in metres, the sensor at the origin, then intensity.
+# So far our pictures showed a few dozen metres of street. Here is all of the scan: x forward, y left, z up in metres, the sensor at the origin; then intensity.
 
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
-from ipywidgets import FloatSlider, interact
+from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots
+from utils import check, load_cloud, plots, predict
 
 cloud = load_cloud("cloud.txt")
 low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
 print(f"{len(cloud):,} returns; x from {low[0]:.0f} to {high[0]:.0f} m, "
       f"y from {low[1]:.0f} to {high[1]:.0f} m, z from {low[2]:.1f} to {high[2]:.1f} m")
-plots.from_above(cloud, limits=((-80, 80), (-45, 45)), title="One turn, everything it reached");
+plots.from_above(cloud, limits=((-80, 80), (-45, 45)), title="One scan, everything it reached");
 
 # %% [markdown]
-# **Predict first.** Draw a circle of 10 m around the sensor, in your mind. The sensor reaches 80 m, so the circle covers one part in sixty-four of the area. Which share of all returns lies inside: about 2 %, a fifth, or more than half? Write your guess down; your own function will answer.
+# Draw a circle of 10 m around the sensor, in your mind. The sensor reaches 80 m, so this circle covers one part in sixty-four of the area, 1.6 %. Move the slider to your guess; your own function will answer.
+
+# %%
+within_10 = predict("What share of all returns lies within 10 m of the sensor?",
+                    between=(0, 100), unit="%")
 
 # %% [markdown]
 # ## The naive idea: the length of the row
@@ -59,14 +63,16 @@ plots.from_above(cloud, limits=((-80, 80), (-45, 45)), title="One turn, everythi
 # %%
 street = ((-15, 35), (-14, 14))
 other_driver = cloud * [1, 1, 1, 255]
-length_of_row = np.linalg.norm(other_driver, axis=1)
-plots.kept_and_removed(other_driver, length_of_row <= 10, limits=street,
+short_rows = np.linalg.norm(other_driver, axis=1) <= 10
+print(f"{short_rows.sum()} of {len(cloud):,} returns are left")
+plots.kept_and_removed(other_driver, short_rows, limits=street,
                        title="Length of the row up to 10: the street is empty");
 
 # %% [markdown]
-# Every car is gone, and nothing raised an error. Three columns, then: `np.linalg.norm(cloud[:, :3], axis=1)`, the straight line from the sensor to the point? A lorry carries its sensor 3.4 m up. A child stands 5.7 m in front of it; the lorry brakes for everything within 6 m.
+# All the cars are gone, and nothing raised an error. Three columns, then: `np.linalg.norm(cloud[:, :3], axis=1)`, the straight line from the sensor to the point? Think of a lorry that carries its sensor 3.4 m up and brakes for everything within 6 m. A child stands 5.7 m in front of it. Here is the yard from the side, to scale:
 
-# %%
+# %% tags=["folded"]
+# @title Scan a lorry's yard (you need not read this)
 from utils.ground import Ground
 from utils.simulator import Sensor, World, layers, scan
 from utils.streets import numbered, placed
@@ -75,24 +81,30 @@ from utils.traffic import pedestrian
 on_a_lorry = Sensor(elevations=layers(64, -50, 15), azimuth_step=np.radians(0.3),
                     origin=(0, 0, 3.4))
 yard = World(Ground(), numbered([placed(pedestrian(1.2), 5.7, 0)]))
-seen = scan(yard, on_a_lorry, seed=7).cloud
+yard_scan = scan(yard, on_a_lorry, seed=7)
+in_front = np.abs(yard_scan.cloud[:, 1]) < 2
+seen, is_child = yard_scan.cloud[in_front], yard_scan.objects[in_front] > 0
+
+
+def draw_yard(rows, keep, title):
+    """The yard from the side, to scale, with 6 m along the road and 6 m in a straight line."""
+    axes = plots.kept_and_removed(rows, keep, view="side to scale", limits=((-9, 9), (-3.9, 1)),
+                                  title=title)
+    turn = np.linspace(0, 2 * np.pi, 200)
+    axes.plot(6 * np.cos(turn), 6 * np.sin(turn), color="black", linestyle="--", linewidth=1)
+    axes.axvline(6, color="black", linestyle=":", linewidth=1)
+    axes.text(6.15, 0.1, "6 m along\nthe road")
+    axes.text(-5.7, 0.1, "6 m in a\nstraight line")
+    plots.ring(axes, 5.7, -2.8, radius=0.75, text="child")
+
+
 slanted = np.linalg.norm(seen[:, :3], axis=1)
-
-ahead = np.abs(seen[:, 1]) < 2
-axes = plots.kept_and_removed(seen[ahead], slanted[ahead] <= 6, view="side",
-                              limits=((-9, 9), (-3.8, 1)),
-                              title="3-D distance up to 6 m: the child is not seen")
-turn = np.linspace(0, 2 * np.pi, 200)
-axes.plot(6 * np.cos(turn), 6 * np.sin(turn), color="black", linestyle="--", linewidth=1)
-axes.axvline(6, color="black", linestyle=":", linewidth=1)
-axes.text(6.2, 0.5, "6 m along the road")
-axes.text(5.9, -2.15, "child")
-axes.text(-5.6, 0.5, "6 m in a straight line");
+draw_yard(seen, slanted <= 6, "3-D distance up to 6 m: the child is not seen")
+print(f"of {is_child.sum()} returns of the child, {(slanted[is_child] <= 6).sum()} are kept")
 
 # %% [markdown]
-# The straight line to the child starts 3.4 m above the road, so it is longer than the way that the lorry's bumper has to go. A ball around the sensor is the wrong shape: it gets narrower towards the road, where everybody stands.
-
-# %% [markdown]
+# The straight line to the child starts 3.4 m above the road, so it is longer than the distance left for the bumper. A ball around the sensor is the wrong shape: it gets narrower towards the road, where people stand.
+#
 # ## The idea: distance along the road
 #
 # *What counts is how far we can still drive, and cars do not drive upwards.*
@@ -154,17 +166,29 @@ def filter_by_distance(cloud, distance=10.0):
 #
 # Two lines: `d = np.hypot(...)` of the first two columns; `return cloud[d ...]` with the comparison for the dots. Compare with the parameter, not with 10.
 # </details>
-
-# %% [markdown]
-# **Look before you check.** The left picture should be a disc of radius 10 m, with gaps only where obstacles cast shadows. On the right, the lorry's yard: the child should be there, from head to feet.
+#
+# **Four points first.** The first and the last are farther than 10 m. The second hangs high in a tree and the third lies deep under a bridge, but along the road they are 6.3 m and 5 m away. Two rows should be left: `[6, 2, 9, 0.1]` and `[4, 3, -12, 0.1]`.
 
 # %%
-figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.9), layout="compressed")
+four = np.array([[11.0, 1.0, 0.0, 0.1],
+                 [6.0, 2.0, 9.0, 0.1],
+                 [4.0, 3.0, -12.0, 0.1],
+                 [13.0, 2.0, -0.2, 0.1]])
+filter_by_distance(four)
+
+# %% [markdown]
+# **Look before you check.** The first picture should be a disc of radius 10 m, with a hole around us, into which no beam looks down, and gaps where obstacles cast shadows. In the second, the child should be there from head to feet.
+
+# %%
 near = filter_by_distance(cloud)
-plots.from_above(near, limits=((-14, 14), (-14, 14)), axes=left, title=f"{len(near):,} near points")
-plots.from_side(filter_by_distance(seen[ahead], 6.0), limits=((-8, 8), (-3.8, 1)), axes=right,
-                title="6 m around the lorry")
-print(f"{len(near) / len(cloud):.0%} of all returns lie within 10 m. What did you predict?")
+plots.from_above(near, limits=((-14, 14), (-11, 11)), title=f"{len(near):,} near points")
+
+rows = np.column_stack([seen[:, :3], np.arange(len(seen))])  # a number in place of intensity
+kept = filter_by_distance(rows, 6.0)[:, 3].astype(int)
+draw_yard(seen, np.isin(np.arange(len(seen)), kept), "Your function: 6 m around the lorry")
+within_10.compare(100 * len(near) / len(cloud),
+                  "Equal angles are unequal distances on the road, so the rings of the beams "
+                  "crowd together near the car. And what stands near hides what lies far.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_filter_by_distance", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(filter_by_distance)
@@ -174,138 +198,100 @@ check(filter_by_distance)
 #
 # *Near the sensor a metre more brings thousands of points; far away it brings a dozen.*
 #
-# Move the slider. At which radius does a second car ahead appear? Where do the points stop coming?
-
-# %%
-thin = cloud[::6]  # every sixth point is enough to look at
-
-
-@interact(distance=FloatSlider(value=10, min=2, max=60, step=1, description="radius (m)",
-                               continuous_update=False))
-def show_distance(distance):
-    kept = filter_by_distance(thin, distance)
-    plots.from_above(kept, limits=((-60, 60), (-32, 32)),
-                     title=f"{len(kept) / len(thin):.0%} of the points within {distance:.0f} m")
-    plt.show()
-
-# %% [markdown]
-# The same without a slider: three radii.
-
-# %%
-figure, panels = plt.subplots(1, 3, figsize=(8.5, 3.2), layout="compressed")
-numbered_rows = np.column_stack([thin[:, :3], np.arange(len(thin))])  # number for intensity
-for distance, axes in zip((5, 10, 30), panels):
-    is_near = np.zeros(len(thin), dtype=bool)
-    is_near[filter_by_distance(numbered_rows, distance)[:, 3].astype(int)] = True
-    plots.kept_and_removed(thin, is_near, limits=((-32, 32), (-26, 26)), axes=axes,
-                           title=f"{distance} m: {is_near.mean():.0%}")
-
-# %% [markdown]
-# ## Theory against practice: where do the points lie?
-#
-# *Equal angles are unequal distances on the road, so the rings of the beams crowd together near the car.*
-#
-# A beam that looks down by the angle $\alpha$ from the height $h$ meets a flat road at the distance $h / \tan\alpha$ and draws a ring there. Each ring holds equally many returns. So the share of road returns within a radius is the share of rings within it, and that we can count without any scan.
-#
-# To see whether this is true, scan an empty flat road, and compare with our street. Your own function does the counting.
+# The truth of this scan says what each return hit, so we can draw the obstacles alone, without the road. A car drives ahead of us in our own lane, right on the line y = 0. At which radius does it appear? And where does the picture stop growing? The next cell answers both.
 
 # %%
 from utils.datasets import DATA
-from utils.simulator import hdl64
-
-sensor = hdl64()
-downwards = -np.array([angle for angle in sensor.elevations if angle < 0])
-rings = sensor.origin[2] / np.tan(downwards)
-radii = np.geomspace(3.5, 80, 60)
-in_theory = [(rings <= radius).sum() / (rings <= 80).sum() for radius in radii]
 
 truth = np.load(DATA / "cloud_truth.npz")
 names = truth["class_names"].tolist()
-roads = {"an empty road": scan(World(), sensor, seed=7).cloud,
-         "our street": cloud[truth["classes"] == names.index("ground")]}
-few = radii[::4]
-axes = plots.curves(
-    {"rings within the radius": (radii, in_theory)},
-    {name: (few, [len(filter_by_distance(road, radius)) / len(road) for radius in few])
-     for name, road in roads.items()},
-    across="radius (m)", up="share of the road returns",
-    title="Half of the road lies within a few steps")
-axes.set_xscale("log")
-axes.set_xticks([4, 6, 10, 20, 40, 80], [4, 6, 10, 20, 40, 80])
-axes.minorticks_off()
+no_obstacle = [names.index(kind) for kind in ("invalid", "ground", "ego")]
+obstacles = cloud[~np.isin(truth["classes"], no_obstacle)]
+thin = obstacles[::4]  # every fourth point is enough to look at
 
-# %% [markdown]
-# The empty road follows the theory. In our street even more of the road is near, because parked cars and houses catch the flat beams before they reach the far end of it.
-#
-# So a radius of 10 m removes 98 % of the area, but much less of the points. If you wanted to save work with it, that is a disappointment. Let us see what is saved, and what it costs.
+
+@interact(radius=IntSlider(value=10, min=2, max=60, description="radius (m)",
+                           continuous_update=False))
+def show_radius(radius):
+    plots.from_above(filter_by_distance(thin, radius), limits=((-35, 55), (-20, 25)),
+                     title=f"Obstacles within {radius} m")
+    plt.show()
+
+# %% tags=["folded"]
+# @title The same without a slider (you need not read this)
+def first_radius(number):
+    """The smallest radius in whole metres that leaves 20 returns of an object."""
+    hits = cloud[truth["objects"] == number]
+    return next(radius for radius in range(1, 81) if len(filter_by_distance(hits, radius)) >= 20)
+
+
+def share_within(radii):
+    """For each radius the share of the obstacles' returns that your filter leaves."""
+    return [len(filter_by_distance(obstacles, radius)) / len(obstacles) for radius in radii]
+
+
+radii = (10, 20, 30, 60)
+shares = share_within(radii)
+axes = plots.from_above(thin, limits=((-35, 55), (-20, 25)), title="Three radii in one picture")
+for radius, share in zip(radii[:-1], shares):
+    axes.add_patch(plt.Circle((0, 0), radius, fill=False, linestyle="--"))
+    axes.text(0.82 * radius, -0.57 * radius, f"{radius} m: {share:.0%}", ha="center", va="center",
+              bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
+plots.ring(axes, 20.6, 0, radius=2, text="ahead of us")
+print(f"the car ahead of us appears at {first_radius(11)} m")
+print("share of the obstacles' returns:",
+      ", ".join(f"{share:.0%} within {radius} m" for radius, share in zip(radii, shares)))
 
 # %% [markdown]
 # ## Cost saved against what is lost
 #
 # *Comparing every point with every other costs n²: halve the points, and three quarters of the work are gone.*
 #
-# The next step of the pipeline looks for neighbours. The plainest way compares each point with all others. We time that on what your filter leaves of the obstacles, thinned to every twelfth point, for growing radii. On logarithmic axes a power of n is a straight line; the legend says which power fits.
+# The next step of the pipeline looks for neighbours, and the plainest way compares each point with all others: twice the points, four times the work. So we count what a radius leaves of the points above the ground, and square it.
+#
+# And what is lost? We count the cars, lorries, cyclists and pedestrians of which your filter leaves at least 20 returns. The dotted lines say how far a car must see: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, measured from its bumper. The line is the theory for points that are spread evenly over the area; the markers are what your function finds.
 
-# %%
-import time
-
-
-def count_neighbours(points):
-    """How many points lie within 0.5 m of each point: every point against every other."""
-    return [(((points - point) ** 2).sum(axis=1) < 0.25).sum() for point in points]
-
-
-standing = thin[thin[:, 2] >= -1.2, :3][::2]
-numbers, seconds = [], []
-for radius in (5, 6, 8, 10, 15, 80):
-    kept = filter_by_distance(standing, radius)
-    begin = time.perf_counter()
-    count_neighbours(kept)
-    numbers.append(len(kept))
-    seconds.append(time.perf_counter() - begin)
-    print(f"within {radius:2d} m: {len(kept):6,} points, {seconds[-1]:6.2f} s")
-plots.timing({"your filter, then all pairs": (numbers, seconds)},
-             title="Work grows with the square of the points that are left");
-
-# %% [markdown]
-# And what is lost? The truth of this scan knows every car, lorry, cyclist and pedestrian. We count those of which at least 20 returns are left. The dotted lines say how far a car must see: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$.
-
-# %%
+# %% tags=["folded"]
+# @title What a radius saves and what it loses (you need not read this)
 kinds = [names.index(kind) for kind in ("car", "truck", "pedestrian", "cyclist")]
-users = np.isin(truth["classes"], kinds)
 upright = cloud[:, 2] >= -1.2
-returns = np.column_stack([cloud[:, :3], truth["objects"]])[users & upright]  # x, y, z, number
+is_user = upright & np.isin(truth["classes"], kinds)
+users = np.column_stack([cloud[:, :3], truth["objects"]])[is_user]  # x, y, z, number of the object
 
 
-def users_left(radius):
-    """Road users with at least 20 returns within a radius."""
-    _, count = np.unique(filter_by_distance(returns, radius)[:, 3], return_counts=True)
-    return (count >= 20).sum()
+def points_within(radii):
+    """For each radius the number of points above the ground that your filter leaves."""
+    return [len(filter_by_distance(cloud[upright], radius)) for radius in radii]
 
 
-distances_upright = np.hypot(*cloud[upright, :2].T)
+def users_within(radii):
+    """For each radius the number of road users of which it leaves at least 20 returns."""
+    numbers = [filter_by_distance(users, radius)[:, 3] for radius in radii]
+    return [int((np.unique(one, return_counts=True)[1] >= 20).sum()) for one in numbers]
+
+
+bumper = 2.6  # metres ahead of the sensor: a radius begins at the sensor, braking at the bumper
+metres_per_second = np.array([30, 50]) / 3.6
+stops = bumper + 0.5 * metres_per_second + metres_per_second**2 / 14
 radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
-points = np.array([len(filter_by_distance(cloud[upright], radius)) for radius in radii])
-axes = plots.curves({"points": (radii, points / points[-1]),
-                     "work, n²": (radii, (points / points[-1]) ** 2),
-                     "road users": (radii, [users_left(r) / users_left(80) for r in radii])},
+points = np.array(points_within([*radii, *stops])) / upright.sum()
+road_users = np.array(users_within([*radii, *stops]))
+road_users = road_users / road_users[12]
+axes = plots.curves({"points, if spread evenly": (radii, (radii / 80) ** 2)},
+                    {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2),
+                     "road users": (radii, road_users[:13])},
                     across="radius (m)", up="share that is left",
                     title="What a radius saves, and what it loses")
-bumper = 2.6  # metres ahead of the sensor: a radius begins at the sensor, braking at the bumper
-for speed in (30, 50):
-    metres_per_second = speed / 3.6
-    stop = bumper + 0.5 * metres_per_second + metres_per_second**2 / 14
+for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
     axes.axvline(stop, color="black", linestyle=":", linewidth=1)
-    axes.text(stop + 0.6, 0.04, f"stops from\n{speed} km/h")
-    near = (distances_upright <= stop).mean()
-    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie {1 - near:.0%} of "
-          f"the points, {1 - near**2:.0%} of the work and "
-          f"{1 - users_left(stop) / users_left(80):.0%} of the road users")
+    axes.text(stop + 0.6, 0.22, f"stops from\n{speed} km/h")
+    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie "
+          f"{1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
+          f"and {1 - some:.0%} of the road users")
 
 # %% [markdown]
 # Points and road users do not come at the same rate. Beyond the second dotted line few points are left to save, but many road users are left to lose: the far ones cost little, and a fast car needs them most. The shorter radius is enough for 30 km/h and no more. And a circle treats walls and cars alike. It cannot tell a house front from a lane. A box can.
-
-# %% [markdown]
+#
 # ## The idea: a region of interest
 #
 # *A street is long and narrow, and so is what can get in our way.*
@@ -366,9 +352,21 @@ def crop_region(cloud, minimum, maximum):
 #
 # `inside = (... & ...).all(axis=1)`; then index the cloud, not `cloud[:, :3]`, so that the intensity stays.
 # </details>
+#
+# **Six points first.** The region reaches 30 m ahead and 10 m back, from the first metre of the right pavement to the left kerb. The third point is inside. Each of the others leaves it on one side only: behind, ahead, on the right, on the left, above. One row should be left, `[1, 2, -1, 0.4]`.
+
+# %%
+region = (-10, -5, -2), (30, 6, 1)
+six = np.array([[-11.0, 2.0, -1.0, 0.4],
+                [31.0, 2.0, -1.0, 0.4],
+                [1.0, 2.0, -1.0, 0.4],
+                [1.0, -6.0, -1.0, 0.4],
+                [1.0, 7.0, -1.0, 0.4],
+                [1.0, 2.0, 1.5, 0.4]])
+crop_region(six, *region)
 
 # %% [markdown]
-# **Look before you check.** The region reaches 30 m ahead and 10 m back, from the first metre of the right pavement to the left kerb. Nothing may stick out of the rectangle.
+# **Look before you check.** Nothing may stick out of the rectangle. Then three ways to keep less of the street compete, on everything that stands above the ground.
 
 # %%
 def outline(axes, minimum, maximum):
@@ -377,7 +375,6 @@ def outline(axes, minimum, maximum):
     axes.add_patch(plt.Rectangle(minimum[:2], length, width, fill=False, linestyle="--"))
 
 
-region = (-10, -5, -2), (30, 6, 1)
 lane = crop_region(cloud, *region)
 axes = plots.from_above(lane, limits=street, title=f"{len(lane):,} points in the region")
 outline(axes, *region)
@@ -385,65 +382,81 @@ outline(axes, *region)
 # %% nbgrader={"grade": true, "grade_id": "test_crop_region", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(crop_region)
 
-# %% [markdown]
-# Circle against box, on everything that stands above the road:
-
 # %%
-choices = {"circle of 10 m": lambda rows: filter_by_distance(rows, 10),
-           "circle of 30 m": lambda rows: filter_by_distance(rows, 30),
-           "region of interest": lambda rows: crop_region(rows, *region)}
-ahead = returns[returns[:, 0] > 0]
-in_street = np.abs(ahead[:, 1] - 0.5) < 5.5
-walls = cloud[upright & (truth["classes"] == names.index("wall"))]
-print(f"{'':20}   points   walls   road users ahead: in the street, and with the pavements")
-for name, keep in choices.items():
-    users = [(np.unique(keep(rows)[:, 3], return_counts=True)[1] >= 20).sum()
-             for rows in (ahead[in_street], ahead)]
-    print(f"{name:20} {len(keep(cloud[upright])):8,} {len(keep(walls)):7,} {users[0]:7} {users[1]:7}")
+fewest = predict("Which of the three keeps the fewest points above the ground?",
+                 choices=["circle of 10 m", "circle of 30 m", "region of interest"])
+
+# %% tags=["folded"]
+# @title Circle against box (you need not read this)
+def left_by(name):
+    """Points, wall points, road users ahead in the street, and all road users ahead."""
+    def keep(rows):
+        if name == "region of interest":
+            return crop_region(rows, *region)
+        return filter_by_distance(rows, 10 if name == "circle of 10 m" else 30)
+
+    walls = cloud[upright & (truth["classes"] == names.index("wall"))]
+    ahead = users[users[:, 0] > 0]
+    in_street = ahead[np.abs(ahead[:, 1] - 0.5) < 5.5]
+    found = [int((np.unique(keep(rows)[:, 3], return_counts=True)[1] >= 20).sum())
+             for rows in (in_street, ahead)]
+    return len(keep(cloud[upright])), len(keep(walls)), *found
+
+
+left = {name: left_by(name) for name in ("circle of 10 m", "circle of 30 m", "region of interest")}
+print(f"{'':20}  points   walls   road users ahead: in the street, and with the pavements")
+for name, (some, walls, in_street, ahead) in left.items():
+    print(f"{name:20} {some:7,} {walls:7,} {in_street:7} {ahead:7}")
+fewest.compare(min(left, key=lambda name: left[name][0]),
+               "Half of the points above the ground lie on house fronts. The box leaves them all "
+               "out, and far ahead there are few points to keep.")
 
 # %% [markdown]
-# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements, and who walks there: the last column. Somebody who steps off the pavement will be in the box only when they are on the road: that choice is yours, and it should be a conscious one.
-
-# %% [markdown]
+# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements, and who walks there: compare the last column. Somebody who steps off the pavement will be in the box only when they are on the road. That choice is yours: make it on purpose.
+#
 # ## Who is standing so close?
 #
-# *A scanner also sees the car that carries it, and it reports some rays that never came back.*
-#
-# Take the obstacles near the car, sort them by distance, and look at the nearest ones.
-#
-# **Predict first.** How near is the nearest return that survives the ground level and your distance filter?
+# Now take what stands above the ground and within 10 m of the sensor, sort it by distance, and look at the nearest returns.
 
 # %%
-obstacles = filter_by_distance(cloud[upright])
-distances = np.sort(np.hypot(obstacles[:, 0], obstacles[:, 1]))
+nearest = predict("How far away is the nearest return of all that are left?",
+                  between=(0, 10), step=0.1, unit="m", digits=1)
+
+# %%
+close = filter_by_distance(cloud[upright])
+distances = np.sort(np.hypot(close[:, 0], close[:, 1]))
 print("the nearest returns, in metres:", distances[:6].round(2))
 print(f"within 3 m: {(distances < 3).sum()} returns")
-close_up = ((-4, 6), (-4, 4))
-axes = plots.from_above(obstacles, limits=close_up, title="Something stands within arm's reach")
+close_up = ((-4, 6), (-3.5, 3.5))
+axes = plots.from_above(close, limits=close_up, title="Something stands within arm's reach")
 ego_box = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)  # around our own car, as the sensor sees it
 outline(axes, *ego_box)
-axes.text(-1.4, -1.6, "our own car");
+axes.text(-1.4, -1.6, "our own car")
+nearest.compare(distances[0],
+                "Some rays that found no echo are stored as a return at (0, 0, 0), the sensor "
+                "itself. The next ones are parts of our own car.")
 
 # %% [markdown]
-# Two kinds of returns that are no obstacles:
+# *A scanner also sees the car that carries it, and it reports some rays that never came back.* So two kinds of returns are no obstacles:
 #
-# - **Ego returns**: the lowest beams graze our own mirrors, tailgate and aerial. They move with us and never go away: a cluster that is always 1.3 m off, and a car that never starts.
+# - **Returns of [our own car](#Words-of-the-course)**: the lowest [beams](#Words-of-the-course) graze our mirrors, tailgate and aerial. They move with us and never go away: a cluster that is always 1.3 m off, and a car that never starts.
 # - **Invalid returns**: a ray without an echo is sometimes stored as (0, 0, 0). Its height, 0, is above any ground level; its distance, 0, is below any radius. It survives both filters.
 #
 # The naive cure is a minimum distance: forget everything within 3 m.
 
 # %%
-too_near = np.hypot(obstacles[:, 0], obstacles[:, 1]) < 3
-axes = plots.kept_and_removed(obstacles, ~too_near, limits=close_up,
+too_near = np.hypot(close[:, 0], close[:, 1]) < 3
+axes = plots.kept_and_removed(close, ~too_near, limits=close_up,
                               title="A circle that covers our car covers the places beside it, too")
 outline(axes, *ego_box)
 axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
-axes.text(0.5, -2.35, "a child here?", ha="center");
+plots.ring(axes, 0.5, -2.3, radius=0.4)
+axes.text(1.05, -2.3, "a child here?", va="center");
 
 # %% [markdown]
-# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; who builds a car measures it to the centimetre.
+# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; whoever builds a car measures it to the centimetre.
 #
-# Mind your logic there. "Not (inside in x and y and z)" is "outside in x **or** y **or** z". Someone who asks for outside in x *and* y *and* z throws away nearly everything: whatever shares just one coordinate with our car.
+# Mind your logic there. "Not (inside in x and y and z)" is "outside in x **or** y **or** z". Someone who asks for outside in x *and* y *and* z throws away all that shares a single coordinate with our car: the car ahead of us, too.
 #
 # ## Exercise 3 · `remove_ego_returns` (5 points)
 #
@@ -487,14 +500,24 @@ def remove_ego_returns(cloud, minimum, maximum):
 #
 # Copy the line with `inside = ...` and return `cloud[~inside]`.
 # </details>
+#
+# **Five points first.** The first is a mirror of ours. The others share two coordinates with our car: a car ahead, one behind, a wall on the left, a child on the right. Only the first row may go.
+
+# %%
+five = np.array([[0.5, 0.0, -0.7, 0.4],
+                 [9.0, 0.0, -0.7, 0.4],
+                 [-4.0, 0.0, -0.7, 0.4],
+                 [0.5, 6.0, -0.7, 0.4],
+                 [0.5, -3.0, -0.7, 0.4]])
+remove_ego_returns(five, *ego_box)
 
 # %% [markdown]
 # **Look before you check.** The box should be empty, and only the box.
 
 # %%
-free = remove_ego_returns(obstacles, *ego_box)
+free = remove_ego_returns(close, *ego_box)
 axes = plots.from_above(free, limits=close_up,
-                        title=f"{len(obstacles) - len(free)} returns of our own car removed")
+                        title=f"{len(close) - len(free)} returns of our own car removed")
 outline(axes, *ego_box)
 
 # %% nbgrader={"grade": true, "grade_id": "test_remove_ego_returns", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
@@ -510,13 +533,13 @@ check(remove_ego_returns)
 # %%
 def report(step, rows):
     invalid = (rows[:, :3] == 0).all(axis=1).sum()
-    nearest = np.hypot(rows[:, 0], rows[:, 1]).min()
-    print(f"{step:28} {len(rows):8,} returns, {invalid} invalid, nearest {nearest:.2f} m")
+    distance = np.hypot(rows[:, 0], rows[:, 1]).min()
+    print(f"{step:28} {len(rows):8,} returns, {invalid} invalid, nearest {distance:.2f} m")
 
 
 report("raw scan", cloud)
 report("above the ground", cloud[upright])
-report("within 10 m", obstacles)
+report("within 10 m", close)
 report("without our own car", free)
 report("without the sensor itself", remove_ego_returns(free, (-0.1, -0.1, -0.1), (0.1, 0.1, 0.1)))
 
@@ -528,35 +551,43 @@ report("without the sensor itself", remove_ego_returns(free, (-0.1, -0.1, -0.1),
 # | what was written | what you see |
 # |---|---|
 # | `np.linalg.norm(cloud, axis=1)` | bright points vanish, or all of them |
-# | `np.linalg.norm(cloud[:, :3], axis=1)` | a ball: the road and the feet of people go first |
+# | `np.linalg.norm(cloud[:, :3], axis=1)` | a ball: what is near but far below the sensor goes, such as the child before the lorry |
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, with corners 41 % too far away |
 # | `x**2 + y**2 <= r` | a disc that is much too small: 3.2 m for 10 |
 # | `cloud[:, 0] <= r` | half a street: everything behind us stays |
-# | `any` where `all` belongs | nearly everything stays, since most heights are inside; in the picture, which leaves out the heights, a cross of two endless strips |
+# | `any` where `all` belongs | nearly everything stays, since most heights are inside |
 
-# %%
-x, y = thin[:, 0], thin[:, 1]
-beside_x, beside_y = (x >= -5) & (x <= 15), (y >= -3) & (y <= 4)
-wrong = {"a square": (np.abs(x) <= 10) & (np.abs(y) <= 10),
-         "squared ≤ plain": x**2 + y**2 <= 10,
-         "any for all": beside_x | beside_y}
-figure, panels = plt.subplots(1, 3, figsize=(8.5, 3.2), layout="compressed")
+# %% tags=["folded"]
+# @title Two of them as pictures (you need not read this)
+x, y = cloud[:, 0], cloud[:, 1]
+wrong = {"a square": (np.abs(x) <= 10) & (np.abs(y) <= 10), "squared ≤ plain": x**2 + y**2 <= 10}
+figure, panels = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed")
 for (name, keep), axes in zip(wrong.items(), panels):
-    plots.kept_and_removed(thin, keep, limits=((-20, 25), (-22, 22)), title=name, axes=axes)
+    plots.kept_and_removed(cloud[::6], keep[::6], limits=((-16, 16), (-16, 16)), title=name,
+                           axes=axes)
+    axes.add_patch(plt.Circle((0, 0), 10, fill=False, linestyle="--"))
 
 # %% [markdown]
 # ## In practice
 #
 # - The region is not a fixed box. It follows the planned path and the lanes of a map, and it grows with the speed, because the stopping distance does.
 # - Filters that look at each point alone may come in any order: it matters for speed, not for the result. (For a voxel grid or a plane fit it matters for both.) The cheapest that removes most comes first: a distance needs a handful of operations per point, a plane fit hundreds.
-# - Ego boxes come from the drawings of the car and must be checked after every change: a bicycle on the rack is a new ego return.
+# - The box around a car comes from its drawings and must be checked after every change: a bicycle on the rack is a new obstacle that never goes away.
 # - What a filter removes is gone for all who come after it. Safety systems keep the raw scan and watch for things that appear at the edge of the region.
+#
+# The same with Open3D (from 0.18 on), faces included as in yours. PCL's `CropBox` has `setMin`, `setMax` and, for our own car, `setNegative(true)`.
+#
+# ```python
+# box = open3d.geometry.AxisAlignedBoundingBox(min_bound=(-10, -5, -2), max_bound=(30, 6, 1))
+# lane = point_cloud.crop(box)
+# outside = point_cloud.crop(box, invert=True)
+# ```
 #
 # ## If you want more
 #
 # 1. Write `crop_lane(cloud, width, curvature)`, a region that bends with the road: $|y - \tfrac{1}{2} \kappa x^2| \le w / 2$.
-# 2. Give the circle a stopping distance: choose the radius from the speed, and draw how the work grows with it.
-# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find its ego box: which points stay in the same place over ten frames of a drive?
+# 2. A beam that looks down by the angle $\alpha$ from the height $h$ draws a ring of radius $h / \tan\alpha$ on a flat road, and each ring holds equally many returns. Which share of the road's returns should lie within 10 m? Compare with `filter_by_distance` on the returns of the class `ground`. (`utils.simulator.hdl64().elevations` holds the angles, `origin[2]` the height.)
+# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find the box of its car: which points stay in the same place over ten frames of a drive?
 #
 # ## Summary
 #
@@ -564,7 +595,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # - Points crowd near the sensor. A radius removes much of the area and little of the data; a box around the road removes walls and keeps the view ahead.
 # - Our own car and invalid returns are the nearest "obstacles" of every scan. They survive ground and distance filters and need boxes of their own.
 #
-# **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Crop box and pass-through filters: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).
+# **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Boxes and intervals as filters: PCL's [CropBox](https://pointclouds.org/documentation/classpcl_1_1_crop_box.html) and [PassThrough](https://pointclouds.org/documentation/classpcl_1_1_pass_through.html). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).
 #
 # **Next:** 08 · Bounding boxes
 

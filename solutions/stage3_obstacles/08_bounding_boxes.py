@@ -4,6 +4,8 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     lent: [box_area]
 # ---
 
 # %% [markdown]
@@ -11,13 +13,13 @@
 #
 # ![A street seen from above: every car, person, pole and wall has an orange box around its points. One car stands diagonally, its true outline is dashed, and the box leaves much of its own floor empty.](pictures/08_preview.png)
 #
-# A cluster is a thousand points. A car that has to brake cannot ask a thousand points whether they are in its way. It asks a box.
+# A [cluster](#Words-of-the-course) is a thousand points. A car that has to brake has no time to ask a thousand points whether they are in its way. It asks a box.
 #
 # **After this lesson you can**
-# - put a box around every obstacle with two NumPy calls and number its corners so that any program can draw it,
+# - put a box around every obstacle and number its corners so that any program can draw it,
 # - say what such a box promises, and what it costs when a car stands diagonally.
 #
-# **You write** `get_bounding_boxes` (20 points). **Time:** about 45 minutes. **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
+# **You write** `get_bounding_boxes` (20 points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -30,14 +32,14 @@
 #
 # *A label says which obstacle a point belongs to; label 0 says: to none.*
 #
-# Lesson 05 finds clusters. So that this notebook stands alone, we borrow the truth that comes with the scan: for each return the number of the object it hit. Road, our own car and everything beyond 20 m get label 0.
+# Lesson 05 finds clusters. So that this notebook stands alone, we borrow the truth that comes with the scan: for each [return](#Words-of-the-course) the number of the object it hit. Road, our own car and everything beyond 20 m get label 0.
 
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots
+from utils import check, load_cloud, plots, predict
 from utils.datasets import DATA
 
 cloud = load_cloud("cloud.txt")
@@ -47,28 +49,34 @@ labels = np.where(stands_near, truth["objects"], 0)
 kinds = dict(zip(truth["box_identities"].tolist(), truth["box_kinds"].tolist()))
 present = [label for label in np.unique(labels).tolist() if label > 0]
 
+row = np.flatnonzero(truth["box_identities"] == 10)[0]
+centre, yaw = truth["box_centres"][row], truth["box_yaws"][row]
+length, width = truth["box_sizes"][row][:2]
+street = ((-14, 22), (-10, 9))  # x from, to; y from, to
+plots.clusters(cloud[labels > 0], labels[labels > 0], names=True, limits=street,
+               title="The obstacles around us, from above")
 print(f"{len(cloud):,} returns, {np.count_nonzero(labels):,} of them on {len(present)} obstacles")
 print("labels:", present)
+print(f"car 10: {length:.1f} m long and {width:.1f} m wide, {length * width:.1f} m² from above")
 
 # %% [markdown]
 # Look at the labels: some numbers are missing. Those objects are hidden or too far away. Gaps are normal: every filter that removes a cluster leaves one.
+#
+# Ahead on the left a car turns out of a drive: label 10. Put a box around its points, with sides that run along x and y.
 
 # %%
-street = ((-14, 22), (-10, 9))  # x from, to; y from, to
-plots.clusters(cloud[labels > 0], labels[labels > 0], names=True, limits=street,
-               title="The obstacles around us, from above");
-
-# %% [markdown]
-# **Predict first.** Ahead on the left a car turns out of a drive: label 10. Seen from above, a car covers about 7 m². How many square metres will a box cover whose sides run along x and y? Write a number down.
+area = predict("How many square metres will the box around car 10 cover?",
+               between=(0, 30), step=0.5, unit="m²", digits=1)
 
 # %% [markdown]
 # ## The naive idea: a centre and a radius
 #
-# *A circle is the shortest description of an obstacle, and it describes almost none.*
+# *Three numbers make a circle, but few obstacles are round.*
 #
-# Three numbers for each cluster: the mean of its points, and the distance to the farthest of them. Everything inside the circle is taken.
+# For each cluster we take the mean of its points, and the distance to the farthest of them: x, y and a radius. Everything inside the circle is taken.
 
-# %%
+# %% tags=["folded"]
+# @title One circle for each obstacle (you need not read this)
 axes = plots.clusters(cloud[labels > 0], labels[labels > 0], limits=street,
                       title="One circle for each obstacle")
 turn = np.linspace(0, 2 * np.pi, 90)
@@ -88,11 +96,10 @@ print(f"our lane is the grey strip: {len(circles_in_lane)} circles reach into it
       f"but only {len(obstacles_in_lane)} obstacles do")
 
 # %% [markdown]
-# People and poles look fine. But cars get circles that bulge into the next lane, and a house front is a line: its circle is as wide as the house is long. A car that believes these circles does not drive another metre.
+# People and poles look fine. But cars get circles that bulge into the next lane, and a house front is a line: its circle is as wide as the house is long. With these circles our lane looks blocked by parked cars and houses.
 #
 # Obstacles are long in one direction and short in another. So let us give each direction its own numbers.
-
-# %% [markdown]
+#
 # ## The idea: a box is six numbers
 #
 # *For each axis the smallest and the largest value: nothing of the cluster lies outside.*
@@ -101,7 +108,7 @@ print(f"our lane is the grey strip: {len(circles_in_lane)} circles reach into it
 #
 # $$[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \times [\min_{p \in C} y_p,\ \max_{p \in C} y_p] \times [\min_{p \in C} z_p,\ \max_{p \in C} z_p].$$
 #
-# Such a box is called *axis-aligned*: its sides run along x, y and z, whatever the obstacle does. It is a **keep-out volume**: where a box is, the car may not be. That promise holds only if every point of the cluster is inside; one forgotten corner and it is worthless.
+# This is a box along the axes, *axis-aligned* in the language of programmers: its sides run along x, y and z, whatever the obstacle does. It is a **keep-out volume**: where a box is, the car may not be. That promise holds only if every point of the cluster is inside.
 #
 # NumPy takes minima along an axis of an array. On a table of temperatures, three cities (columns) on four days (rows):
 
@@ -114,25 +121,26 @@ print("coldest of each city:", temperatures.min(axis=0))
 print("coldest of each day: ", temperatures.min(axis=1))
 
 # %% [markdown]
-# ## Eight corners, numbered in binary
+# ## Eight corners in an agreed order
 #
-# *A corner chooses, three times, between the smaller and the larger value: three bits, eight numbers.*
+# *A corner chooses, three times, between the smaller and the larger value: eight corners.*
 #
-# Programs that draw boxes want corners. Corner $k$ takes the larger x if `k & 1`, the larger y if `k & 2`, the larger z if `k & 4`. The operator `&` asks whether a bit is set:
+# Programs that draw boxes want corners, and they join them by their numbers. Ours are counted with x changing fastest, then y, then z:
 #
-# | corner | binary (z y x) | x | y | z |
-# |---|---|---|---|---|
-# | 0 | 000 | min | min | min |
-# | 1 | 001 | max | min | min |
-# | 2 | 010 | min | max | min |
-# | 3 | 011 | max | max | min |
-# | 4 to 7 | 1.. | the same again | | max |
+# | corner | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
+# |---|---|---|---|---|---|---|---|---|
+# | x | min | **max** | min | **max** | min | **max** | min | **max** |
+# | y | min | min | **max** | **max** | min | min | **max** | **max** |
+# | z | min | min | min | min | **max** | **max** | **max** | **max** |
 #
-# So 0 to 3 are the floor and 4 to 7 the roof, each straight above the one four numbers below. Here is the same thing flat: a ticket of 2 km or 5 km, on foot or by train.
+# So 0 to 3 are the floor and 4 to 7 the roof, each straight above the one four numbers below. You may fill in this table with three nested loops, x in the innermost. Or you may read the choice off the number: each is a sum of 1, 2 and 4, and corner $k$ takes the larger x if its sum contains the 1, the larger y if it contains the 2, the larger z if it contains the 4.
+#
+# Python asks for that with `&`. Between masks, `&` combines True with True. Between whole numbers it does the same with their binary digits: `5 & 4` is 4, since 5 = 4 + 1 contains the 4, and `5 & 2` is 0, since it does not contain the 2. In an `if`, 0 counts as False and every other number as True. Here with two digits, for a ticket of 2 km or 5 km, on foot or by train:
 
 # %%
 for number in range(4):
-    print(number, "5 km" if number & 1 else "2 km", "by train" if number & 2 else "on foot")
+    print(f"{number} = {number:02b} in binary: & 1 is {number & 1}, & 2 is {number & 2}:",
+          "5 km" if number & 1 else "2 km", "by train" if number & 2 else "on foot")
 
 block = [[0, 0, 0], [4, 0, 0], [0, 2, 0], [4, 2, 0],
          [0, 0, 1.5], [4, 0, 1.5], [0, 2, 1.5], [4, 2, 1.5]]
@@ -164,7 +172,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     # 2. For each of them: the x, y, z of its points, their smallest and their largest values.
     # 3. Build the eight corners from these six numbers.
     # 4. Return all boxes as one array, shape (0, 8, 3) where there are none.
-    # roughly 6 lines
+    # roughly 9 lines
     ### BEGIN SOLUTION
     measured = np.isfinite(cloud[:, :3]).all(axis=1)
     takes_larger = (np.arange(8)[:, None] & [1, 2, 4]) > 0
@@ -182,26 +190,52 @@ def get_bounding_boxes(cloud, cluster_labels):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `low = points.min(axis=0)` and `high = points.max(axis=0)` hold three numbers each. Corner k is `[high[0] if k & 1 else low[0], ...]`, and the same for y with 2 and for z with 4.
+# `low = points.min(axis=0)` and `high = points.max(axis=0)` hold three numbers each. Corner k is `[high[0] if k & 1 else low[0], ...]`, and the same for y, which is `high[1]` or `low[1]`, with 2, and for z with 4.
 # </details>
 # <details><summary>Hint 3</summary>
 #
 # Start with `boxes = np.zeros((len(names), 8, 3))`, where `names` are the labels above 0: that has the right shape for none, too. Then two loops: `for row, name in enumerate(names)` and inside it `for k in range(8)`, filling `boxes[row, k]`.
 # </details>
+#
+# **One box first.** Seven points around the origin: x from −2 to 3, y from −1.5 to 2.5, z from −1.2 to 0.8. The shape should be (1, 8, 3), the first corner (−2, −1.5, −1.2), the last one (3, 2.5, 0.8), and the numbers in the picture those of the block above.
+
+# %%
+seven = np.array([[0.5, 0.2, -0.1], [-2.0, 0.4, 0.3], [3.0, -0.3, 0.2], [0.1, -1.5, -0.4],
+                  [-0.6, 2.5, 0.1], [1.0, 0.7, -1.2], [-0.2, -0.5, 0.8]])
+one = get_bounding_boxes(seven, np.ones(7, dtype=int))
+print("shape:", one.shape)
+print(one[0])
+plots.corner_numbers(one[0], title="The box of seven points");
 
 # %% [markdown]
-# **Look before you check.** Every obstacle should sit in its box, and no box should reach back to the sensor. Beside it, the corner numbers of the turning car: compare them with the block above.
+# **Look before you check.** Every obstacle should sit in its box, and no box should reach back to the sensor. The names are the labels: 10 is the turning car.
 
 # %%
 boxes = get_bounding_boxes(cloud, labels)
 print("shape:", boxes.shape)
-plots.boxes(boxes, cloud=cloud[labels > 0], names=present, limits=street,
-            title="Axis-aligned boxes, from above")
-turning = present.index(10)
-plots.corner_numbers(boxes[turning], title="The box of the turning car");
+beside = (9, 16)  # their names would lie on another box: they are written on the right
+axes = plots.boxes(boxes, cloud=cloud[labels > 0], limits=street,
+                   names=["" if label in beside else label for label in present],
+                   title="Your boxes, from above")
+for label in beside:
+    x, y = boxes[present.index(label), :, :2].T
+    axes.text(x.max() + 0.3, y.mean(), label, fontweight="bold", va="center")
+turning = boxes[present.index(10)]
+area.compare(np.prod(np.ptp(turning[:, :2], axis=0)),
+             "A box that cannot turn must grow when the car stands diagonally. It would be larger "
+             "still, but the scanner saw only the sides of the car that face it.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_get_bounding_boxes", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(get_bounding_boxes)
+
+# %% [markdown]
+# The same boxes in space. Drag to turn the street, scroll to come nearer.
+
+# %%
+from utils.scene3d import Scene
+
+(Scene("Your boxes in space").add_clusters(cloud[labels > 0], labels[labels > 0], names=False)
+ .add_boxes(boxes).add_ego_car().show(interactive=True))
 
 # %% [markdown]
 # ## What a box is good for
@@ -217,7 +251,12 @@ in_the_way = ((low < corridor_high) & (high > corridor_low)).all(axis=1)
 for row in np.flatnonzero(in_the_way):
     # The bumper is 2.6 m ahead of the sensor.
     print(f"{kinds[present[row]]} {present[row]}: {low[row, 0] - 2.6:.1f} m left for the bumper")
-print(f"{6 * len(boxes)} comparisons instead of {6 * np.count_nonzero(labels):,}")
+
+by_point, by_box = 6 * np.count_nonzero(labels), 6 * len(boxes)
+print("comparisons, if the planner asks once:", f"{by_point:,} with points,",
+      f"{by_point:,} to build the boxes + {by_box:,} with boxes")
+print("comparisons, if it asks 100 times:    ", f"{100 * by_point:,} with points,",
+      f"{by_point:,} to build the boxes + {100 * by_box:,} with boxes")
 
 corridor = np.array([corridor_low, corridor_high])
 axes = plots.boxes(boxes, cloud=cloud[labels > 0], limits=((-2, 20), (-6, 6)),
@@ -226,20 +265,22 @@ plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, labe
             names=["corridor"], axes=axes);
 
 # %% [markdown]
+# Boxes are not free: minimum and maximum look once at each coordinate of each return, which is as much work as asking all points once. It is done once a scan. A planner that compares a hundred paths asks a hundred times.
+#
 # Notice how the corridor was drawn: your function made its eight corners from just two points.
 #
 # ## Play: turn a car
 #
 # *A box that cannot turn must grow.*
 #
-# Here is the turning car of label 10, put straight and then turned by as much as you like. Its box follows. At which angle is the box largest? (Turned points are no new scan: of a car that really stood like that, the scanner would see other parts.)
+# Here is the turning car of label 10, put straight and then turned by as much as you like. Its box follows.
 
 # %%
-row = np.flatnonzero(truth["box_identities"] == 10)[0]
-centre, yaw = truth["box_centres"][row], truth["box_yaws"][row]
-length, width = truth["box_sizes"][row][:2]
+largest = predict("At which heading is the box around the whole car largest?",
+                  between=(0, 90), step=5, unit="°")
 
-
+# %% tags=["folded"]
+# @title A car to turn (you need not read this)
 def turned(points, angle):
     """Points turned about z by an angle in radians, anticlockwise."""
     x, y, z = points[:, :3].T
@@ -278,18 +319,18 @@ def show_turned(degrees):
     plt.show()
 
 # %% [markdown]
-# The same without a slider. Dashed: the true outline of the car. Grey: what the scanner saw of it.
+# The same without a slider. Dashed: the true outline of the car. Grey: what the scanner saw of it. (Turned points are no new scan: of a car that really stood like that, the scanner would see other parts.)
 
 # %%
-figure, panels = plt.subplots(1, 3, figsize=(8.5, 3.4), layout="compressed")
-for degrees, axes in zip((0, 20, 45), panels):
+figure, panels = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
+for degrees, axes in zip((5, 40), panels):
     draw_turned(degrees, axes)
     axes.get_legend().remove()
 
 # %% [markdown]
 # ## Theory against practice: the empty corners
 #
-# *At 45 degrees more than half of a car's box is air.*
+# *More than half of a diagonal car's box is air.*
 #
 # A rectangle of length $l$ and width $w$, turned by $\theta$, reaches $l\cos\theta + w\sin\theta$ along x and $l\sin\theta + w\cos\theta$ along y. So its box covers
 #
@@ -297,7 +338,8 @@ for degrees, axes in zip((0, 20, 45), panels):
 #
 # Your function measures the same for the outline of the car and for the points that the scanner really saw.
 
-# %%
+# %% tags=["folded"]
+# @title Theory and your boxes (you need not read this)
 degrees = np.arange(0, 91, 5)
 angles = np.radians(degrees)
 theory = ((length * np.cos(angles) + width * np.sin(angles))
@@ -310,14 +352,20 @@ axes.axhline(length * width, color="black", linestyle=":", label=f"the car: {len
 axes.set_ylim(0)
 axes.legend(loc="lower center")
 print(f"at 45° the box covers {theory[9]:.1f} m²: {1 - length * width / theory[9]:.0%} of it is empty")
-print(f"label 10 in our scan: {box_area(cloud[labels == 10]):.1f} m²")
+seen = measured["boxes of the scanned points"][1]
+print(f"the smallest box of the scanned points covers {min(seen):.1f} m², at "
+      f"{degrees[np.argmin(seen)]}°; the car itself {length * width:.1f} m²")
+largest.compare(degrees[theory.argmax()],
+                "Multiplied out, the area is l w + (l² + w²) sin(2θ) / 2, and the sine is largest "
+                "where 2θ is 90°. There the box is a square.")
 
 # %% [markdown]
-# Was your prediction near the last line? The scanned points lie below the theory, because a scanner sees only the sides that face it: your box holds what was *seen*. The far corner of a car can stick out of it. Real systems add a margin, or fit a box of car size to the two visible sides.
+# The boxes of the scanned points lie below the theory, because a scanner sees only the sides that face it: your box holds what was *seen*. The far corner of a car can stick out of it. Real systems add a margin, or fit a box of car size to the two visible sides.
 #
-# Too large a box closes a free piece of street. And it is not even safe: where the scanner saw nothing, the box ends too early. How much of each footprint lies outside its box, and how many vehicles of this street stand askew?
+# So a box along the axes errs in both ways. It closes a free piece of street where there is air in it. And it ends too early where the scanner saw nothing. How much of each footprint lies outside its box, and how many vehicles of this street stand askew?
 
-# %%
+# %% tags=["folded"]
+# @title What sticks out of your boxes (you need not read this)
 vehicles = np.isin(truth["box_kinds"], ["car", "truck", "cyclist"])
 vehicles &= np.isin(truth["box_identities"], present)
 off = np.degrees(truth["box_yaws"][vehicles]) % 90  # a quarter turn changes nothing
@@ -336,7 +384,7 @@ for name in (10, 4, 13):
     print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
-# On a straight street nearly everything is parallel to us and axis-aligned boxes are a good bargain. One diagonal car stands out; at a junction it would be every second one. Lesson 11 turns the box with the car.
+# On a straight street nearly everything is parallel to us, and boxes along the axes hold little air. One diagonal car stands out; at a junction there would be many. Lesson 11 turns the box with the car. What was not seen stays outside of that box, too.
 
 # %% [markdown]
 # ## Common mistakes
@@ -352,9 +400,14 @@ for name in (10, 4, 13):
 # | `.max()` without `axis=0` | cubes: one number for x, y and z |
 # | `np.array(boxes)` of an empty list | shape (0,): the next step fails on an empty road |
 #
-# The first one is treacherous: it is right for most clusters. How many of this scan's numbers does it get wrong?
+# The first one is hard to notice, because it is right for most clusters. Let it box all obstacles of this scan, each along three axes.
 
 # %%
+too_small = predict(f"How many of the {3 * len(present)} maxima does elif get wrong?",
+                    between=(0, 3 * len(present)))
+
+# %% tags=["folded"]
+# @title Minimum and maximum with elif (you need not read this)
 wrong_by = {}
 for label in present:
     for axis in range(3):
@@ -368,14 +421,17 @@ for label in present:
         if 0 < miss < np.inf:
             wrong_by[f"{kinds[label]} {label}, {'xyz'[axis]}"] = 100 * miss
 plots.compare(wrong_by, label="centimetres missing at the larger end",
-              title=f"elif: {len(wrong_by)} of {3 * len(present)} maxima are wrong");
+              title=f"elif: {len(wrong_by)} of {3 * len(present)} maxima are wrong")
+too_small.compare(len(wrong_by),
+                  "Mostly heights: a scan lists its rows from the top beam down, so the first "
+                  "point of a cluster is often its highest. As a new minimum it takes the first "
+                  "branch, and elif never shows it to the second.")
 
 # %% [markdown]
-# Mostly heights: a scan lists its rows from the top beam down, so the first point of a cluster is often its highest. As a new *minimum* it takes the first branch, and `elif` never shows it to the second.
-#
 # Two more, drawn with your own function on doctored data: the origin slipped into every cluster, and noise taken for an obstacle.
 
-# %%
+# %% tags=["folded"]
+# @title Two more mistakes (you need not read this)
 from_zero = np.vstack([cloud, np.zeros((len(present), 4))])
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.6), layout="compressed")
 plots.boxes(get_bounding_boxes(from_zero, np.concatenate([labels, present])), limits=street,
@@ -386,9 +442,17 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-80, 90), (-45, 45))
 # %% [markdown]
 # ## In practice
 #
-# - Axis-aligned boxes are the workhorse of collision tests. Game engines and planners test them first and look closer only where two of them overlap.
+# - Boxes along the axes are the usual first test for collisions. Game engines and planners look closer only where two of them overlap.
 # - Data sets describe a box by centre, size and heading instead of eight corners: KITTI by seven numbers, with the centre of the *floor* in the camera's coordinates; nuScenes by ten, with the heading as a quaternion. Corners are for drawing, the short form is for computing.
 # - A single stray point inflates a box. Systems with noisy sensors take the 1st and 99th percentile instead of minimum and maximum, and give up the promise that nothing lies outside.
+#
+# The same with Open3D, for one cluster. Its corners come in another order: number 3 stands above 0, and 4 is the opposite corner, so look before you draw. PCL's `getMinMax3D` gives the two corners alone.
+#
+# ```python
+# box = open3d.geometry.AxisAlignedBoundingBox.create_from_points(point_cloud.points)
+# low, high = box.min_bound, box.max_bound
+# corners = np.asarray(box.get_box_points())
+# ```
 #
 # ## If you want more
 #
@@ -401,7 +465,7 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-80, 90), (-45, 45))
 # - A box is a minimum and a maximum for each axis; its corners are the eight ways to combine them.
 # - It is a keep-out volume: every point of the cluster is inside, and so is some air.
 # - Label 0 is no obstacle, labels have gaps, and no obstacles still make an array.
-# - The air is cheap for obstacles along the axes and dear for diagonal ones.
+# - Obstacles along the axes leave little air in it, diagonal ones more than half. What was not seen may stick out.
 #
 # **Sources.** Boxes as collision volumes: [Ericson, Real-Time Collision Detection, chapter 4](https://realtimecollisiondetection.net/). Boxes in a benchmark: [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). NumPy reductions: [numpy.min](https://numpy.org/doc/stable/reference/generated/numpy.min.html).
 #

@@ -4,6 +4,8 @@
 #     display_name: Python 3 (ipykernel)
 #     language: python
 #     name: python3
+#   lidar_obstacle_lab:
+#     lent: [left_over, lost_by, gone_at]
 # ---
 
 # %% [markdown]
@@ -11,13 +13,13 @@
 #
 # ![A street from above. Cars, people, trees and house fronts are drawn as coloured clusters; among them, scattered over the road, small grey crosses: clusters that were too small and now count as noise.](pictures/09_preview.png)
 #
-# Clustering gives every point a cluster, even if the cluster is three drops of water. If each of them becomes a box, the car brakes for spray. If we throw away too much, it does not brake for a child.
+# Clustering gives every point a [cluster](#Words-of-the-course), even if the cluster is three drops of water. If each of them becomes a box, the car brakes for spray. If we throw away too much, it does not brake for a child.
 #
 # **After this lesson you can**
 # - take small clusters out of a labelled cloud, without disturbing the others,
-# - say what a minimum size costs: which people vanish, and at which distance.
+# - say what a minimum size costs: which people it removes, and at which distance.
 #
-# **You write** `filter_clusters` (20 points). **Time:** about 45 minutes. **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05).
+# **You write** `filter_clusters` (20 points). **You need** boolean masks (lesson 01) and an idea of what cluster labels are (lesson 05). **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -37,7 +39,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots, scenes
+from utils import check, load_cloud, plots, predict, scenes
 from utils.datasets import DATA
 
 scan, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
@@ -56,7 +58,7 @@ objects = np.concatenate([truth["objects"][wanted], puff])  # what each return h
 print(f"{len(cloud):,} points, {len(spray)} of them spray")
 
 # %% [markdown]
-# So that this lesson does not depend on your lesson 05, the labels come from the simulator, which knows what each return hit. Every object is one cluster, and so is every square metre of road that got past the ground filter. The labels run from 1 to N, as yours do.
+# So that this lesson does not depend on your lesson 05, the labels come from the simulator, which knows what each [return](#Words-of-the-course) hit. Every object is one cluster, and so is every square metre of road that got past the ground filter. The labels run from 1 to N, as yours do.
 
 # %%
 def labels_from_truth(points, objects):
@@ -74,13 +76,21 @@ street = ((-20, 30), (-10, 10))  # x from, to; y from, to
 plots.clusters(cloud, cluster_labels, limits=street, title="Everything is a cluster");
 
 # %% [markdown]
-# **Predict first.** How many of these clusters have fewer than 100 points? And what share of all *points* do those small clusters hold? Write two numbers down before you go on.
+# Some of these clusters have thousands of points, some have three. How many are small?
+
+# %%
+how_many_small = predict(f"How many of the {cluster_labels.max()} clusters have fewer than 100 points?",
+                         between=(0, int(cluster_labels.max())))
+share_of_small = predict("What share of all points do those small clusters hold together?",
+                         between=(0, 100), unit="%")
 
 # %%
 sizes = np.bincount(cluster_labels)[1:]  # how often each label occurs; label 0 does not, yet
 small = sizes < 100
-print(f"{small.sum()} of {len(sizes)} clusters have fewer than 100 points; "
-      f"together they hold {sizes[small].sum() / sizes.sum():.1%} of the points")
+how_many_small.compare(small.sum(), "A scan holds few large things and many small ones: each puff "
+                       "of spray, each pole and each patch of road is a cluster of its own.")
+share_of_small.compare(100 * sizes[small].sum() / sizes.sum(), "They are small: it takes hundreds of "
+                       "them to make up for one house front.")
 axes = plots.curves({}, {"clusters": (np.arange(1, len(sizes) + 1), np.sort(sizes)[::-1])},
                     across="rank, from the largest to the smallest", up="points",
                     title="A few giants and a long tail")
@@ -100,7 +110,7 @@ axes.set_xscale("log"); axes.set_yscale("log"); axes.legend();
 labels = np.array([1, 1, 1, 1, 1, 2, 3, 3, 4, 4, 4, 4])
 for number in range(1, 5):
     how_many = np.sum(labels == number)
-    verdict = "stays" if how_many else "nobody has this label any more"
+    verdict = "stays" if how_many else "no point has this label"
     if 0 < how_many < 3:
         labels[labels == number] = 0
         labels[labels > number] -= 1  # close the gap
@@ -180,13 +190,37 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # </details>
 
 # %% [markdown]
+# **Try it on ten points first.** Cluster 1 has four of them, clusters 2 and 3 have two each, one after the other, cluster 5 has one, and one point is noise already. With a minimum of two, one label should go; with three, two more should. The last line shows whether your function wrote into what it was given.
+
+# %%
+ten = np.array([1, 1, 2, 2, 3, 3, 1, 0, 5, 1])
+print("labels        ", ten)
+for minimum, expected in ((2, [1, 1, 2, 2, 3, 3, 1, 0, 0, 1]), (3, [1, 1, 0, 0, 0, 0, 1, 0, 0, 1])):
+    yours = np.asarray(filter_clusters(ten, minimum))
+    print(f"at least {minimum}     {yours}\n   expected    {np.array(expected)}"
+          f"   <- {'agrees' if np.array_equal(yours, expected) else 'differs'}")
+print("labels, after ", ten)
+axes = plots.clusters(np.column_stack([np.arange(10), np.zeros(10)]),
+                      filter_clusters(ten, 3), limits=((-0.7, 9.7), (-0.6, 0.6)),
+                      title="With at least 3: there should be one cluster and six noise points")
+axes.set_yticks([]); axes.set_ylabel(""); axes.set_xlabel("row"); axes.set_xticks(range(10));
+
+# %% [markdown]
 # **Look before you check.** What is left should be cars, people, trees and house fronts in their old colours. The road should be free of clusters and full of grey crosses.
 
 # %%
-filtered = filter_clusters(cluster_labels)
+filtered = filter_clusters(cluster_labels)  # the minimum is 100 where none is given
 print(f"{len(np.unique(cluster_labels))} clusters in, {len(np.unique(filtered[filtered > 0]))} out, "
       f"{np.mean(filtered == 0):.1%} of the points are noise now")
 plots.clusters(cloud, filtered, limits=street, title="Clusters of at least 100 points");
+
+# %% tags=["folded"]
+# @title What is left, to turn in space (you need not read this)
+from utils.scene3d import Scene
+
+some = (np.arange(len(cloud)) % 4 == 0) & (np.abs(cloud[:, 1]) < 15)
+(Scene("Clusters of at least 100 points, and grey noise").add_clusters(cloud[some], filtered[some])
+ .add_ego_car().show(interactive=True))
 
 # %% nbgrader={"grade": true, "grade_id": "test_filter_clusters", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(filter_clusters)
@@ -195,20 +229,48 @@ check(filter_clusters)
 # ## Play: how small is too small?
 #
 # *The setting that clears the road also clears the pavement.*
-#
-# Move the slider. When is the last puff of spray gone? Who went with it?
 
 # %%
+last_puff = predict("From which minimum on is the last puff of spray gone?")
+
+# %% tags=["folded"]
+# @title What the slider shows (you need not read this)
 # Every fourth point is enough to look at; of road and spray all of them.
 thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (objects == 0) | (objects >= 10_000))
 
 
+def left_over(minimum):
+    """The new labels of the points that are drawn."""
+    return filter_clusters(cluster_labels, minimum)[thin]
+
+
+def lost_by(minimum):
+    """How many puffs of spray are left, and how many obstacles of each kind are gone."""
+    kept = filter_clusters(cluster_labels, minimum) > 0
+    gone = np.unique(objects[~kept & (objects > 0) & (objects < 10_000)])
+    first = [np.flatnonzero(truth["objects"] == number)[0] for number in gone]
+    kinds, counts = np.unique(np.array(names)[truth["classes"][first]], return_counts=True)
+    return len(np.unique(objects[kept & (objects >= 10_000)])), dict(zip(kinds.tolist(), counts.tolist()))
+
+# %% [markdown]
+# Move the slider until the road is clear. What went with the spray?
+
+# %%
 @interact(minimum=IntSlider(value=100, min=5, max=600, step=5, description="min points",
                             continuous_update=False))
 def show_minimum(minimum):
-    kept = filter_clusters(cluster_labels, minimum)
-    plots.clusters(cloud[thin], kept[thin], limits=street, title=f"at least {minimum} points")
+    puffs_left, kinds_gone = lost_by(minimum)
+    plots.clusters(cloud[thin], left_over(minimum), limits=street, title=f"at least {minimum} points")
     plt.show()
+    print(f"{puffs_left} puffs of spray are left; gone are:",
+          ", ".join(f"{count} {kind}" for kind, count in kinds_gone.items()) or "no obstacles")
+
+# %%
+largest_puff = np.bincount(puff - 10_000).max()
+last_puff.compare(largest_puff + 1, f"The largest puff has {largest_puff} points. With one more as "
+                  "the minimum it goes, and so does each obstacle that has no more points than it.")
+print("with that minimum these obstacles are gone:",
+      ", ".join(f"{count} {kind}" for kind, count in lost_by(int(largest_puff) + 1)[1].items()))
 
 # %% [markdown]
 # The same without a slider: three sizes.
@@ -216,8 +278,7 @@ def show_minimum(minimum):
 # %%
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 12), layout="compressed")
 for minimum, axes in zip((10, 100, 500), rows):
-    kept = filter_clusters(cluster_labels, minimum)
-    plots.clusters(cloud[thin], kept[thin], limits=street, axes=axes,
+    plots.clusters(cloud[thin], left_over(minimum), limits=street, axes=axes,
                    title=f"min_num_points = {minimum}")
 
 # %% [markdown]
@@ -229,9 +290,13 @@ for minimum, axes in zip((10, 100, 500), rows):
 #
 # $$N(r) = \frac{A}{\delta_\varphi\,\delta_\theta\,r^2}$$
 #
-# of them. Our scanner has $\delta_\varphi = 0.18°$, and its upper beams are $0.33°$ apart. A walker above the ground level of this cloud shows about $0.4\ \mathrm{m}^2$.
+# of them. Our scanner has $\delta_\varphi = 0.18°$, and its upper [beams](#Words-of-the-course) are $0.33°$ apart. What a pedestrian shows above the ground level of this cloud is about $0.4\ \mathrm{m}^2$.
 #
 # One scan holds few people. So let us draw ten more streets, and find out how many points a person, a car or a piece of road really has.
+
+# %%
+reach_of_100 = predict("How far away may a person in plain view be, to have 100 points?",
+                       between=(0, 60), unit="m")
 
 # %%
 def clusters_of(frame):
@@ -262,18 +327,25 @@ axes = plots.curves({"a person, in theory": (r, theory(r))},
 axes.axhline(100, color="black", linestyle=":")
 axes.set_xscale("log"); axes.set_yscale("log"); axes.set_xlim(4, 80)
 axes.set_xticks([5, 10, 20, 40, 80], ["5", "10", "20", "40", "80"]); axes.minorticks_off()
-plt.setp(axes.lines, markersize=4);
+plt.setp(axes.lines, markersize=4)
+middling = (kind == "pedestrian") & (distance > 5) & (distance < 25)
+over = size[middling] / theory(distance[middling])
+print(f"of {middling.sum()} people 5 to 25 m away, {np.mean(over > 1):.0%} have more points than the "
+      f"line says, the highest {over.max():.1f} times as many; {np.mean(over < 0.5):.0%} have less than half")
+reach_of_100.compare(np.sqrt(theory(1.0) / 100), "That is where the line crosses the dotted one. In "
+                     "theory a person has theory(1.0) points at 1 m, and a hundredth of that ten "
+                     "times as far away.")
 
 # %% [markdown]
-# People in plain view lie near the line, some a little above it; those far below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
+# People in plain view lie near the line, some a little above it. Those far below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
 #
-# Now find the place where the line falls below the dotted one, at 100 points. A person farther away than that has fewer points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? A car at 50 km/h rolls on for a second before its driver brakes, and then brakes at about 7 m/s².
+# A person farther away than the crossing has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? A car at 50 km/h rolls on for a second before its driver brakes, and then brakes at about 7 m/s². And the bumper is 2.6 m ahead of the scanner, from which we measure.
 
 # %%
 speed = 50 / 3.6
-stopping = speed * 1.0 + speed ** 2 / (2 * 7.0)
-print(f"a car at 50 km/h stops within {stopping:.0f} m")
-for minimum in (10, 30, 100, 300):
+stopping = speed * 1.0 + speed ** 2 / (2 * 7.0) + 2.6
+print(f"a car at 50 km/h stops for what is {stopping:.0f} m away from its scanner, or farther")
+for minimum in (5, 10, 30, 100, 300):
     reach = np.sqrt(theory(1.0) / minimum)
     print(f"min_num_points = {minimum:3d}: people seen up to {reach:4.1f} m"
           f"{'' if reach > stopping else '   too late'}")
@@ -289,24 +361,28 @@ for minimum in (10, 30, 100, 300):
 minima = np.array([1, 2, 5, 10, 20, 30, 50, 100, 200, 400, 800])
 
 
-def is_gone(minimum):
+def gone_at(minimum):
     """For each cluster of the ten streets, whether the filter removes it."""
     return np.concatenate([~np.isin(np.unique(labels), filter_clusters(labels, minimum))
                            for labels, _, _ in streets])
 
-
-gone = np.array([is_gone(minimum) for minimum in minima.tolist()])
+# %%
+gone = np.array([gone_at(minimum) for minimum in minima.tolist()])
 person, ghost, near = kind == "pedestrian", kind == "ground", distance < 15
-shown = {"ghosts removed": ghost, "people lost, within 15 m": person & near,
-         "people lost, beyond 15 m": person & ~near}
+shown = {"the ghosts": ghost, "the people within 15 m": person & near,
+         "the people beyond 15 m": person & ~near}
 axes = plots.curves({name: (minima, gone[:, group].mean(axis=1)) for name, group in shown.items()},
-                    across="min_num_points", up="share of them",
+                    across="min_num_points", up="share that is removed",
                     title=f"{ghost.sum()} ghosts and {person.sum()} people in ten streets")
 axes.axvline(100, color="black", linestyle=":")
-axes.set_xscale("log");
+axes.set_xscale("log")
+for minimum in (10, 100):
+    row = gone[minima.tolist().index(minimum)]
+    print(f"min_num_points = {minimum:3d}:",
+          ", ".join(f"{row[group].mean():.0%} of {name}" for name, group in shown.items()))
 
 # %% [markdown]
-# Look along the dotted line of the default. The ghosts are gone, but so is nearly everybody beyond 15 m, and of the people near the car those who are half hidden by a parked one: just the people who step out from behind it. Further left the price falls quickly, while nearly all ghosts still go.
+# Look along the dotted line of the default. The ghosts are gone, but so are the people beyond 15 m, and many of the people near the car: those half hidden by a parked one, and just these may step out from behind it. Further left the price falls quickly, while nearly all ghosts still go.
 #
 # But no value clears the ghosts and spares the distant people. The two overlap in *size*, so size alone cannot tell them apart. The default of 100 suits a car that drives slowly and cares for large things close by. Lesson 12 works on thinned clouds, where a person has tens of points rather than hundreds, and needs a smaller minimum.
 #
@@ -338,9 +414,10 @@ for label in big:
 # | `label < min_num_points` | the first hundred clusters are gone, whatever their size |
 # | `>` instead of `<` | spray, road and distant people, and nothing else |
 # | the labels of small clusters deleted | an error further on: fewer labels than points |
-# | `cluster_labels[...] = 0` | all is well, until somebody needs the old labels again |
+# | `cluster_labels[...] = 0` | all is well, until a later step needs the old labels again |
 
-# %%
+# %% tags=["folded"]
+# @title Three mistakes on the street (you need not read this)
 def moved_up_in_the_loop(labels, minimum):
     labels = labels.copy()
     for number in range(1, labels.max() + 1):
@@ -350,20 +427,40 @@ def moved_up_in_the_loop(labels, minimum):
     return labels
 
 
-wrong = {"moved up in the loop": moved_up_in_the_loop(cluster_labels, 100) > 0,
+size_at = sizes[cluster_labels - 1]  # for each point, the size of its cluster
+wrong = {"Moved up in the loop": moved_up_in_the_loop(cluster_labels, 100) > 0,
          "label < min_num_points": cluster_labels >= 100,
-         "> instead of <": filter_clusters(cluster_labels, 101) == 0}
+         "> instead of <": size_at <= 100}
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 12), layout="compressed")
 for (name, kept), axes in zip(wrong.items(), rows):
-    plots.kept_and_removed(cloud[thin], kept[thin], limits=street, title=name, axes=axes)
+    wrongly_kept = np.unique(cluster_labels[kept & (size_at < 100)])
+    wrongly_gone = np.unique(cluster_labels[~kept & (size_at >= 100)])
+    plots.kept_and_removed(cloud[thin], kept[thin], limits=street, axes=axes,
+                           title=f"{name}: {len(wrongly_kept)} small clusters stay, "
+                                 f"{len(wrongly_gone)} large ones go")
+    mistaken, rings = wrongly_gone if len(wrongly_gone) else wrongly_kept, []
+    for label in mistaken[np.argsort(-sizes[mistaken - 1])]:  # five of them, the largest first
+        x, y = np.median(cloud[cluster_labels == label, :2], axis=0)
+        if -19 < x < 29 and abs(y) < 7 and all(np.hypot(x - a, y - b) > 3 for a, b in rings):
+            rings = [*rings, (x, y)][:5]
+    for x, y in rings:
+        plots.ring(axes, x, y, radius=1.4)
 
 # %% [markdown]
 # ## In practice
 #
-# - The minimum should fall with the distance. $m(r) = m_{10} \cdot (10\,\mathrm{m} / r)^2$ asks for the same *area* everywhere. Below three or four points nothing can be told any more.
+# Libraries take the smallest size as a setting of the clustering itself:
+#
+# ```python
+# extraction.setMinClusterSize(100); extraction.setMaxClusterSize(25000);     // PCL, in C++
+# labels = sklearn.cluster.HDBSCAN(min_cluster_size=100).fit_predict(xyz)      # scikit-learn; noise is -1
+# labels = np.array(point_cloud.cluster_dbscan(eps=0.5, min_points=1))         # Open3D: filter afterwards
+# ```
+#
+# - The minimum should fall with the distance. $m(r) = m_{10} \cdot (10\,\mathrm{m} / r)^2$ asks for the same *area* everywhere. A cluster of three or four points says next to nothing.
 # - Where the cloud was thinned with a voxel grid (lesson 06), a point stands for a piece of surface: sizes hardly depend on the distance, until the cells are emptier than the grid is fine.
 # - Time tells more than size. Spray is somewhere else in the next frame, a person is not. Trackers therefore keep even small clusters for a few frames and drop those that do not come back (lesson 12).
-# - Real scanners report several echoes per ray. A drop lets part of the light pass, so a ray with two echoes hit something thin first.
+# - Real scanners report several returns for one flash of light. A drop lets part of the light pass, so where there are two returns, the first came from something thin.
 #
 # ## If you want more
 #

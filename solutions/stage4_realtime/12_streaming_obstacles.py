@@ -6,6 +6,7 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     packages: [scikit-learn]
+#     lent: [overlap_curves, score, sweep, mistakes_of]
 # ---
 
 # %% [markdown]
@@ -13,14 +14,18 @@
 #
 # ![A city street from above at one moment of a drive. Boxes turned with the cars stand around cars, people and poles; a thin trail at each box shows where it was in the frames before.](pictures/12_preview.png)
 #
-# Eleven lessons made eleven functions. In this one they become a machine: a raw scan goes in, boxes with names come out, ten times a second.
+# So far you wrote one function at a time. Now they become a machine: a raw scan goes in, boxes with names come out, ten times a second.
 #
 # **After this lesson you can**
 # - build a detector out of your own functions, and say where its time goes,
-# - measure how good it is against the truth, and choose its parameters by that,
-# - follow an obstacle from frame to frame under one name.
+# - measure how good it is against the truth, find out why it is not better, and choose its parameters by that,
+# - follow obstacles from [frame](#Words-of-the-course) to frame under one name, also while they are out of sight.
 #
-# **You write** `detect_obstacles` (20 points) and `match_boxes` (5 points), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **Time:** about 60 minutes, and an evening for the two reports. **You need** your functions of lessons 01, 06, 07 and 09 to 11.
+# **You write** `detect_obstacles` (20 points) and `match_boxes` (5 points), and report on a second data set (5 points) and on your detector (10 points); a person reads the reports. **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
+#
+# **Time:** (time)
+#
+# The two reports come on top: leave an evening for them.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -33,40 +38,53 @@
 #
 # *A stream is a list of scans that does not wait.*
 #
-# The simulator drives through three places. The *highway* has three cars and a scanner of only 8 layers. The *city* is a street full of parked cars, people, poles and trees, driven through at 5 m/s with the 64-beam scanner. In the *cyclist* stream we follow a cyclist across a square on which nothing moves straight.
+# The simulator drives through three places. The *highway* has three cars and a scanner of only 8 beams. The *city* is a street full of parked cars, people, poles and trees, driven through at 5 m/s with the 64-beam scanner. In the *cyclist* stream we follow a cyclist across a square on which nothing moves straight.
 #
-# A frame holds a `cloud`, the `time`, and the true `boxes`. Ten frames of each are enough here. `utils.load_sequence("city")` gives a whole drive; it is made once, which takes a while, and kept on disk.
+# A frame holds a `cloud`, the `time`, and the true `boxes`. We begin with one second of the city: ten frames. The other two streams wait until we need them.
 
 # %%
+import time
+from cProfile import Profile
+from dataclasses import dataclass
+
 import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, IntSlider, interact
 
-from utils import check, load_my_functions, plots, scenes, scoring
+from utils import check, is_written, load_my_functions, plots, predict, scenes, scoring
+from utils.lent import own
 
-highway, city, cyclist = (list(make(frames=10)) for make in
-                          (scenes.highway, scenes.city_block, scenes.cyclist))
+city = list(scenes.city_block(frames=10))
+highway, cyclist = scenes.highway(frames=10), scenes.cyclist(frames=10)  # made when asked for
 for name, stream in (("highway", highway), ("city", city), ("cyclist", cyclist)):
     first = stream[0]
-    print(f"{name:8} {len(stream)} frames, {stream[1].time - first.time:.1f} s apart, "
-          f"{len(first.cloud):7,} returns and {len(first.boxes):3d} true boxes in the first")
+    print(f"{name:8} {len(first.cloud):7,} returns and {len(first.boxes):3d} true boxes in the "
+          "first frame")
 
 # %%
 street = ((-15, 35), (-9, 11))  # x from, to; y from, to
 first = city[0]
+standing = first.cloud[first.scan.objects > 0]
 corners = np.array([box.corners for box in first.boxes])
-plots.boxes(corners, cloud=first.cloud[first.scan.objects > 0], limits=street, reference=True,
-            label="true boxes", title="The first frame of the city, and the truth");
+plots.boxes(corners, cloud=standing, limits=street, reference=True, label="true boxes",
+            title="The first frame of the city, and the truth");
 
 # %% [markdown]
-# **Predict first.** Your detector will run through half a dozen steps: drop what is no use, remove the road, thin, cluster, remove what is too small, fit boxes. Which of them will take the most time? And of the cars on this road, what share will it find? Write both down.
+# Your detector will drop what is no use, remove the road, thin, cluster, remove what is too small, and fit boxes. Two guesses, before you see how it fares:
+
+# %%
+slowest = predict("Which step will take the longest?",
+                  choices=["ransac_plane", "voxel_grid", "euclidean_clustering_accelerated",
+                           "get_oriented_boxes", "another"])
+share_found = predict("What share of the cars, lorries, cyclists and pedestrians on the carriageway "
+                      "will get a box that covers them well?", between=(0, 100), unit="%")
 
 # %% [markdown]
 # ## The naive idea: an obstacle is a square metre with something in it
 #
 # *Things have edges; map squares do not.*
 #
-# Why cluster at all? Divide the street into squares of a metre and call each one occupied that holds a return above the ground level. It takes four lines, it is as fast as can be, and maps of this kind drive vacuum cleaners.
+# Why cluster at all? Divide the street into squares of a metre and call each one occupied that holds five returns above the ground level. It takes four lines, it is as fast as can be, and maps of this kind drive vacuum cleaners.
 
 # %%
 def occupied_squares(cloud, ground_level=-1.2):
@@ -79,38 +97,43 @@ def occupied_squares(cloud, ground_level=-1.2):
 
 
 squares = occupied_squares(first.cloud)
-print(f"{len(squares)} obstacles")
-plots.boxes(squares, cloud=first.cloud[first.scan.objects > 0], limits=street,
-            title="Every occupied square metre is an obstacle");
+print(f"{len(squares)} obstacles, for {len(first.boxes)} things")
+axes = plots.boxes(squares, cloud=standing, limits=street,
+                   title="Every occupied square metre is an obstacle")
+plots.ring(axes, 0, 0, radius=2, text="our own car")
+plots.ring(axes, 29, 0, radius=4.5, text="bare road");
 
 # %% [markdown]
-# Hundreds of obstacles, but no car. A car is six to twelve squares that do not know of each other. Nobody can say where it is heading, and in the next frame it occupies other squares. Twenty metres ahead, where the street climbs above the level, the road itself becomes a barrier. And the squares around the sensor are our own car.
+# Many obstacles, but no car. A car is six to twelve squares that do not know of each other: nobody can say where it is heading, and in the next frame it occupies other squares. Where the street climbs above the level, the road itself becomes a barrier. And the squares around the sensor are our own car.
 #
 # ## The idea: a chain of filters, each of which makes the next one possible
 #
-# *Order matters: what comes early sees most points and must be cheap; what comes late must be right.*
+# *What comes early sees most points and must be cheap; what comes late must be right.*
 #
-# | step | from lesson | what it takes away | or else |
+# | step | from lesson | what it takes away | without it |
 # |---|---|---|---|
-# | drop invalid returns | 01 | NaN and (0, 0, 0) | an obstacle inside the sensor |
-# | keep the region of interest | 07 | whatever we cannot hit | time for house fronts |
-# | remove the own car | 07 | returns from our roof | full braking, for ever |
-# | remove the road | 06 or 03 | more than a third of all returns | all is one cluster |
-# | thin with a voxel grid | 06 | nine of ten points that are left | seconds per frame |
-# | cluster | 05 or 10 | nothing: it adds labels | points, but no things |
-# | remove small clusters | 09 | raindrops, specks of road | ghosts |
+# | drop [invalid returns](#Words-of-the-course) | 01 | NaN and (0, 0, 0) | errors, or a cluster inside the sensor, unless a later step happens to catch them |
+# | keep the region of interest | 07 | whatever we cannot hit | time for house fronts, and boxes around them |
+# | remove our [own car](#Words-of-the-course) | 07 | returns from our bonnet and roof | full braking, for ever, as soon as enough of it is seen |
+# | remove the road | 03 | a third of all returns | rings of road tie cars and pavements together |
+# | thin with a [voxel](#Words-of-the-course) grid | 06 | nine of ten points that are left | more than ten times as many points to cluster, most of them on the nearest things |
+# | cluster | 10 or 05 | nothing: it adds labels | points, but no things |
+# | remove small clusters | 09 | raindrops, specks, single leaves | twice as many boxes |
 # | fit boxes | 11 | all points | nothing that a planner can use |
 #
-# A level of -1.2 m is enough near the car. This street climbs, though, so for the far end fit a plane as in lesson 03, or let the region end where the level fails. Give the fit the low returns only: beside a lorry, the largest plane is the lorry.
+# **Which filter for the road?** In lesson 06 a level of −1.2 m was enough. This street climbs by 2.2 %, so 25 m ahead the road is at −1.2 m itself. A plane climbs with it: `ransac_plane` of lesson 03 finds it, `fit_plane` makes it exact, and whatever is more than 0.3 m from it stays. Let RANSAC see the low returns only, those below the level: beside a lorry, the largest plane is the lorry. If you would rather keep `filter_ground`, end the region where the level fails, at x = 15 m.
 #
 # ## Bring your own functions
 #
 # *You wrote them; now use them.*
 #
-# `load_my_functions("06_filter_ground.ipynb")` reads your notebook, takes the functions out of it and leaves the story there. The result has them as attributes: `mine.filter_ground(cloud)`. Save the other notebook first.
+# `load_my_functions("06_filter_ground.ipynb")` reads your notebook, takes the functions out of it and leaves the story there. The result has them as attributes: `mine.voxel_grid(cloud)`. Save the other notebook first.
 
-# %%
-useful = {"01_point_clouds": ["drop_invalid"], "06_filter_ground": ["filter_ground", "voxel_grid"],
+# %% tags=["folded"]
+# @title Look which functions are ready (you need not read this)
+useful = {"01_point_clouds": ["drop_invalid"],
+          "03_ransac_plane": ["ransac_plane", "fit_plane", "point_plane_distance"],
+          "06_filter_ground": ["voxel_grid"],
           "07_filter_by_distance": ["crop_region", "remove_ego_returns"],
           "09_filter_clusters": ["filter_clusters"],
           "10_accelerated_clustering": ["euclidean_clustering_accelerated"],
@@ -118,7 +141,7 @@ useful = {"01_point_clouds": ["drop_invalid"], "06_filter_ground": ["filter_grou
 for notebook, functions in useful.items():
     try:
         mine = load_my_functions(f"{notebook}.ipynb")
-    except FileNotFoundError as problem:
+    except (FileNotFoundError, ValueError) as problem:
         print(problem)
         continue
     for name in functions:
@@ -128,10 +151,34 @@ for notebook, functions in useful.items():
         print(f"{name:33} in {notebook:26} {state}")
 
 # %% [markdown]
-# That is handy for trying things out. For handing in there is one rule: **the judge sees this notebook only.** A `detect_obstacles` that loads functions from elsewhere finds nothing there. So copy what you need into the next cell, or into as many cells as you like, imports included.
+# That is handy for trying things out. For handing in there is one rule: **the judge sees this notebook only.** A `detect_obstacles` that loads functions from elsewhere finds nothing there. So copy what you need into the next cell, or into as many cells as you like: imports included, and the helper functions that yours call, such as `plane_through` and `turned`.
+#
+# <details><summary>Spare parts, if one of your functions is missing or wrong</summary>
+#
+# Libraries do these steps, too, and in this lesson they are allowed. Each of these parts earns full points here.
+#
+# | in place of | spare part |
+# |---|---|
+# | `crop_region`, `remove_ego_returns` | one mask: `((points >= low) & (points <= high)).all(axis=1)`, and `~` for the own car. It drops NaN, too: no comparison with NaN is true |
+# | `ransac_plane`, `fit_plane` | `from sklearn.linear_model import RANSACRegressor`; `road = RANSACRegressor(residual_threshold=0.2, random_state=0).fit(low[:, :2], low[:, 2])`; the height of the road below each point is `road.predict(points[:, :2])`. It needs three low points |
+# | `voxel_grid` | one point of each voxel: `points[np.unique(np.floor(points / 0.2), axis=0, return_index=True)[1]]` |
+# | `euclidean_clustering_accelerated` | `from sklearn.cluster import DBSCAN`; `DBSCAN(eps=threshold, min_samples=1).fit_predict(points) + 1` |
+# | `filter_clusters` | `labels * (np.bincount(labels) >= min_num_points)[labels]` |
+# | `get_oriented_boxes` | for each cluster `pca = PCA(2).fit(points[:, :2])` from `sklearn.decomposition`: a plain box (lesson 08) around `pca.transform(points[:, :2])`, and `pca.inverse_transform` of its four corners |
+#
+# </details>
 
-# %%
+# %% tags=["earlier"]
 # Paste your functions of the earlier lessons here.
+### BEGIN SOLUTION
+# from 01_point_clouds: drop_invalid
+# from 03_ransac_plane: ransac_plane, fit_plane, point_plane_distance
+# from 06_filter_ground: voxel_grid
+# from 07_filter_by_distance: crop_region, remove_ego_returns
+# from 09_filter_clusters: filter_clusters
+# from 10_accelerated_clustering: euclidean_clustering_accelerated
+# from 11_pca_boxes: get_oriented_boxes
+### END SOLUTION
 
 # %% [markdown]
 # ## Exercise 1 · `detect_obstacles` (20 points)
@@ -141,7 +188,7 @@ for notebook, functions in useful.items():
 # The judge shows it scans of a 64-beam scanner 1.73 m above streets that you have not seen. It asks that
 #
 # - cars which stand free within 10 m have a box of their own, turned with them;
-# - people who stand free within 7 m have one, too: of a person 20 to 40 points are left after thinning;
+# - pedestrians who stand free within 7 m have one, too: of a person 20 to 40 points are left after thinning;
 # - at least six of ten boxes hold obstacles and not road, and a single raindrop in the air gets no box;
 # - no box stands where our own car is: from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4), as in lesson 07, however much of its bonnet and roof the scanner sees;
 # - no frame stops it: an empty one, an empty road, three columns, returns that are not a number or at (0, 0, 0).
@@ -177,109 +224,104 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
     # 4. Thin with a voxel grid. Nothing left? Then there are no boxes.
     # 5. Cluster, and remove the clusters that are too small.
     # 6. Fit a box to each cluster that is left.
-    # roughly 10 lines, if each step is a function
+    # roughly 12 lines, if each step is a function
     ### BEGIN SOLUTION
-    xyz = usable_returns(cloud[:, :3], minimum, maximum)
-    standing = centroids_of_cells(without_road(xyz, ground_level), 0.2)
-    if len(standing) == 0:
+    points = drop_invalid(cloud[:, :3])
+    points = crop_region(points, minimum, maximum)
+    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+    low = points[points[:, 2] < ground_level]
+    plane, near = ransac_plane(low, 50, 0.2, 0)
+    if plane is not None:
+        points = points[point_plane_distance(points, fit_plane(low[near])) > 0.3]
+    if len(points) == 0:
         return np.empty((0, 8, 3))
-    labels = connected_labels(standing, threshold)
-    enough = np.bincount(labels) >= min_num_points
-    return smallest_boxes(standing, labels * enough[labels])
-
-
-def usable_returns(xyz, minimum, maximum):
-    """Drop what is outside the region, invalid, or part of the own car."""
-    inside = ((xyz >= minimum) & (xyz <= maximum)).all(axis=1)  # never true for NaN
-    own_car = ((xyz >= (-1.5, -1.7, -1.0)) & (xyz <= (2.6, 1.7, -0.4))).all(axis=1)
-    return xyz[inside & ~own_car & xyz.any(axis=1)].astype(float)
-
-
-def without_road(xyz, ground_level):
-    """Keep what stands 0.3 m above the plane through the low points."""
-    low = xyz[xyz[:, 2] < ground_level]
-    if len(low) < 3:
-        return xyz
-    for _ in range(3):  # each time without the points that stick out
-        plane = np.linalg.lstsq(np.insert(low[:, :2], 2, 1, axis=1), low[:, 2], rcond=None)[0]
-        low = low[np.abs(low[:, 2] - low[:, :2] @ plane[:2] - plane[2]) < 0.2]
-    return xyz[xyz[:, 2] - xyz[:, :2] @ plane[:2] - plane[2] > 0.3]
-
-
-def centroids_of_cells(xyz, side):
-    """Thin the points: the centroid of each occupied cube, found by one number per cube."""
-    cell = np.floor(xyz / side).astype(np.int64) + 2**20
-    key = (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
-    _, which, count = np.unique(key, return_inverse=True, return_counts=True)
-    sums = [np.bincount(which, column, len(count)) for column in xyz.T]
-    return np.stack(sums, axis=1) / count[:, None]
-
-
-def connected_labels(xyz, threshold):
-    """Label the connected components of the graph of close pairs, from 1."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    i, j = cKDTree(xyz).query_pairs(threshold, output_type="ndarray").T
-    graph = coo_array((np.ones(len(i), dtype=bool), (i, j)), shape=(len(xyz), len(xyz)))
-    return connected_components(graph, directed=False)[1] + 1
-
-
-def smallest_boxes(xyz, labels):
-    """Box each cluster on the smallest of 45 rectangles, two degrees apart."""
-    angle = np.radians(np.arange(0, 90, 2))
-    boxes = []
-    for label in np.unique(labels[labels > 0]):
-        x, y, z = xyz[labels == label].T[:, :, None]
-        along, across = x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)
-        best = np.argmin(np.ptp(along, axis=0) * np.ptp(across, axis=0))
-        (a, b), (c, d) = ((side[:, best].min(), side[:, best].max()) for side in (along, across))
-        u, v = np.array([a, b, b, a]), np.array([c, c, d, d])
-        cosine, sine = np.cos(angle[best]), np.sin(angle[best])
-        floor = np.stack([u * cosine - v * sine, u * sine + v * cosine, np.full(4, z.min())], axis=1)
-        boxes.append(np.vstack([floor, floor + [0, 0, np.ptp(z)]]))
-    return np.array(boxes).reshape(-1, 8, 3)
+    points = voxel_grid(points, 0.2)
+    labels = euclidean_clustering_accelerated(points, threshold)
+    labels = filter_clusters(labels, min_num_points)
+    return get_oriented_boxes(points, labels)
     ### END SOLUTION
 
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Build it step by step in a cell of its own, and print the number of points after each step. From about 120 000 it should fall to a few thousand before clustering.
+# Build it step by step in a cell of its own, and print the number of points after each step. From about 114 000 it should fall to a few thousand before clustering.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Written with the functions of the lessons, the first steps are `points = drop_invalid(cloud[:, :3])`, then `points = crop_region(points, minimum, maximum)`. Go on like that: our own car, the ground, and only then `voxel_grid`, which has the more to do the more points it gets.
+# Written with the functions of the lessons, the first steps are `points = drop_invalid(cloud[:, :3])`, then `crop_region`, then `remove_ego_returns` with the two corners of the own car. For the road: the rows of `points` below `ground_level` are `low`; `ransac_plane` with 50 rounds, 0.2 m and seed 0 gives a plane and the mask of the low points near it. If there is a plane, refit it to those with `fit_plane`, and keep the points whose `point_plane_distance` is above 0.3 m.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# The end is `labels = filter_clusters(euclidean_clustering_accelerated(points, threshold), min_num_points)` and `return get_oriented_boxes(points, labels)`. If one of your functions cannot bear an empty cloud, put `if len(points) == 0: return np.empty((0, 8, 3))` before it.
+# Only now `voxel_grid(points, 0.2)`. Before it, if no point is left, return `np.empty((0, 8, 3))`. The end: `euclidean_clustering_accelerated(points, threshold)` gives labels, `filter_clusters(labels, min_num_points)` sets those of small clusters to 0, `get_oriented_boxes` takes the points and these labels.
 # </details>
 
 # %% [markdown]
-# **Look before you check.** Within 15 m each car should have a box that lies along it, and no box may lie on bare road or at the sensor. Farther ahead a box may cover the back of a car only, or two neighbours at once: their points are few and far between.
+# **First a tiny case.** A level road of dots, two lost returns, and one car of cardboard: 4 m long, 1.8 m wide, at (8, 2), turned by 30°. So there should be one box of about that size, along the cardboard, and none on the road.
+
+# %% tags=["folded"]
+# @title A street of cardboard (you need not read this)
+def cardboard_street(degrees=30):
+    """A level road, the four sides of a car, and two lost returns; shape (n, 4)."""
+    x, y = (axis.ravel() for axis in np.mgrid[1:15:0.2, -5:7:0.2])
+    road = np.column_stack([x, y, np.full(x.size, -1.73)])
+    u, v, w = (axis.ravel() for axis in np.mgrid[-2:2.01:0.1, -0.9:0.91:0.1, -1.7:-0.29:0.1])
+    side = (np.abs(u) > 1.95) | (np.abs(v) > 0.85)
+    u, v, w = u[side], v[side], w[side]
+    yaw = np.radians(degrees)
+    car = np.column_stack([8 + u * np.cos(yaw) - v * np.sin(yaw),
+                           2 + u * np.sin(yaw) + v * np.cos(yaw), w])
+    lost = np.array([[0.0, 0.0, 0.0], [np.nan, np.nan, np.nan]])
+    return np.insert(np.vstack([road, car, lost]), 3, 0.5, axis=1)
+
+
+toy = cardboard_street()
+
+# %%
+toy_boxes = detect_obstacles(toy)
+for box in toy_boxes:
+    length, width = sorted(np.linalg.norm(box[[1, 2]] - box[[0, 1]], axis=1), reverse=True)
+    print(f"a box of {length:.1f} x {width:.1f} m at ({box[:, 0].mean():.1f}, {box[:, 1].mean():.1f})")
+plots.boxes(toy_boxes, cloud=toy[np.isfinite(toy[:, 0])], limits=((-1, 15), (-5, 7)),
+            title="A car of cardboard, and your box");
+
+# %% [markdown]
+# **Look before you check.** On the street each car within 15 m should have a box that lies along it, and no box may lie on bare road or at the sensor. Farther ahead a box may cover the back of a car only, or two neighbours at once: their points are few and far between.
 
 # %%
 found = detect_obstacles(first.cloud)
 print(f"{len(found)} boxes")
-axes = plots.boxes(corners, cloud=first.cloud[first.scan.objects > 0], limits=street, reference=True,
-                   label="true")
+axes = plots.boxes(corners, cloud=standing, limits=street, reference=True, label="true")
 plots.boxes(found, axes=axes, label="found", title="Your boxes on the first frame of the city");
+
+# %% [markdown]
+# **Now a bad day.** In fog a scanner loses thousands of returns, and a dirty bonnet sends light back from edge to edge. On a good day the few returns of our own car are thinned to small patches, too few points for a box, and three lost returns make one point: a detector that forgets both steps looks all right. This scan tells. The number of boxes should not change.
+
+# %%
+x, y = (axis.ravel() for axis in np.mgrid[0.9:2.3:0.08, -1.0:1.0:0.08])
+bonnet = np.column_stack([x, y, np.full(x.size, -0.85), np.full(x.size, 0.5)])
+lost = np.zeros((3000, 4))
+lost[:1500] = np.nan
+bad_day = np.vstack([first.cloud, bonnet, lost])
+still_found = detect_obstacles(bad_day)
+print(f"{len(found)} boxes on a good day, {len(still_found)} on a bad one")
+axes = plots.boxes(still_found, cloud=bonnet, limits=((-6, 12), (-5, 5)), label="found",
+                   title="Close around us, on a bad day")
+plots.ring(axes, 1.5, 0, radius=1.7, text="no box in here");
 
 # %% nbgrader={"grade": true, "grade_id": "test_detect_obstacles", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(detect_obstacles)
 
 # %% [markdown]
+# **A good place to stop.** You have a detector. What follows measures it.
+#
 # ## Where does the time go?
 #
 # *A frame every tenth of a second: whatever takes longer, drives blind.*
 #
 # Python can write down how long each function ran. We let it watch `detect_obstacles` and ask for the functions that it calls itself.
 
-# %%
-from cProfile import Profile
-
-
+# %% tags=["folded"]
+# @title How long each step takes (you need not read this)
 def seconds_by_step(function, *arguments):
     """How long each function took that `function` calls, by name; the shortest together."""
     profile = Profile()
@@ -288,21 +330,6 @@ def seconds_by_step(function, *arguments):
     steps = {getattr(call.code, "co_name", str(call.code)): call.totaltime
              for call in whole.calls or () if call.totaltime > 0.01 * whole.totaltime}
     return {**steps, "the rest": whole.totaltime - sum(steps.values())}
-
-
-detect_obstacles(first.cloud)  # the first call of anything is slower
-steps = seconds_by_step(detect_obstacles, first.cloud)
-print(f"{sum(steps.values()) * 1000:.0f} ms for a frame, {0.1 / sum(steps.values()):.1f} times as "
-      "fast as the scanner. Which step did you predict?")
-longest_first = sorted(steps, key=steps.get, reverse=True)
-plots.compare({name: round(1000 * steps[name], 1) for name in longest_first}, label="time (ms)",
-              title="Time in each step of your detector");
-
-# %% [markdown]
-# Clustering need not be the longest step: it gets a few thousand points, while the filters and the voxel grid go through tens of thousands. How does the whole grow with the number of returns? Theory says: every filter is proportional to $n$, and sorting or a kd-tree adds a factor of $\log n$, hardly visible. On logarithmic axes that is a slope of about 1, once $n$ is large. For small clouds the line is flatter, because every call and every box costs some time whatever $n$ is.
-
-# %%
-import time
 
 
 def best_time(function, *arguments, repeats=3):
@@ -314,18 +341,47 @@ def best_time(function, *arguments, repeats=3):
         runs.append(time.perf_counter() - begin)
     return min(runs)
 
-
-thinned = [first.cloud[::step] for step in (32, 16, 8, 4, 2, 1)]
-axes = plots.timing({"your detector": ([len(cloud) for cloud in thinned],
-                                       [best_time(detect_obstacles, cloud) for cloud in thinned])},
-                    title="Time for a frame against its number of returns")
-for name_at_the_end in list(axes.texts):
-    name_at_the_end.remove()
-axes.axhline(0.1, color="black", linestyle=":", label="the next frame is here")
-axes.legend();
+# %%
+if is_written(detect_obstacles):
+    detector = own(detect_obstacles)
+    detector(first.cloud)  # the first call of anything is slower
+    steps = seconds_by_step(detector, first.cloud)
+    whole = sum(steps.values())
+    print(f"{whole * 1000:.0f} ms for a frame: {0.1 / whole:.1f} times as fast as the scanner")
+    longest_first = sorted(steps, key=steps.get, reverse=True)
+    plots.compare({name: round(1000 * steps[name], 1) for name in longest_first}, label="time (ms)",
+                  title="Time in each step of your detector")
+    names = ("ransac_plane", "voxel_grid", "euclidean_clustering_accelerated", "get_oriented_boxes")
+    slowest.compare(longest_first[0] if longest_first[0] in names else "another",
+                    "Clustering gets a few thousand points, and your lesson 10 is fast. The voxel "
+                    "grid sorts tens of thousands of rows, RANSAC measures as many distances in "
+                    "each round, and a smallest rectangle is tried at 90 angles for each cluster.")
+else:
+    print("There is nothing to measure yet: detect_obstacles is not written.")
 
 # %% [markdown]
-# The dashed line is one slope for all clouds. Look at the last two points: is the slope between them already near 1?
+# If yours is slower than the scanner, you know now where to begin: with the longest bar, and nowhere else.
+#
+# How does the whole grow with the number of returns? Theory says: every filter is proportional to $n$, and sorting or a [kd-tree](#Words-of-the-course) adds a factor of $\log n$, hardly visible. On logarithmic axes that is a slope of about 1, once $n$ is large. For small clouds the line is flatter, because every call and every box costs some time whatever $n$ is.
+
+# %%
+if is_written(detect_obstacles):
+    thinned = [first.cloud[::step] for step in (32, 16, 8, 4, 2, 1)]
+    sizes = np.array([len(cloud) for cloud in thinned])
+    seconds = np.array([best_time(own(detect_obstacles), cloud) for cloud in thinned])
+    axes = plots.timing({"your detector": (sizes, seconds)},
+                        title="Time for a frame against its number of returns")
+    for name_at_the_end in list(axes.texts):
+        name_at_the_end.remove()
+    axes.axhline(0.1, color="black", linestyle=":", label="the next frame is here")
+    axes.legend()
+    last = np.log(seconds[-1] / seconds[-2]) / np.log(sizes[-1] / sizes[-2])
+    print(f"slope of the last step: {last:.1f}")
+else:
+    print("There is nothing to measure yet: detect_obstacles is not written.")
+
+# %% [markdown]
+# The dotted line is the next frame. The printed slope is that between the last two points: 1 would mean twice the time for twice the returns.
 #
 # ## How good is it?
 #
@@ -339,9 +395,13 @@ axes.legend();
 #
 # $$\text{precision} = \frac{\text{hits}}{\text{found}}, \qquad \text{recall} = \frac{\text{hits}}{\text{true}}, \qquad F_1 = \frac{2 \cdot \text{precision} \cdot \text{recall}}{\text{precision} + \text{recall}}.$$
 #
-# Precision falls with every box that is not a hit, recall with everything that is missed. We count on the carriageway, where a mistake hurts, cars, lorries, cyclists and people with at least 30 returns.
+# Precision falls with every box that is not a hit, recall with everything that is missed. We count on the carriageway, where a mistake hurts: cars, lorries, cyclists and pedestrians with at least 30 returns. A hit is an IoU of 0.5 or more.
 
 # %%
+streams = {"city": city, "cyclist": cyclist, "highway": highway}
+carriageway = ((-15, 35), (-4, 6.4))
+
+
 def on(boxes, region):
     """Which boxes have their middle in a region ((x from, to), (y from, to))."""
     middles = np.reshape(boxes, (-1, 8, 3)).mean(axis=1)
@@ -350,40 +410,132 @@ def on(boxes, region):
 
 
 def truth_on(frame, region):
-    """Corners and identities of what a detector should find there."""
-    wanted = [box for box in frame.boxes if box.returns >= 30
-              and box.kind in ("car", "truck", "cyclist", "pedestrian")]
-    wanted = [box for box in wanted if on(box.corners, region)[0]]
-    return np.array([box.corners for box in wanted]).reshape(-1, 8, 3), [b.identity for b in wanted]
+    """The true boxes that a detector should find there."""
+    return [box for box in frame.boxes if box.returns >= 30 and on(box.corners, region)[0]
+            and box.kind in ("car", "truck", "cyclist", "pedestrian")]
 
 
-def score(frames, region, minimum_overlap=0.3, **parameters):
-    """Precision, recall and F1 of the detector on some frames."""
+def corners_of(boxes):
+    return np.array([box.corners for box in boxes]).reshape(-1, 8, 3)
+
+
+def score(name, numbers, region, overlap=0.5, **parameters):
+    """Hits and mistakes of the detector on some frames of a stream."""
     total = scoring.Score()
-    for frame in frames:
+    for frame in (streams[name][number] for number in numbers):
         boxes = detect_obstacles(frame.cloud, **parameters)
-        total += scoring.score_boxes(boxes[on(boxes, region)], truth_on(frame, region)[0],
-                                     minimum_overlap)
+        true = corners_of(truth_on(frame, region))
+        total += scoring.score_boxes(boxes[on(boxes, region)], true, overlap)
     return total
 
 
-carriageway = ((-15, 35), (-4, 6.4))
-few = city[::4]
-overlaps = np.linspace(0.1, 0.9, 9)
-results = [score(few, carriageway, overlap) for overlap in overlaps]
-at_03 = score(few, carriageway)
-print(f"at an overlap of 0.3: precision {at_03.precision:.2f}, recall {at_03.recall:.2f}, "
-      f"F1 {at_03.f1:.2f}. What share did you predict?")
-plots.curves({name: (overlaps, [getattr(result, name) for result in results])
-              for name in ("precision", "recall")}, across="overlap that counts as a hit (IoU)",
-             up="share", title="How good the detector is depends on what you call a hit");
+few = (0, 4, 8)
+
+# %%
+result = score("city", few, carriageway)
+print(f"{result.true_positives} hits, {result.false_positives} false boxes, "
+      f"{result.false_negatives} missed: precision {result.precision:.2f}, "
+      f"recall {result.recall:.2f}, F1 {result.f1:.2f}")
+share_found.compare(100 * result.recall,
+                    "Near cars are found. Beyond 15 m only the backs of cars are seen, and a box "
+                    "around the back of a car covers less than half of the car. Others are merged "
+                    "with what stands beside them.")
 
 # %% [markdown]
-# The more overlap you ask for, the less is found; at 1 nothing ever is. A scanner sees the near side of a car, and a box around that side is a slice of the true one. In the next picture look at the cars 20 m ahead: only their backs have boxes, and each such slice counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw. And a box along principal axes leans (lesson 11), which costs overlap, too: with smallest rectangles the curve falls later. So we count from 0.3.
+# ### Whose fault is it?
+#
+# Three things can go wrong: the clusters, the part of a car that is seen, and the box around it. To tell them apart, we let the truth do the clustering and look at the boxes alone. Around the very same points of each car we put three boxes: along the axes (lesson 08), along the principal axes, and the smallest rectangle (lesson 11). Then we count again, for each overlap that one might ask for.
+
+# %% tags=["folded"]
+# @title Three kinds of boxes around the same points (you need not read this)
+def heading_of(points, kind):
+    """The yaw of a box around points (n, 2)."""
+    if kind == "along the axes":
+        return 0.0
+    if kind == "principal axes":
+        across, along = np.linalg.eigh(np.cov(points.T))[1].T
+        return np.arctan2(along[1], along[0])
+    trials = np.radians(np.arange(0, 90))
+    sides = [np.ptp(points @ side, axis=0) for side in (
+        [np.cos(trials), np.sin(trials)], [-np.sin(trials), np.cos(trials)])]
+    return trials[np.argmin(sides[0] * sides[1])]
+
+
+def box_around(points, yaw):
+    """The upright box (8, 3) with this yaw around points (n, 3)."""
+    turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    (a, b), (c, d) = np.sort([side(points[:, :2] @ turn.T, axis=0) for side in (np.min, np.max)],
+                             axis=0).T
+    floor = np.array([[a, c], [b, c], [b, d], [a, d]]) @ turn
+    return np.vstack([np.insert(floor, 2, z, axis=1)
+                      for z in (points[:, 2].min(), points[:, 2].max())])
+
+
+KINDS = ("along the axes", "principal axes", "smallest rectangle")
+
+
+def boxes_of_truth(frame, region, kind):
+    """A box of this kind around the returns of each true thing, as far as they stand off the road."""
+    made = []
+    for thing in truth_on(frame, region):
+        points = frame.cloud[frame.scan.objects == thing.identity, :3]
+        points = points[points[:, 2] > points[:, 2].min() + 0.3]
+        if len(points) >= 5:
+            made.append(box_around(points, heading_of(points[:, :2], kind)))
+    return np.array(made).reshape(-1, 8, 3)
+
+
+def f1_of(answers, frames, region):
+    """F1 at each of `overlaps`, of the boxes for some frames."""
+    totals = [scoring.Score()] * len(overlaps)
+    for boxes, frame in zip(answers, frames):
+        true = corners_of(truth_on(frame, region))
+        totals = [total + scoring.score_boxes(boxes, true, overlap)
+                  for total, overlap in zip(totals, overlaps.tolist())]
+    return np.array([total.f1 for total in totals])
+
+
+def overlap_curves(name, numbers, region):
+    """F1 against the overlap of three kinds of boxes on true clusters, and of the detector."""
+    frames = [streams[name][number] for number in numbers]
+    curves = {kind: f1_of([boxes_of_truth(frame, region, kind) for frame in frames], frames, region)
+              for kind in KINDS}
+    found = [detect_obstacles(frame.cloud) for frame in frames]
+    curves["your detector"] = f1_of([boxes[on(boxes, region)] for boxes in found], frames, region)
+    return curves
+
+
+overlaps = np.linspace(0.1, 0.9, 9)
+
+# %%
+steepest = predict("Of which boxes does F1 fall most when more overlap is asked for?", choices=KINDS)
+
+# %%
+curves = overlap_curves("city", few, carriageway)
+measured = curves.pop("your detector")
+plots.curves({kind: (overlaps, values) for kind, values in curves.items()},
+             {"your detector": (overlaps, measured)},
+             across="overlap that counts as a hit (IoU)", up="F1",
+             title="Lines: boxes around true clusters. Markers: your detector")
+fall = {kind: values[2] - values[6] for kind, values in curves.items()}
+for kind, values in curves.items():
+    print(f"{kind:18}: F1 {values[2]:.2f} at an IoU of 0.3, {values[4]:.2f} at 0.5, {values[6]:.2f} at 0.7")
+print(f"{'your detector':18}: F1 {measured[2]:.2f} at an IoU of 0.3, {measured[4]:.2f} at 0.5, "
+      f"{measured[6]:.2f} at 0.7")
+steepest.compare(max(fall, key=fall.get),
+                 "Principal axes lean, because a scanner sees two sides of a car (lesson 11), and a "
+                 "crooked box shares less area with the true one. The points were the same for all.")
+
+# %% [markdown]
+# Now the causes are apart:
+#
+# - **The kind of box.** The curve of the principal axes collapses, the two others do not. If your markers fall like that, lean is the reason, and `get_oriented_boxes` with smallest rectangles is the cure. (On a straight street boxes along the axes are as good. The square of the cyclist is another matter.)
+# - **The part that is seen.** Even the best boxes around perfect clusters lose: of a car 20 m ahead only the back is seen, and a box around the back is a slice of the car. It counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw.
+# - **The clusters.** What is left between your markers and the best line: neighbours merged, cars in pieces, boxes on things that do not count here.
 #
 # ## Play: calibrate it
 #
-# *A parameter without a curve is a superstition.*
+# *Draw a curve for a parameter before you trust its value.*
 
 # %%
 shown = city[8]
@@ -396,48 +548,66 @@ above_road = shown.cloud[shown.scan.objects > 0][::4]
                                  continuous_update=False))
 def show_settings(threshold, minimum_size):
     boxes = detect_obstacles(shown.cloud, threshold=threshold, min_num_points=minimum_size)
-    axes = plots.boxes(truth_on(shown, carriageway)[0], cloud=above_road, limits=street,
+    axes = plots.boxes(corners_of(truth_on(shown, carriageway)), cloud=above_road, limits=street,
                        reference=True, label="true")
     plots.boxes(boxes, axes=axes, label="found")
     plt.show()
 
 # %% [markdown]
-# The same without a slider. Too small a threshold tears cars apart at their windows; too large a one ties them to posts, trees and each other. At 0.6 m, too, a lorry ahead and the car parked beside it share one box.
+# The same without a slider. Too small a threshold tears cars apart at their windows; too large a one ties them to posts, trees and each other.
 
 # %%
-figure, rows = plt.subplots(3, 1, figsize=(8.5, 12), layout="compressed")
-for threshold, axes in zip((0.2, 0.6, 2.0), rows):
-    plots.boxes(truth_on(shown, carriageway)[0], cloud=above_road, limits=street, reference=True,
-                label="true", axes=axes)
+figure, rows = plt.subplots(2, 1, figsize=(8.5, 8), layout="compressed")
+for threshold, axes in zip((0.2, 2.0), rows):
+    plots.boxes(corners_of(truth_on(shown, carriageway)), cloud=above_road, limits=street,
+                reference=True, label="true", axes=axes)
     plots.boxes(detect_obstacles(shown.cloud, threshold=threshold), axes=axes, label="found",
                 title=f"threshold = {threshold} m")
 
 # %%
-thresholds = np.array([0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4])
-sizes = np.array([2, 5, 10, 20, 40, 80, 120, 160])
-figure, panels = plt.subplots(1, 2, figsize=(8.5, 4.2), layout="compressed")
-for axes, name, values in ((panels[0], "threshold", thresholds), (panels[1], "min_num_points", sizes)):
-    results = [score(few, carriageway, **{name: value}) for value in values.tolist()]
-    best = values[np.argmax([result.f1 for result in results])]
-    plots.curves({measure: (values, [getattr(result, measure) for result in results])
-                  for measure in ("precision", "recall", "f1")}, across=name, up="share", axes=axes,
-                 title=f"best F1 at {best:g}")
+def sweep(parameter, values):
+    """Precision, recall and F1, shape (3, n), for some values of one parameter."""
+    results = [score("city", (0, 8), carriageway, **{parameter: value}) for value in values]
+    return np.array([[one.precision, one.recall, one.f1] for one in results]).T
+
+# %%
+thresholds, sizes = [0.2, 0.3, 0.4, 0.5, 0.7, 1.0], [2, 5, 10, 20, 40, 80, 160]
+figure, rows = plt.subplots(2, 1, figsize=(7, 7.5), layout="compressed")
+for axes, parameter, values, unit in ((rows[0], "threshold", thresholds, " (m)"),
+                                      (rows[1], "min_num_points", sizes, "")):
+    swept = sweep(parameter, values)
+    best = values[np.argmax(swept[2])]
+    plots.curves(dict(zip(("precision", "recall", "F1"), ((values, line) for line in swept))),
+                 across=parameter + unit, up="share", axes=axes, title=f"best F1 at {best:g}")
     axes.axvline(best, color="black", linestyle=":")
     axes.set_ylim(0, 1)
 
 # %% [markdown]
-# Each curve has its own lesson. Below 0.4 m torn cars cost precision and recall alike. Above it neighbours merge, so recall falls; but pieces merge, too, so precision rises, and $F_1$ hardly changes. A flat top is good news: the exact value does not matter. The minimum size trades precision against recall, as in lesson 09.
+# Each curve has its own lesson. At 0.2 m cars are torn, which costs precision and recall alike. From 0.4 m on $F_1$ hardly changes: a flat top is good news, because the exact value does not matter. The minimum size trades precision against recall, as in lesson 09.
 #
-# But do not obey the right-hand curve. On this carriageway everything that counts is a car, so $F_1$ asks for a minimum that no walker survives: a person 10 m away has about 20 points after thinning, and nobody is there to be missed. And all these curves are of one street. Check any choice on a stream that you did not tune on.
+# But do not obey the lower curve. On this carriageway all that counts is a car or a lorry, so $F_1$ asks for a minimum that no pedestrian survives: a person 10 m away has about 30 points after thinning, and nobody is there to be missed. And both curves are of one street. Check any choice on a stream that you did not tune on.
+#
+# **A good place to stop.** The detector is measured. What follows gives it a memory.
 #
 # ## A box has no memory
 #
 # *The number of a box says in which order it was found, and nothing else.*
 #
-# Here are the boxes of three frames in a row. The numbers are their rows in the answer. Follow one car from the first frame to the second.
+# Here are the boxes of three frames in a row. The numbers are their rows in the answer. Follow one car from the first frame to the third.
+
+# %% tags=["folded"]
+# @title Three seconds of the city, and the boxes in each frame (you need not read this)
+city += list(scenes.city_block(frames=30)[10:])
+if is_written(detect_obstacles):
+    detected = [own(detect_obstacles)(frame.cloud) for frame in city]
+else:
+    print("detect_obstacles is not written yet, so these are the true boxes.")
+    near_us = ((-15, 35), (-7, 9))
+    detected = [corners_of(box for box in frame.boxes
+                           if box.returns >= 30 and on(box.corners, near_us)[0])
+                for frame in city]
 
 # %%
-detected = [detect_obstacles(frame.cloud) for frame in city]
 ahead = ((2, 27), (-4, 6.4))
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 12), layout="compressed")
 for number, axes in zip((0, 1, 2), rows):
@@ -450,7 +620,7 @@ for number, axes in zip((0, 1, 2), rows):
 #
 # ## Exercise 2 · `match_boxes` (5 points)
 #
-# A tenth of a second is short: nothing moves far. So the partner of a box is the previous box whose centre is closest, if it is close enough, and if nobody closer wants it.
+# A tenth of a second is short: nothing moves far. So the partner of a box is the previous box whose centre is closest, if it is close enough, and if no closer box wants it.
 #
 # Give for each current box the row of its partner in `previous`, or -1 for a box without one. Each previous box has at most one partner. The centre of a box is the mean of its corners.
 
@@ -502,164 +672,239 @@ def match_boxes(previous, current, max_distance):
 # </details>
 
 # %% [markdown]
+# **First a tiny case.** Before, two boxes stood at x = 0 and x = 10. Now there are three, at x = 0.8, 0.3 and 9.6, and 1 m is near enough. Both the first and the second are near the old box 0; the second is nearer and gets it. So the answer is −1, 0, 1.
+
+# %%
+unit_box = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
+before = unit_box + np.array([[0.0, 0, 0], [10.0, 0, 0]])[:, None]
+after = unit_box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
+print(match_boxes(before, after, 1.0))
+
+# %% [markdown]
 # **Look before you check.** Boxes of two frames, the earlier ones dashed. Each line should join a box with where it was a moment ago, and no two lines may meet.
 
 # %%
 before, after = (detected[number][on(detected[number], ahead)] for number in (2, 3))
-partners = match_boxes(before, after, 1.5)
 axes = plots.boxes(before, reference=True, label="frame 2", limits=((1, 27), (-4.5, 7.5)))
-plots.boxes(after, axes=axes, label="frame 3", names=[str(partner) for partner in partners],
-            title="The number at each box is its partner")
-for box, partner in zip(after, partners):
-    if partner >= 0:
-        axes.plot(*np.stack([before[partner], box]).mean(axis=1)[:, :2].T, "k-")
+if is_written(match_boxes):
+    partners = match_boxes(before, after, 1.5)
+    plots.boxes(after, axes=axes, label="frame 3", names=[str(partner) for partner in partners],
+                title="The number at each box is its partner")
+    for box, partner in zip(after, partners):
+        if partner >= 0:
+            axes.plot(*np.stack([before[partner], box]).mean(axis=1)[:, :2].T, "k-")
 
 # %% nbgrader={"grade": true, "grade_id": "test_match_boxes", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(match_boxes)
 
 # %% [markdown]
-# ## Names
+# ## Tracks: predict, match, coast
 #
-# *A track is a chain of matches: pass the name on, or make a new one.*
+# *Do not compare with where a thing was, but with where it should be now.*
+#
+# A [track](#Words-of-the-course) is one obstacle through many frames. The simplest tracker passes a name on from partner to partner. It fails in two ways:
+#
+# - **We move.** At 5 m/s all that stands still comes 0.5 m nearer in each frame, and oncoming cars come twice as far. So *predict*: give each track a step, the way it made in the last frames, and look for its partner where it should be by now. A newcomer starts as something parked: its step is our own, backwards. Our speed is known; the wheels measure it.
+# - **Boxes flicker.** For a frame or two a thing has too few points, or hides behind another. So let a track *coast*: keep it without a box for three frames, moving at its last step, and drop it only then.
+#
+# Predict, match, coast, drop: every tracker that drives is made of these.
 
 # %%
-def follow(frames_of_boxes, max_distance):
-    """Give each box of each frame a name, the same as long as it is matched."""
-    names, known, unused = [], np.empty(0, dtype=int), 0
-    previous = np.empty((0, 8, 3))
+@dataclass
+class Track:
+    """One obstacle, from when it was first seen."""
+
+    name: int
+    box: np.ndarray  # (8, 3), where it is, or where it should be
+    step: np.ndarray  # (3,), metres from frame to frame, relative to us
+    missed: int = 0  # frames in a row without a partner
+
+
+OUR_STEP = np.array([5.0 * 0.1, 0.0, 0.0])
+
+
+def follow(frames_of_boxes, max_distance, predicting=True, patience=3):
+    """A name for each box of each frame; a thing should keep its own."""
+    tracks, names, count = [], [], 0
     for boxes in frames_of_boxes:
-        partners = match_boxes(previous, boxes, max_distance)
-        mine = np.zeros(len(boxes), dtype=int)
-        for row, partner in enumerate(partners):
-            if partner >= 0:
-                mine[row] = known[partner]
+        expected = [track.box + predicting * track.step for track in tracks]
+        partners = match_boxes(np.reshape(expected, (-1, 8, 3)), boxes, max_distance)
+        seen = []
+        for box, partner in zip(boxes, partners):
+            if partner < 0:
+                count += 1
+                seen.append(Track(count, box, -OUR_STEP))
             else:
-                mine[row], unused = unused, unused + 1
-        names.append(mine)
-        previous, known = boxes, mine
+                old = tracks[partner]
+                latest = (box - old.box).mean(axis=0)
+                seen.append(Track(old.name, box, (old.step + latest) / 2))
+        coasting = [Track(track.name, place, track.step, track.missed + 1)
+                    for row, (track, place) in enumerate(zip(tracks, expected))
+                    if row not in partners and track.missed < patience]
+        names.append(np.array([track.name for track in seen], dtype=int))
+        tracks = seen + coasting
     return names
 
-
-names = follow(detected, 1.5)
-axes = plots.boxes(detected[-1], cloud=city[-1].cloud[city[-1].scan.objects > 0], limits=street,
-                   names=names[-1].tolist(), title="Names, and the way to here")
-for name in names[-1]:
-    rows = [(boxes[mine == name][0]).mean(axis=0) for boxes, mine in zip(detected, names) if name in mine]
-    axes.plot(*np.array(rows)[:, :2].T, ".-", color="black", linewidth=1, markersize=3)
-
 # %% [markdown]
-# Parked cars trail half a metre per frame: that is us, driving. Objects moving with us leave a short trail, those coming towards us a long one. A trail that bends or starts anew tells of a box that grew, shrank or merged with another.
+# How much does it help? Both kinds of mistake need the truth, so we ask which thing each box belongs to: that whose returns it holds most. Then
 #
-# How far may a partner be? At least as far as things move between two frames, relative to us: $v\,\Delta t$. And not as far as the next obstacle, or a name jumps to somebody else. Both kinds of mistake can be counted. A thing that carries another name than the last time has *switched*; for that we need the truth. A name that moves by more than 2 m in a tenth of a second, faster than 72 km/h, has *jumped*. The dotted line is our own way in that time.
+# - a thing that has another name than the last time has **switched** its name;
+# - a name that belonged to two things is **shared**: it went over from one to the other.
+#
+# The first is what a short `max_distance` does, the second what a long one does.
 
 # %%
-def switches(stream, frames_of_boxes, names, region):
-    """How often a true thing is found under another name than the last time."""
-    frames = []
-    for frame, boxes, mine in zip(stream, frames_of_boxes, names):
-        corners, identities = truth_on(frame, region)
-        frames.append(scoring.TrackedFrame(boxes, tuple(mine.tolist()), corners, tuple(identities)))
-    return scoring.score_stream(frames, 0.2).identity_switches
+switching = predict("Matching alone, up to 1 m, three seconds, some thirty boxes in each frame: "
+                    "how many switches will there be?")
+
+# %%
+things = [scoring.holders(boxes, frame.cloud[::3], frame.scan.objects[::3])
+          for boxes, frame in zip(detected, city)]
 
 
-def jumps(frames_of_boxes, names, longest=2.0):
-    """How often a name moves farther than `longest` metres between two frames."""
-    count = 0
-    for before, old, after, new in zip(frames_of_boxes, names, frames_of_boxes[1:], names[1:]):
-        _, first, second = np.intersect1d(old, new, return_indices=True)
-        way = np.linalg.norm(before[first].mean(axis=1) - after[second].mean(axis=1), axis=1)
-        count += np.count_nonzero(way > longest)
-    return count
+def mistakes_of(max_distance, predicting, patience):
+    """Switches and shared names in three seconds."""
+    return scoring.name_mistakes(things, follow(detected, max_distance, predicting, patience))
 
+# %%
+ways = {"matching alone": (False, 0), "with prediction": (True, 0), "and with coasting": (True, 3)}
+mistakes = {way: mistakes_of(1.0, *settings) for way, settings in ways.items()}
+for way, made in mistakes.items():
+    print(f"{way:18}: {made.switches:3} switches, {made.shared:2} names shared")
+switching.compare(mistakes["matching alone"].switches,
+                  "Most boxes move 0.5 m in a frame, because we do. Add the wobble of a box that "
+                  "grows or shrinks, and many are more than 1 m from where they were.")
 
-in_order = [np.arange(len(boxes)) for boxes in detected]
-for how, given in (("by the order of the boxes", in_order), ("by matching", names)):
-    print(f"names {how}: {switches(city, detected, given, carriageway)} switches, "
-          f"{jumps(detected, given)} jumps")
-limits = np.array([0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0])
-tracks = [follow(detected, limit) for limit in limits.tolist()]
-axes = plots.curves({
-    "switches": (limits, [switches(city, detected, track, carriageway) for track in tracks]),
-    "jumps": (limits, [jumps(detected, track) for track in tracks])},
-    across="max_distance (m)", up="number in one second", title="How far may a partner be?")
-axes.axvline(5.0 * 0.1, color="black", linestyle=":")
-axes.set_xscale("log")
-axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10], ["0.1", "0.2", "0.5", "1", "2", "5", "10"])
-axes.minorticks_off();
+# %%
+limits = [0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0]
+counted = {way: [mistakes_of(limit, *settings) for limit in limits] for way, settings in ways.items()}
+figure, rows = plt.subplots(2, 1, figsize=(7, 8), layout="compressed")
+for axes, kind, top, title in (
+        (rows[0], "switches", 200, "Switches: things that change their name"),
+        (rows[1], "shared", 25, "Shared: names that change hands")):
+    plots.curves({way: (limits, [getattr(one, kind) for one in made])
+                  for way, made in counted.items()}, across="max_distance (m)",
+                 up="number in three seconds", axes=axes, title=title)
+    axes.set_xscale("log")
+    axes.set_xticks([0.1, 0.2, 0.5, 1, 2, 5, 10], ["0.1", "0.2", "0.5", "1", "2", "5", "10"])
+    axes.minorticks_off()
+    axes.set_ylim(0, top)
+    axes.axvline(0.5, color="black", linestyle=":")
 
 # %% [markdown]
-# To the left of the dotted line not even parked cars keep their names. To its right the switches become rare only at two to three times our own way: oncoming cars approach at twice our speed, and the centre of a box moves when the box grows. Beyond 2 m names begin to jump: whenever somebody vanishes while somebody else appears, the name goes over. (Below 2 m they cannot, by our definition.) In between is a valley, and there we choose. In a crowd it closes, and then position alone is not enough.
+# The dotted line is our own way in a frame. To the left of it matching alone loses even parked cars; prediction takes our motion out, so that a shorter distance will do. Coasting bridges the gaps: from 1 m on it halves the switches that are left. To the right names change hands: the farther a partner may be, the more often a name goes over to whatever appears when something else vanishes.
+#
+# At no distance are both mistakes zero. Between 1 and 1.5 m, with prediction and coasting, is a fair choice here. In a crowd things stand closer, names change hands sooner, and position alone is not enough.
+#
+# ## Names
+#
+# *With names, a street has a past.*
+#
+# Here is the last frame. The line at each box is its track through the three seconds, as we saw it go by. Only boxes on the carriageway that were followed for a second or longer carry their name.
+
+# %%
+names = follow(detected, 1.2) if is_written(match_boxes) else things
+
+
+def draw_names(number, axes=None, limits=street, **options):
+    """The boxes of a frame, and the names of those that have been followed for a second."""
+    frame, boxes, mine = city[number], detected[number], names[number]
+    age = {name: sum(name in earlier for earlier in names[:number]) for name in mine.tolist()}
+    shown = [str(name) if name and old and steady else "" for name, old, steady in
+             zip(mine.tolist(), on(boxes, carriageway), (age[name] >= 10 for name in mine.tolist()))]
+    points = frame.cloud[frame.scan.objects > 0][::8]
+    axes = plots.boxes(boxes, cloud=points, limits=limits, axes=axes, **options)
+    for box, text in zip(boxes, shown):
+        if text:
+            axes.annotate(text, box[:, :2].mean(axis=0), ha="center", va="center", fontsize=10,
+                          weight="bold", zorder=9, clip_on=True,
+                          bbox={"facecolor": "white", "edgecolor": "none", "pad": 1})
+    return axes
+
+
+axes = draw_names(len(city) - 1, title="Names, and the way to here")
+for name in names[-1][on(detected[-1], carriageway)].tolist():
+    way = [boxes[mine == name][0].mean(axis=0) for boxes, mine in zip(detected, names) if name in mine]
+    axes.plot(*np.array(way)[:, :2].T, ".-", color="black", linewidth=1, markersize=3, zorder=3)
 
 # %% [markdown]
+# Parked cars have come half a metre per frame: that is us, driving. Objects moving with us leave a short trail, those coming towards us a long one. A trail that bends or jumps tells of a box that grew, shrank or merged with another: things that come closer than the threshold share one large box for as long as they do.
+#
 # ## Watch it drive
 #
 # *A film shows at a glance what tables hide: flicker, jumps, boxes that come and go.*
 #
-# The next cell makes a film of the ten frames; press play. In text: parked cars stream towards us on both sides and keep their names as they pass; boxes far ahead flicker, because they have hardly enough points; new numbers appear whenever something comes into view or is lost and found. `film.save("city.gif", writer="pillow")` writes it to a file, and `utils.recording.record(city, "city.mp4", detect_obstacles)` films the street in perspective.
+# The next cell makes a film of every second frame; press play. In text: parked cars stream towards us on both sides and keep their names as they pass; boxes far ahead flicker, because they have hardly enough points; a name appears when a thing has been followed for a second. `film.save("city.gif", writer="pillow")` writes it to a file. `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes and names.
 
 # %%
 from IPython.display import HTML
 from matplotlib.animation import FuncAnimation
 
-figure, axes = plt.subplots(figsize=(8.5, 4.2), dpi=60)
+figure, axes = plt.subplots(figsize=(6, 3.4), dpi=80, layout="constrained")
 
 
 def draw_frame(number):
     axes.clear()
-    frame = city[number]
-    plots.boxes(detected[number], cloud=frame.cloud[frame.scan.objects > 0][::3], limits=street,
-                names=names[number].tolist(), axes=axes, title=f"t = {frame.time:.1f} s")
+    draw_names(number, axes, ((-6, 26), (-7, 9)), title=f"t = {city[number].time:.1f} s")
+    axes.get_legend().remove()
 
 
-film = FuncAnimation(figure, draw_frame, frames=len(city))
+film = FuncAnimation(figure, draw_frame, frames=range(0, len(city), 2))
 page = film.to_jshtml(fps=4, default_mode="loop")
 plt.close(figure)
 HTML(page)
 
 # %% [markdown]
+# **A good place to stop.** The machine runs. What follows takes it to other roads, and asks you to report.
+#
 # ## Other roads, other settings
 #
 # *What was tuned on one stream is a guess on the next.*
 #
-# The highway's scanner sits higher, 2.6 m above the road, and has 8 layers instead of 64: a car has a handful or a few dozen returns instead of thousands. With the settings of the city, most cars are missed.
+# The highway's scanner sits higher, 2.6 m above the road, and has 8 beams instead of 64: a car has a handful or a few dozen returns instead of thousands. With the settings of the city, most cars are missed.
 
 # %%
 frame = highway[0]
 print("returns on each car:", *(box.returns for box in frame.boxes))
-true = np.array([box.corners for box in frame.boxes])
 figure, rows = plt.subplots(2, 1, figsize=(8.5, 6), layout="compressed")
 for axes, title, settings in (
         (rows[0], "settings of the city", {}),
         (rows[1], "settings of the highway", {"threshold": 2.0, "min_num_points": 3,
                                               "ground_level": -2.1})):
-    plots.boxes(true, cloud=frame.cloud[:, :3], limits=((-20, 30), (-7, 7)), reference=True, label="true",
-                axes=axes)
-    plots.boxes(detect_obstacles(frame.cloud, **settings), axes=axes, label="found", title=title)
+    boxes = detect_obstacles(frame.cloud, **settings)
+    print(f"{title}: {len(boxes)} of {len(frame.boxes)} cars have a box")
+    plots.boxes(corners_of(frame.boxes), cloud=frame.cloud[:, :3], limits=((-20, 30), (-7, 7)),
+                reference=True, label="true", axes=axes)
+    plots.boxes(boxes, axes=axes, label="found", title=title)
 
 # %% [markdown]
+# Three numbers had to follow the scanner: the ground level its height, the threshold and the minimum the gaps between its beams. The code itself stayed as it was.
+#
 # ## Second data set (5 points, read by a person)
 #
 # *Say what you changed, why, and what it bought.*
 #
 # Run your detector on the cyclist stream. The square is wide, so the region that fitted the street cuts off half of what moves. Find settings with a better $F_1$ there, and follow the cyclist through all frames. Use as many cells as you like. With a connection you may take a real drive instead: `utils.fetch_recording("udacity_city")`. It has no true boxes, so you will have to count by eye on three frames.
 #
-# **How it is read.** *2 points:* the settings, before and after, each change with its reason. *2 points:* precision, recall and F1 before and after, on the same frames (or counts by eye). *1 point:* one failure that is left, where it happens and why.
+# **How it is read.** *2 points:* the settings, before and after, each change with its reason. *2 points:* precision, recall and F1 before and after, on the same frames and for the same overlap (or counts by eye). *1 point:* one failure that is left, where it happens and why.
 
 # %%
 around = ((-15, 35), (-20, 20))
-some = cyclist[::3]
-before = score(some, around)
+some = (0, 3, 6, 9)
+before = score("cyclist", some, around, 0.3)
 print(f"with the settings of the city: precision {before.precision:.2f}, recall {before.recall:.2f}, "
-      f"F1 {before.f1:.2f}")
+      f"F1 {before.f1:.2f}, from {before.true_positives + before.false_negatives} true boxes")
 frame = cyclist[0]
-axes = plots.boxes(truth_on(frame, around)[0], cloud=frame.cloud[frame.scan.objects > 0], reference=True,
-                   limits=((-20, 45), (-24, 24)), label="true")
+axes = plots.boxes(corners_of(truth_on(frame, around)), cloud=frame.cloud[frame.scan.objects > 0],
+                   reference=True, limits=((-20, 45), (-24, 24)), label="true")
 plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half of the square is missing");
 
 # %% [markdown]
+# Sixteen true boxes are few: one hit more or less moves recall by six points in a hundred.
+#
 # <details><summary>Hint 1</summary>
 #
-# `score(some, around, minimum=(-15, -20, -3), maximum=(35, 20, 1))` scores other settings without changing the function. Recall rises, precision falls: draw the frame and see where the false boxes stand, and on what.
+# `score("cyclist", some, around, 0.3, minimum=(-15, -20, -3), maximum=(35, 20, 1))` scores other settings without changing the function. Recall rises, precision falls: draw the frame and see where the false boxes stand, and on what.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -667,7 +912,7 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# The cyclist is the true box of kind "cyclist" that is nearest ahead. Which name from `follow` has the box over it, frame by frame?
+# `follow` takes a list with the boxes of each frame; our speed there is 4.5 m/s. The cyclist is the true box of kind "cyclist" that is nearest ahead. `scoring.holders` says which box holds it, and `follow` under which name, frame by frame.
 # </details>
 
 # %% [markdown] nbgrader={"grade": true, "grade_id": "second_data_set", "locked": false, "points": 5, "schema_version": 3, "solution": true, "task": false}
@@ -685,7 +930,7 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 # | region alone | 0.64 | 1.00 | 0.78 |
 # | both | 1.00 | 1.00 | 1.00 |
 #
-# The cyclist keeps one name through all ten frames. What is left: 40 points is a lot. A person 10 m away has about 30 after thinning and would be dropped, and this square has nobody on foot to show it. Full points for any such tables with reasons that fit the numbers, also where the numbers are worse than hoped.
+# The cyclist keeps one name through all ten frames. What is left: 40 points is a lot. A person 10 m away has about 30 after thinning and would be dropped, and this square has nobody on foot to show it. Sixteen true boxes are few, and at an overlap of 0.5 one in four is lost again. Full points for any such tables with reasons that fit the numbers, also where the numbers are worse than hoped.
 
 # %% [markdown]
 # ## Write-up (10 points, read by a person)
@@ -694,11 +939,11 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 #
 # Describe your detector for a colleague who will have to maintain it: 300 to 500 words, with numbers from your own runs. Pictures may be dragged into the cell.
 #
-# **How it is read.** *2 points:* the chain of steps, with the order and the reason for it. *2 points:* time for a frame and by step, on which machine, and what you would speed up first. *2 points:* how the parameters were chosen: curves or tables, on which stream, checked on which other. *2 points:* tracking: `max_distance` and why, switches and jumps counted. *2 points:* two failures with frame number, cause and what would cure them; and what you would not trust this detector with.
+# **How it is read.** *2 points:* the chain of steps, with the order and the reason for it. *2 points:* time for a frame and by step, on which machine, and what you would speed up first. *2 points:* how the parameters were chosen: curves or tables, on which stream, checked on which other. *2 points:* tracking: `max_distance` and why, switches and shared names counted. *2 points:* two failures with frame number, cause and what would cure them; and what you would not trust this detector with.
 #
 # <details><summary>Hint 1</summary>
 #
-# Collect the numbers first: `seconds_by_step`, `score` on city and cyclist, `switches`, `jumps`. Then write around them.
+# Collect the numbers first: `seconds_by_step`, `score` on city and cyclist, `scoring.name_mistakes`. Then write around them.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -706,21 +951,21 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# "It works well" is not a result. "Recall 0.8 at an overlap of 0.3 on frames 0, 4 and 8 of the city" is.
+# "It works well" is not a result. "Recall 0.6 at an overlap of 0.5 on frames 0, 4 and 8 of the city" is.
 # </details>
 
 # %% [markdown] nbgrader={"grade": true, "grade_id": "write_up", "locked": false, "points": 10, "schema_version": 3, "solution": true, "task": false}
 # **For whoever grades: what a good report says.**
 #
-# *Steps.* Invalid returns, region and own car first, because they are comparisons and halve the cloud; then the road, by a plane fitted to the low returns, because this street climbs by 2 % and a level fails beyond 20 m; a voxel grid of 0.2 m, so that clustering sees thousands of points and not tens of thousands; neighbours within 0.5 m by a kd-tree, connected components; clusters below 10 points dropped; the smallest rectangle around each.
+# *Steps.* Invalid returns, region and own car first, because they are comparisons and take a third of the cloud away; then the road, by a plane fitted to the low returns, because this street climbs by 2 % and a level fails beyond 20 m; a voxel grid of 0.2 m, so that clustering sees thousands of points and not tens of thousands; neighbours within 0.5 m; clusters below 10 points dropped; the smallest rectangle around each.
 #
 # *Time.* A total with the machine it was measured on, the share of each step from `seconds_by_step`, the factor against 0.1 s, and a plan for the longest step.
 #
 # *Parameters.* A sweep of at least two, the stream they were tuned on, and the score on one they were not tuned on. Full points also where the second score is worse: that is the expected outcome.
 #
-# *Tracking.* `max_distance` above the way per frame (0.5 m at 5 m/s, more for oncoming traffic) and below the spacing of obstacles; switches with matching and without.
+# *Tracking.* `max_distance` from both curves: with prediction it may be shorter than without; switches and shared names at the chosen value, with and without prediction and coasting.
 #
-# *Failures.* For example: a walker beside a parked car becomes part of it; a car straight ahead is a thin slice; a car is in two pieces, because its windows swallow the light. Limits: it does not know classes, it does not see anything lower than 0.3 m (kerbs, a lying person), and a name is lost when somebody is hidden for one frame.
+# *Failures.* For example: a pedestrian beside a parked car becomes part of it; of a car straight ahead only the back is seen, so its box is a thin slice; a car is in two pieces, because its windows swallow the light. Limits: it does not know classes, it does not see anything lower than 0.3 m (kerbs, a lying person), and a name is lost when somebody is hidden for longer than three frames.
 
 # %% [markdown]
 # ## Common mistakes
@@ -729,45 +974,56 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 #
 # | what was done | what you see |
 # |---|---|
-# | the road stays in | one cluster from kerb to kerb, one giant box |
-# | invalid returns stay in | an obstacle at the sensor |
+# | the road stays in | one giant box around all that is near, and flat slabs farther out |
+# | our own car stays in | a box around the sensor on a bad day, and perhaps none on a good one |
 # | threshold too large | cars, posts and trees in one box |
-# | `min_num_points=100` on a thinned cloud | cars near by, but none far ahead, and nobody on foot |
+# | `min_num_points=100` on a thinned cloud | cars near by, but few far ahead, and nobody on foot |
 # | a detector that loads its functions | all is well here, and nothing in the judge |
 # | `match_boxes` in the order of the boxes | two cars swap names when a third one appears |
 
 # %%
 wrong = {"the road stays in (ground_level = -9 m)": {"ground_level": -9.0},
-         "threshold = 3 m: everything near joins": {"threshold": 3.0},
          "min_num_points = 100 after thinning": {"min_num_points": 100}}
-figure, rows = plt.subplots(3, 1, figsize=(8.5, 12), layout="compressed")
+figure, rows = plt.subplots(2, 1, figsize=(8.5, 8), layout="compressed")
 for (title, settings), axes in zip(wrong.items(), rows):
-    plots.boxes(truth_on(shown, carriageway)[0], cloud=above_road, limits=street, reference=True,
-                label="true", axes=axes)
-    plots.boxes(detect_obstacles(shown.cloud, **settings), axes=axes, label="found", title=title)
+    boxes = detect_obstacles(shown.cloud, **settings)
+    plots.boxes(corners_of(truth_on(shown, carriageway)), cloud=above_road, limits=street,
+                reference=True, label="true", axes=axes)
+    plots.boxes(boxes, axes=axes, label="found", title=title)
+pedestrians = [box for box in shown.boxes if box.kind == "pedestrian" and box.returns >= 300]
+for person in pedestrians:
+    plots.ring(rows[1], *person.centre[:2], radius=1.2, text="nobody here?");
 
 # %% [markdown]
 # ## In practice
 #
-# - Trackers do not compare with where a thing *was* but with where it should be *now*: a Kalman filter holds position and speed, and bridges a few frames without a match.
+# - Trackers hold position and speed in a *Kalman filter*, which weighs prediction against measurement by how far each can be trusted. Ours weighs them half and half.
 # - Matching takes the best sum of all pairs (the Hungarian method), and often overlap or shape instead of distance.
-# - The own motion is taken out first: in coordinates of the street parked cars stand still, and `max_distance` can be small.
 # - Learned detectors box whole cars from half of their returns and tell cars from people. What you built needs no training, and sees things that no training set contains.
+# - A library has most of the chain. Open3D in three lines, with `points` an array (n, 3) and `o3d` the module:
+#
+# ```python
+# cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points)).voxel_down_sample(voxel_size=0.2)
+# plane, road = cloud.segment_plane(distance_threshold=0.3, ransac_n=3, num_iterations=50)
+# labels = np.array(cloud.select_by_index(road, invert=True).cluster_dbscan(eps=0.5, min_points=10))
+# ```
+#
+# There `min_points` counts the neighbours of a point, not the points of a cluster, and −1 stands for none.
 #
 # ## If you want more
 #
-# 1. Estimate the speed of each track over five frames and draw it as an arrow. Add our own 5 m/s and compare with `box.velocity`.
-# 2. Let a track survive three frames without a match. How many switches are left?
-# 3. `python -m utils.play city` plays streams in a window where there is one. Let it run your notebook.
+# 1. Divide the step of each track by 0.1 s, add our own speed, draw it as an arrow and compare with `box.velocity`.
+# 2. Let `patience` be 0, 3, 10 and 30 frames. From where on do names change hands while a track coasts?
+# 3. Keep boxes of all ages, but draw only tracks that have been seen three times. What do precision and recall say?
 # 4. Learn the sizes of cars from `frame.boxes` and widen thin boxes away from the sensor. What happens to the curve over the overlap?
 #
 # ## Summary
 #
 # - A detector is a chain: cheap filters first, careful steps last, and every step copes with an empty cloud.
-# - Precision, recall and identity switches against truth turn opinions about parameters into curves.
-# - A box gets its meaning from the frame before: match one to one, nearest first, not too far.
+# - Precision, recall and counts of switched and shared names turn opinions about parameters into curves. To find a cause, change one step and keep the rest.
+# - A box gets its meaning from the frames before: predict, match one to one, coast, drop.
 #
-# **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker, on top of a learned detector: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
+# **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). Predict, match and drop in few lines: [Bewley et al. 2016](https://doi.org/10.1109/ICIP.2016.7533003). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker, on top of a learned detector: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
 #
 # **That was the last lesson.** Congratulations: you wrote a LiDAR pipeline from the first mask to the last name.
 

@@ -24,11 +24,17 @@ ROUNDS = int(os.environ.get("ROUNDS", 9))
 PATIENCE = 20.0
 
 
+LESSON = load_reference("10_accelerated_clustering", "clustering_at_full_speed")
+
+
 def ours(cloud):
-    """Labels by the reference of lesson 10."""
-    return load_reference("10_accelerated_clustering").euclidean_clustering_accelerated(
-        cloud, RADIUS
-    )
+    """Labels by the fast version of lesson 10."""
+    return LESSON.clustering_at_full_speed(cloud, RADIUS)
+
+
+def taught(cloud):
+    """Labels by the plan that lesson 10 teaches."""
+    return LESSON.euclidean_clustering_accelerated(cloud, RADIUS)
 
 
 def all_pairs(cloud):
@@ -65,7 +71,8 @@ def open3d(cloud):
 
 
 WAYS = {
-    "lesson 10": ours,
+    "lesson 10, fast": ours,
+    "lesson 10, taught": taught,
     "dbscan (PyPI)": dbscan_of_pypi,
     "Open3D": open3d,
     "scikit-learn": scikit_learn,
@@ -117,7 +124,7 @@ def compare(title, cloud):
     labels = available(cloud)
     exact = all_pairs(cloud)
     seconds = measure(labels, cloud)
-    mine = seconds["lesson 10"]
+    mine = seconds["lesson 10, fast"]
     for name in labels:
         median, ratio = np.nanmedian(seconds[name]), np.nanmedian(seconds[name] / mine)
         remark = "" if same_partition(labels[name], exact) else "  NOT the exact partition"
@@ -147,7 +154,7 @@ def main():
     cloud = np.ascontiguousarray(load_cloud("cloud.txt")[:, :3])
     compare("full scan", cloud)
     compare("without the road", np.ascontiguousarray(cloud[cloud[:, 2] > -1.2]))
-    print("\nlesson 10 on difficult clouds")
+    print("\nlesson 10, fast, on difficult clouds")
     for name, points in traps():
         begin = time.perf_counter()
         count = ours(points).max()

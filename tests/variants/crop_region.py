@@ -178,3 +178,8 @@ def crop_region(cloud, minimum, maximum):
 # claims: Nothing is removed
 def crop_region(cloud, minimum, maximum):
     return cloud
+
+# %% right: the hints followed to the letter
+def crop_region(cloud, minimum, maximum):
+    inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    return cloud[inside]

@@ -20,6 +20,42 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
     return np.argsort(np.argsort(start))[which] + 1
 
+# %% right: the hints followed to the letter, in three steps
+def points_in_cells(points, threshold):
+    rows = np.floor(points / (threshold / np.sqrt(3)))
+    found, first, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return found, first, which.ravel()
+# ---- another cell ----
+def join_cheaply(points, cells, first, threshold):
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    a, b = points[first[pairs[:, 0]]], points[first[pairs[:, 1]]]
+    small = np.linalg.norm(a - b, axis=1) < threshold
+    label = components(len(cells), pairs[small])
+    return pairs, label
+# ---- another cell ----
+def join_exactly(points, cell_of_point, pairs, label, threshold):
+    members = points_of_each_cell(points, cell_of_point)
+    label = label.copy()
+    differs = label[pairs[:, 0]] != label[pairs[:, 1]]
+    for a, b in pairs[differs]:
+        if label[a] == label[b]:
+            continue
+        distances, nearest = cKDTree(members[a]).query(members[b])
+        if distances.min() < threshold:
+            label[label == label[b]] = label[a]
+    return label
+# ---- another cell ----
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = points_in_cells(points, threshold)
+    pairs, label = join_cheaply(points, cells, first, threshold)
+    label = join_exactly(points, cell_of_point, pairs, label, threshold)
+    pieces = label[cell_of_point]
+    names, start, which = np.unique(pieces, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
 # %% right: dictionary of cells and union-find in plain Python, a list back
 from itertools import product
 
@@ -630,3 +666,13 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
                 label[label == label[b]] = label[a]
     _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
     return np.argsort(np.argsort(start))[which] + 1
+
+# %% wrong: a step is still a stub
+# loses: separates_groups, takes_a_heap, test_whole_scan
+# says: points_in_cells
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    if len(cloud) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = points_in_cells(cloud[:, :3], threshold)
+    pairs, label = join_cheaply(cloud[:, :3], cells, first, threshold)
+    return label[cell_of_point] + 1

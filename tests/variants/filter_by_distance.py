@@ -231,3 +231,8 @@ def filter_by_distance(cloud, distance=10.0):
 # claims: Nothing is removed
 def filter_by_distance(cloud, distance=10.0):
     return cloud
+
+# %% right: the hints followed to the letter
+def filter_by_distance(cloud, distance=10.0):
+    d = np.hypot(cloud[:, 0], cloud[:, 1])
+    return cloud[d <= distance]

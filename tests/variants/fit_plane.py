@@ -1,5 +1,13 @@
 # Answers to fit_plane; see grader/variants.py.
 
+# %% right: the hints followed to the letter
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    _, _, directions = np.linalg.svd(points[:, :3] - centre, full_matrices=False)
+    normal = directions[-1]
+    d = -(normal @ centre)
+    return (*normal, d)
+
 # %% right: SVD of the centred points
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)

@@ -1,6 +1,6 @@
 # Answers to get_bounding_boxes; see grader/variants.py.
 
-# %% right: minima and maxima, chosen by bits
+# %% right: the hints followed to the letter
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels)
     names = names[names > 0]
@@ -360,4 +360,14 @@ def get_bounding_boxes(cloud, cluster_labels):
     for name in np.unique(cluster_labels[cluster_labels > 0]):
         low, high = np.percentile(cloud[cluster_labels == name, :3], [1, 99], axis=0)
         boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% right: the corners from three nested loops, as the text offers
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1])
+                      for x in (low[0], high[0])])
     return np.array(boxes).reshape(-1, 8, 3)

@@ -1,7 +1,7 @@
 # Answers to get_oriented_boxes; see grader/variants.py. The stub of principal_axes stands above
 # them, so those that use it bring their own.
 
-# %% right: principal axes in the plane, through the notebook's own functions
+# %% right: the hints to the letter, principal axes in the plane
 def principal_axes(points):
     q = points[:, :3] - points[:, :3].mean(axis=0)
     axes = np.linalg.eigh(q.T @ q)[1][:, ::-1].copy()
@@ -40,6 +40,38 @@ def get_oriented_boxes(cloud, cluster_labels):
         boxes.append([[x, y, z] for z in (points[:, 2].min(), points[:, 2].max())
                       for x, y in around])
     return np.array(boxes, dtype=np.float32).reshape(len(boxes), 8, 3)
+
+# %% right: the hints to the letter, the smallest rectangle
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        angles = np.radians(np.arange(90))
+        yaw = angles[np.argmin(floor_area_at(points, angles))]
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = []
+        for z in (low[2], high[2]):
+            corners.append([low[0], low[1], z])
+            corners.append([high[0], low[1], z])
+            corners.append([high[0], high[1], z])
+            corners.append([low[0], high[1], z])
+        boxes.append(turned(np.array(corners), yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% right: one angle after another, from -45 to 45 degrees in halves
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in sorted(set(cluster_labels.tolist()) - {0}):
+        points = cloud[cluster_labels == label]
+        yaw = min(np.radians(np.arange(-45, 45, 0.5)), key=lambda one: floor_area_at(points, one))
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = [(x, y, z) for z in (low[2], high[2])
+                   for x, y in ((low[0], low[1]), (low[0], high[1]),
+                                (high[0], high[1]), (high[0], low[1]))]
+        boxes.append(turned(np.array(corners), yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
 
 # %% right: covariance by hand in plain Python, corners in binary order, lists back
 import math
@@ -537,3 +569,86 @@ def get_oriented_boxes(cloud, cluster_labels):
                             for k in range(8)])
         boxes.append(turned(corners, yaw))
     return np.array(boxes)
+
+# %% wrong: the largest rectangle instead of the smallest
+# loses only: turns_with_the_cluster, is_no_larger_than_needed, looks_from_above, test_any_heading, test_scanned_vehicles, test_tall_things, test_fresh_street
+# says: is not turned with its cluster
+# claims: the largest that touch their points
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        angles = np.radians(np.arange(90))
+        yaw = angles[np.argmax(floor_area_at(points, angles))]
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(turned(corners, yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: the number of the smallest area taken for its angle
+# loses only: turns_with_the_cluster, is_no_larger_than_needed, looks_from_above, test_any_heading, test_scanned_vehicles, test_tall_things, test_fresh_street
+# says: is not turned with its cluster
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        angles = np.radians(np.arange(90))
+        yaw = np.argmin(floor_area_at(points, angles))
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(turned(corners, yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: half of the angles are never tried
+# loses: turns_with_the_cluster, test_any_heading
+# says: is not turned with its cluster
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        angles = np.radians(np.arange(45))
+        yaw = angles[np.argmin(floor_area_at(points, angles))]
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(turned(corners, yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: the smallest rectangle, turned by plus yaw both times
+# loses: contains_all_points, is_no_larger_than_needed, test_any_heading
+# says: does not contain all of its points
+# claims: both turned by plus yaw
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        angles = np.radians(np.arange(90))
+        yaw = angles[np.argmin(floor_area_at(points, angles))]
+        local = turned(points, yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(turned(corners, yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: the smallest rectangle, corners not turned back
+# loses: contains_all_points, turns_with_the_cluster, test_any_heading
+# says: does not contain all of its points
+# claims: The corners are not turned back
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for name in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == name, :3]
+        angles = np.radians(np.arange(90))
+        yaw = angles[np.argmin(floor_area_at(points, angles))]
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = np.array([[high[a] if k & 2**a else low[a] for a in range(3)]
+                            for k in range(8)])
+        boxes.append(corners)
+    return np.array(boxes).reshape(-1, 8, 3)

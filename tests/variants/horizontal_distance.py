@@ -1,6 +1,6 @@
 # Answers to horizontal_distance; see grader/variants.py.
 
-# %% right: hypot
+# %% right: the hints followed to the letter
 def horizontal_distance(cloud):
     return np.hypot(cloud[:, 0], cloud[:, 1])
 

@@ -1,6 +1,6 @@
 # Answers to insert of lesson 04; see grader/variants.py.
 
-# %% right: two variables on the way down
+# %% right: the hints followed to the letter
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:

@@ -1,5 +1,16 @@
 # Answers to iterations_needed; see grader/variants.py.
 
+# %% right: the hints followed to the letter
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    good = inlier_ratio ** sample_size
+    if good == 1:
+        return 1
+    if good == 0:
+        return math.inf
+    return max(1, math.ceil(math.log(1 - confidence) / math.log1p(-good)))
+
 # %% right: the formula, with both ends
 import math
 
@@ -76,7 +87,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 
 # %% wrong: not rounded
 # loses only: smallest_that_suffices, test_rounding
-# says: Half an iteration cannot be made
+# says: Half a round cannot be played
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):

@@ -57,6 +57,17 @@ def line_through(p, q):
     line = Line(np.array([[0, -1], [1, 0]]) @ direction, np.asarray(p))
     return np.append(line.normal, line.offset)
 
+# %% right: the hints followed to the letter
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a = -dy / length
+    b = dx / length
+    c = -(a * p[0] + b * p[1])
+    return a, b, c
+
 # %% wrong: the normal has any length
 # loses only: has_a_unit_normal, test_unit_normals
 # says: The normal (a, b) must have length 1

@@ -1,5 +1,22 @@
 # Answers to median_order of lesson 04; see grader/variants.py.
 
+# %% right: the hints followed to the letter
+def median_order(points):
+    order = []
+    parts = [(np.arange(len(points)), 0)]
+    while parts:
+        rows, depth = parts.pop()
+        if len(rows) == 0:
+            continue
+        axis = depth % points.shape[1]
+        values = points[rows, axis]
+        rows = rows[np.argsort(values)]
+        m = (len(rows) - 1) // 2
+        order.append(rows[m])
+        parts.append((rows[:m], depth + 1))
+        parts.append((rows[m + 1:], depth + 1))
+    return order
+
 # %% right: a function that calls itself
 def median_order(points, rows=None, depth=0):
     if rows is None:

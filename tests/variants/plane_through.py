@@ -1,5 +1,14 @@
 # Answers to plane_through; see grader/variants.py.
 
+# %% right: the hints followed to the letter
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    normal = normal / length
+    return (normal[0], normal[1], normal[2], -(normal @ p))
+
 # %% right: cross product, a tuple back
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)

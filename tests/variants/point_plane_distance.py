@@ -1,5 +1,10 @@
 # Answers to point_plane_distance; see grader/variants.py.
 
+# %% right: the hints followed to the letter
+def point_plane_distance(points, plane):
+    a, b, c, d = plane
+    return np.abs(a * points[:, 0] + b * points[:, 1] + c * points[:, 2] + d)
+
 # %% right: a matrix product
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]) + plane[3])

@@ -26,6 +26,38 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
                     best, best_mask, most = candidate, mask, mask.sum()
     return best, best_mask
 
+# %% right: the hints followed to the letter
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a, b = -dy / length, dx / length
+    return a, b, -(a * p[0] + b * p[1])
+
+def point_line_distance(points, line):
+    a, b, c = line
+    value = a * points[:, 0] + b * points[:, 1] + c
+    return np.abs(value)
+
+# ---- another cell ----
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)  # takes a seed as well as a generator
+    best_line = None
+    best_mask = np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best_line, best_mask
+    for _ in range(max_iterations):
+        i, j = rng.choice(len(points), size=2, replace=False)
+        candidate = line_through(points[i], points[j])
+        if candidate is None:
+            continue
+        mask = point_line_distance(points, candidate) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best_line = candidate
+            best_mask = mask
+    return best_line, best_mask
+
 # %% right: all samples at once
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)

@@ -162,3 +162,8 @@ def remove_ego_returns(cloud, minimum, maximum):
 # claims: Nothing is removed
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud
+
+# %% right: the hints followed to the letter
+def remove_ego_returns(cloud, minimum, maximum):
+    inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    return cloud[~inside]

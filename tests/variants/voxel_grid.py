@@ -53,6 +53,18 @@ def voxel_grid(cloud, voxel_size=0.2):
     return np.array([mean for count, mean in means.values()],
                     dtype=np.float32).reshape(len(means), cloud.shape[1])
 
+# %% right: the hints followed to the letter
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size)
+    different, which, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    number_of_cells = len(different)
+    sums = np.zeros((number_of_cells, cloud.shape[1]))
+    np.add.at(sums, which, cloud)
+    return sums / counts[:, None]
+
 # %% wrong: rounds towards zero
 # loses only: floors_below_zero, test_voxels_all_around
 # says: fewer rows than

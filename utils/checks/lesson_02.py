@@ -366,7 +366,7 @@ def assert_measures(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=4,
     title="Distances in metres, square to the line",
-    why="The tolerance of RANSAC is compared with them.",
+    why="RANSAC compares them with its threshold.",
     hint="a x + b y + c for all points at once, with points[:, 0] for x and points[:, 1] for y.",
 )
 def measures_square_to_the_line(point_line_distance: Callable) -> None:
@@ -378,7 +378,7 @@ def measures_square_to_the_line(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=3,
     title="Never negative, on whichever side a point lies",
-    why="Without that, a whole half of the street is within any tolerance.",
+    why="Without that, a whole half of the street is within any threshold.",
     hint="np.abs takes the absolute value of a whole array.",
 )
 def takes_both_sides(point_line_distance: Callable) -> None:
@@ -455,7 +455,7 @@ def takes_few_points(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=1,
     title="The distances are an array",
-    why="ransac_line compares all of them with its tolerance at once; a list cannot do that.",
+    why="ransac_line compares all of them with its threshold at once; a list cannot do that.",
     hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def returns_an_array(point_line_distance: Callable) -> None:
@@ -762,7 +762,7 @@ def assert_finds(
             f"The line was found in {found} of {len(runs)} runs."
             + (f" In {none} of them the answer was None." if none else ""),
             yours=f"found in {found} of {len(runs)} runs",
-            expected=f"nearly all of them, with {max_iterations} iterations",
+            expected=f"nearly all of them, with {max_iterations} rounds",
             draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
@@ -804,7 +804,7 @@ def leaves_its_input(ransac_line: Callable) -> None:
 @visible(
     "ransac_line",
     weight=3,
-    title="The mask belongs to the line, for any tolerance",
+    title="The mask belongs to the line, for any threshold",
     why="The inliers go into the map, and the line to the steering: they must say the same.",
     hint="Replace line and mask together. What is compared with distance_tolerance are metres: "
     "from a unit normal, and not squared.",
@@ -823,7 +823,7 @@ def marks_its_own_inliers(ransac_line: Callable) -> None:
     weight=2,
     title="Draws no fewer samples than max_iterations says",
     why="A hard street needs many rounds.",
-    hint="Loop with range(max_iterations). One sample of two points is one iteration.",
+    hint="Loop with range(max_iterations). A round draws one sample of two points.",
 )
 def draws_as_often_as_told(ransac_line: Callable) -> None:
     assert_works(ransac_line)
@@ -836,7 +836,7 @@ def draws_as_often_as_told(ransac_line: Callable) -> None:
     weight=1,
     title="Draws no more samples than max_iterations says",
     why="Ten rounds must take the time of ten rounds.",
-    hint="Loop with range(max_iterations). One sample of two points is one iteration.",
+    hint="Loop with range(max_iterations). A round draws one sample of two points.",
 )
 def draws_no_more_than_told(ransac_line: Callable) -> None:
     assert_works(ransac_line)
@@ -943,7 +943,7 @@ def _written(line: np.ndarray | None) -> str:
     "ransac_line",
     weight=1,
     title="Another seed draws other samples",
-    why="A run that missed the wall can be tried again with other dice.",
+    why="A run that missed the wall can be tried again with another seed.",
     hint="rng comes from the caller: do not make one from a number of your own.",
 )
 def follows_its_rng(ransac_line: Callable) -> None:

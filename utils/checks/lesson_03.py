@@ -1,4 +1,4 @@
-"""Visible checks of lesson 03: planes through points, distances, RANSAC, refit, iterations.
+"""Visible checks of lesson 03: planes through points, distances, RANSAC, refit, rounds.
 
 What is asserted here is the judge's, too. A plane and its negative are the same plane: everything
 here accepts both. The length of the normal is a property of its own: the others do not look at it.
@@ -54,6 +54,22 @@ _LARGE_AND_SMALL = frozen(
     )
 )
 _TINY = frozen(np.array([[3.0, 1.0, -1.7], [3.1, 1.0, -1.7], [3.0, 1.08, -1.68]]))
+# The small case of the notebook: five points on a floor, two above it.
+_SEVEN = frozen(
+    np.array(
+        [
+            [0.0, 0.0, -1.7],
+            [4.0, 0.0, -1.7],
+            [1.0, 3.0, -1.7],
+            [5.0, 4.0, -1.7],
+            [2.0, 5.0, -1.7],
+            [1.5, 1.0, -0.2],
+            [3.0, 2.0, 0.5],
+        ]
+    )
+)
+# The rough floor of the notebook: 4 m by 2 m, its corners 10 cm too high or too low.
+_FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
 _LINES = frozen(
     np.array(
         [
@@ -300,8 +316,8 @@ def has_a_unit_normal(plane_through: Callable) -> None:
     "plane_through",
     weight=2,
     title="Returns None for points on one line",
-    why="A scanner draws lines on walls and roads: such samples come up all the time, and "
-    "0 / 0 would spread through all distances.",
+    why="Three such points fix no plane, and 0 / 0 would spread through all distances. On a "
+    "drive with ten scans a second even what is rare comes up.",
     hint="When the cross product has length 0, return None before dividing by it.",
 )
 def refuses_a_line(plane_through: Callable) -> None:
@@ -546,7 +562,7 @@ def _assert_plain(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=4,
     title="Right for planes through the sensor",
-    why="A distance that is wrong by a factor makes 20 cm of tolerance 5 cm or 80 cm.",
+    why="A distance that is wrong by a factor makes a threshold of 20 cm one of 5 cm or 80 cm.",
     hint="a x + b y + c z for every point: each coordinate times its own part of the normal.",
 )
 def measures_distances(point_plane_distance: Callable) -> None:
@@ -572,7 +588,7 @@ def adds_d(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=2,
     title="A distance has no sign: right on both sides of the plane",
-    why="With a sign, everything below the road is nearer than any tolerance.",
+    why="With a sign, everything below the road is nearer than any threshold.",
     hint="A distance is never negative: np.abs.",
 )
 def forgets_the_sign(point_plane_distance: Callable) -> None:
@@ -671,7 +687,7 @@ def keeps_points_and_plane(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=1,
     title="The distances are a NumPy array",
-    why="ransac_plane compares all of them with its tolerance at once; a list cannot do that.",
+    why="ransac_plane compares all of them with its threshold at once; a list cannot do that.",
     hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def gives_an_array(point_plane_distance: Callable) -> None:
@@ -1096,10 +1112,16 @@ def _crowd_on_a_plane(seed: int) -> tuple[np.ndarray, np.ndarray]:
     weight=5,
     title="Finds the plane among the outliers",
     why="The largest plane of a street is the road. What is not road may be an obstacle.",
-    hint="Draw three rows, make a plane, count how many points are near it; keep the plane "
+    hint="Take three rows, make a plane, count how many points are near it; keep the plane "
     "with the highest count.",
 )
 def finds_the_plane(ransac_plane: Callable) -> None:
+    on_the_floor = _SEVEN[:, 2] == -1.7
+    # Two samples in seven are good: 0.714^80 < 1e-11.
+    answer = ransac_plane(_SEVEN.copy(), 80, 0.1, np.random.default_rng(1))
+    assert_finds(
+        answer, _SEVEN, 0.1, on_the_floor, given="seven points: five on a floor at z = -1.7"
+    )
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(seed, 60, 30, noise=0.02)
         rng = np.random.default_rng(seed)
@@ -1122,7 +1144,7 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Inliers are the points within distance_tolerance",
-    why="The pavement lies a hand above the road. The tolerance decides whether it is road.",
+    why="The pavement lies a hand above the road. The threshold decides whether it is an inlier.",
     hint="Compare the distances with distance_tolerance, not with a number of your own.",
 )
 def follows_the_tolerance(ransac_plane: Callable) -> None:
@@ -1154,7 +1176,7 @@ def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Tries as many samples as max_iterations allows",
-    why="Iterations are certainty: the fewer points belong to the plane, the more it takes.",
+    why="Rounds are certainty: the fewer points belong to the plane, the more it takes.",
     hint="for _ in range(max_iterations): one sample in each round, and `return` after the loop.",
 )
 def tries_enough(ransac_plane: Callable) -> None:
@@ -1168,7 +1190,7 @@ def tries_enough(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=1,
     title="Tries no more samples than max_iterations",
-    why="Iterations are time: the next frame comes in a tenth of a second.",
+    why="Rounds are time: the next frame comes in a tenth of a second.",
     hint="for _ in range(max_iterations): one sample in each round.",
 )
 def tries_no_more(ransac_plane: Callable) -> None:
@@ -1242,9 +1264,9 @@ def finds_nothing_on_a_line(ransac_plane: Callable) -> None:
 @visible(
     "ransac_plane",
     weight=2,
-    title="Draws three different rows",
+    title="Takes three different rows",
     why="A row that comes up twice makes a sample of two points: a round that is lost.",
-    hint="rng.choice(len(points), 3, replace=False) never draws a row twice.",
+    hint="rng.choice(len(points), 3, replace=False) never takes a row twice.",
 )
 def draws_three_rows(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
@@ -1418,13 +1440,15 @@ def gives_a_mask_array(ransac_plane: Callable) -> None:
         raise CheckFailed(f"The mask is a {type(inliers).__name__}.")
 
 
-def assert_direction(answer: object, points: np.ndarray) -> None:
+def assert_direction(answer: object, points: np.ndarray, given: str | None = None) -> None:
     """No other direction fits better; the length of the normal and d are not looked at.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
+    given : str, optional
+        What the function was given, for the message.
     """
     plane = as_plane(answer)
     best, least = best_plane(points)
@@ -1434,6 +1458,7 @@ def assert_direction(answer: object, points: np.ndarray) -> None:
         raise CheckFailed(
             "Through the mean of these points goes a plane that lies nearer to them than one with "
             "your (a, b, c).",
+            given=given,
             yours=f"{_text(plane)}, {yours:.4f} m root mean square distance",
             expected=f"{_beside(plane, best)}, {least:.4f} m",
             draw=lambda: _draw(np.asarray(points), plane, None, None, best),
@@ -1478,6 +1503,8 @@ def assert_fits(fit_plane: Callable) -> None:
     "of the third result.",
 )
 def fits_a_road(fit_plane: Callable) -> None:
+    given = f"four points: {', '.join(map(point_text, _FLOOR))}"
+    assert_direction(fit_plane(_FLOOR.copy()), _FLOOR, given)
     for seed, noise in ((1, 0.0), (2, 0.05)):
         points, _ = scattered_plane(seed, 80, 0, noise=noise)
         assert_direction(fit_plane(points.copy()), points)
@@ -1719,7 +1746,7 @@ def assert_iterations(answer: object, expected: int, *case: object) -> None:
     number = assert_number(answer)
     sides = {"given": _call(case), "yours": f"{number:g}", "expected": str(expected)}
     if number != np.round(number):
-        raise CheckFailed("Half an iteration cannot be made: round up.", **sides)
+        raise CheckFailed("Half a round cannot be played: take the next whole number.", **sides)
     if number != expected:
         words = {
             -1: "One sample fewer does not reach the confidence: round up, not down.",

@@ -877,10 +877,10 @@ def axes_alternate(KdTree: Callable) -> None:
 @visible(
     "insert",
     weight=3,
-    title="Grows the tree of this lesson's points, five levels deep",
+    title="Grows a tree of ten points, eight levels deep",
     why="Every node must end up in the one place where a search will look for it.",
-    hint="Draw your tree beside the lesson's with plots.kd_tree(tree.root). At which node do "
-    "they part, and which coordinate was compared there?",
+    hint="Follow the point that is named, with a pencil: which coordinate is compared at each "
+    "node, and where is the first free place?",
 )
 def grows_the_quiz(KdTree: Callable) -> None:
     _assert_turns(KdTree)
@@ -973,7 +973,7 @@ def keeps_trees_apart(KdTree: Callable) -> None:
     "insert",
     weight=1,
     title="Leaves the point as it is",
-    why="The point is a row of the cloud: whoever changes it moves an obstacle.",
+    why="The point is a row of the cloud: changing it moves an obstacle.",
     hint="Read point[axis], and write to the tree only.",
 )
 def leaves_the_point(KdTree: Callable) -> None:
@@ -1012,7 +1012,7 @@ def copes_with_depth(KdTree: Callable) -> None:
         if last is None:
             raise CheckFailed(
                 "A point that belongs below the last of 1200 levels is not there.",
-                hint="Begin at tree.root, whoever made it, and walk until there is no child.",
+                hint="Begin at tree.root, and walk until there is no child.",
             )
 
 
@@ -1125,7 +1125,7 @@ def _assert_at_target(KdTree: Callable) -> None:
     "search",
     weight=3,
     title="Finds the point at the target, wherever in the tree it stands",
-    why="This is the question that clustering asks a hundred thousand times per scan: who is near?",
+    why="What is near? Clustering asks that a hundred thousand times per scan.",
     hint="At each node do two things: compare the distance of its point with the tolerance, "
     "and decide for each side whether to go on there.",
 )
@@ -1140,8 +1140,8 @@ def finds_the_target(KdTree: Callable) -> None:
     "search",
     weight=5,
     title="Looks on both sides where the circle crosses the split",
-    why="A pedestrian may stand exactly where the tree was cut in two. Whoever looks only on "
-    "the target's own side sees half of them.",
+    why="A pedestrian may stand exactly where the tree was cut in two. A search of "
+    "the target's own side alone sees half of them.",
     hint="Left and right are two separate questions (two ifs, no else): does the box reach "
     "below the split? Does it reach the split or beyond it?",
 )
@@ -1159,7 +1159,7 @@ def looks_on_both_sides(KdTree: Callable) -> None:
     weight=3,
     title="Measures a circle, not a square",
     why="The corner of a box is 1.4 times as far away as its side (1.7 times in space): "
-    "neighbours that are none join obstacles that are two.",
+    "points that are not neighbours join two obstacles into one.",
     hint="The box only decides where to look. A point counts when its distance, the square "
     "root of the sum of squares, is at most tolerance.",
 )
@@ -1236,7 +1236,7 @@ def searches_space(KdTree: Callable) -> None:
     "search",
     weight=8,
     title="Leaves regions out that cannot hold a neighbour",
-    why="This is what a tree is for. A search that asks every node is a slow way of "
+    why="This is what a tree is for. A search that looks at every node is a slow way of "
     "comparing with all.",
     hint="Before you go on to a child, compare the split, node.point[axis], with the ends of "
     "the box, target[axis] - tolerance and target[axis] + tolerance.",
@@ -1271,7 +1271,7 @@ def takes_an_empty_tree(KdTree: Callable) -> None:
     "search",
     weight=1,
     title="Names each point once",
-    why="Whoever counts the neighbours counts a point twice that is named twice.",
+    why="Where neighbours are counted, a point that is named twice counts twice.",
     hint="Note the index at one place only: when you come to its node.",
 )
 def names_each_once(KdTree: Callable) -> None:
@@ -1462,7 +1462,7 @@ mistakes(
         "Whether the node is near says nothing about its sides: ask whether the box reaches them.",
     ),
     Mistake(
-        "The search ends at each node that is not near: below it nobody is asked.",
+        "The search ends at each node that is not near: nothing below it is looked at.",
         _limited(lambda one: one.is_near and _reached(one)),
         "A node may be far and have neighbours of the target below it: ask about its sides in any "
         "case.",
@@ -1555,7 +1555,7 @@ def _assert_halves(median_order: Callable) -> None:
     "median_order",
     weight=2,
     title="Names every row exactly once",
-    why="A point that is left out is an obstacle that nobody will find.",
+    why="A point that is left out is an obstacle that no search will find.",
     hint="np.argsort of a part gives places within the part: rows[np.argsort(...)] leads back to "
     "row numbers. The median goes into the order, and into neither of the two parts that wait.",
 )
@@ -1618,7 +1618,7 @@ def takes_turns(median_order: Callable) -> None:
     "median_order",
     weight=2,
     title="Of two in the middle, the lower one comes first",
-    why="Everybody who draws the tree of the same points should draw the same tree.",
+    why="The same points should make the same tree for everyone.",
     hint="Of m sorted rows the lower median stands at place (m - 1) // 2; m // 2 is the upper "
     "one when m is even.",
 )
@@ -1756,12 +1756,12 @@ mistakes(
     Mistake(
         "Each median stands between its two parts; it should come before both.",
         lambda *_: _halves_before_and_after,
-        "Whoever comes first is on top: [median] + smaller ones + others.",
+        "What comes first is on top: [median] + smaller ones + others.",
     ),
     Mistake(
         "Each median stands after its two parts; it should come before both.",
         lambda *_: lambda points, order: next(_not_on_top(points, order[::-1]), None) is None,
-        "Whoever comes first is on top: [median] + smaller ones + others.",
+        "What comes first is on top: [median] + smaller ones + others.",
     ),
     cases=tuple(
         (distinct(np.random.default_rng(50), len(order), k), np.array(order))

@@ -38,11 +38,24 @@ from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
     assert_untouched,
+    frozen,
 )
 
 # A step and a threshold at which each point of a row has one neighbour on either side, also for
 # whoever squares one of the two.
 _STEP, _REACH = 0.45, 0.8
+
+# The seven points of the lesson, in space. The same holds for them, at this threshold.
+_SEVEN = frozen(
+    np.column_stack(
+        [
+            [0.0, 2.0, 0.45, 2.3, 0.45, 0.91, 1.5],
+            [0.0, 0.1, 0.15, -0.2, -0.15, 0.0, -1.1],
+            np.zeros(7),
+        ]
+    )
+)
+_SEVEN_LABELS = frozen(np.array([1, 2, 1, 2, 1, 1, 3]))
 
 
 @visible(
@@ -66,6 +79,7 @@ def separates_groups(euclidean_clustering: Callable) -> None:
     "queue.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
+    assert_clusters(euclidean_clustering(_SEVEN.copy(), _REACH), _SEVEN_LABELS, _SEVEN, _REACH)
     wall = row_of_points([0.0, 0.0, 0.0], _STEP, 30)
     order = np.random.default_rng(5).permutation(60)
     cloud = np.vstack([wall, wall + [0.0, 3.0, 0.0]])[order]
@@ -89,7 +103,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=4,
-    title="The parameter threshold decides who is close",
+    title="The parameter threshold decides which points are close",
     why="The threshold decides what counts as one object: at half a metre parked cars stay "
     "apart, at two metres a cyclist melts into the car beside.",
     hint="Compare distances, not their squares, with the parameter threshold, by its name.",
@@ -218,7 +232,7 @@ def leaves_its_input(euclidean_clustering: Callable) -> None:
     "euclidean_clustering",
     weight=3,
     title="A wall of thousands of points needs no recursion",
-    why="A function that calls itself for each friend ends at Python's limit of nested calls: "
+    why="A function that calls itself for each neighbour ends at Python's limit of nested calls: "
     "at the first wall of a full scan.",
     hint="Let points wait in a queue, and work in a loop until it is empty.",
 )
@@ -233,10 +247,10 @@ def takes_a_long_wall(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=3,
-    title="Nobody waits in the queue twice: a dense wall is done at once",
-    why="A wall close by has dozens of friends for each point. Who gets the label on leaving the "
-    "queue, and not on entering it, enters it dozens of times, and lets others in as often.",
-    hint="Label new friends before, or when, they join the queue.",
+    title="No point waits in the queue twice: a dense wall is done at once",
+    why="On a wall close by, a point has dozens of neighbours. If it gets its label on leaving the "
+    "queue, and not on entering it, it enters dozens of times, and lets others in as often.",
+    hint="Label new neighbours before, or when, they join the queue.",
 )
 def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
@@ -318,13 +332,13 @@ mistakes(
         "The distance is the root of dx² + dy² + dz².",
     ),
     Mistake(
-        "Only those join who are close to the first point of a cluster: balls instead of chains.",
+        "Only points close to the first one of a cluster join: balls instead of chains.",
         _around_first_points,
         "Put each point that joins into the queue, and ask it for its own neighbours.",
     ),
     Mistake(
-        "Each point takes the label of somebody before it, and clusters that meet later keep two "
-        "labels.",
+        "Each point takes the label of a neighbour before it, and clusters that meet later keep "
+        "two labels.",
         _in_one_pass,
         "Make one cluster complete, with a queue, before the next begins.",
     ),

@@ -51,7 +51,7 @@ def assert_kept(
     text = "; ".join(parts) or "points with label 0 belong to no cluster and keep the 0"
     raise CheckFailed(
         f"{text[0].upper()}{text[1:]}.",
-        given=_call(labels, minimum) if len(labels) <= 20 else None,
+        given=_call(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
         yours=_counted(yours),
         expected=_counted(expected),
         draw=lambda: _draw(labels, yours, expected),
@@ -88,7 +88,12 @@ def assert_works(filter_clusters: Callable) -> None:
 
 
 def _call(labels: np.ndarray, minimum: int | None) -> str:
-    return f"labels {brief(labels)}" + (f", minimum {minimum}" if minimum is not None else "")
+    if len(labels) <= 20:
+        said = f"labels {brief(labels)}"
+    else:
+        sizes = [np.count_nonzero(labels == one) for one in np.unique(labels)]
+        said = f"clusters of {', '.join(map(str, sizes[:-1]))} and {sizes[-1]} points"
+    return said + (f"; minimum {minimum}" if minimum is not None else "")
 
 
 def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
@@ -171,7 +176,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Removes every small cluster, also one that follows another",
-    why="Clutter comes in swarms. Whoever moves the labels up while walking along them skips "
+    why="Clutter comes in swarms. Moving the labels up while walking along them skips "
     "the neighbour of each cluster that went.",
     hint="Change no label but to 0. If you loop, read the labels from the original and write "
     "into a copy.",
@@ -182,6 +187,7 @@ def removes_neighbours(filter_clusters: Callable) -> None:
         filter_clusters(labels.copy(), 4),
         labels,
         np.repeat([0, 0, 0, 4, 0, 0, 7], [1, 2, 1, 6, 2, 1, 5]),
+        4,
     )
 
 
@@ -208,7 +214,7 @@ def follows_the_minimum(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3], [12, 30, 60])
     for minimum, kept in ((7, [1, 2, 3]), (20, [0, 2, 3]), (45, [0, 0, 3]), (80, [0, 0, 0])):
         expected = np.repeat(kept, [12, 30, 60])
-        assert_kept(filter_clusters(labels.copy(), minimum), labels, expected)
+        assert_kept(filter_clusters(labels.copy(), minimum), labels, expected, minimum)
 
 
 @visible(
@@ -221,7 +227,7 @@ def follows_the_minimum(filter_clusters: Callable) -> None:
 def keeps_the_default(filter_clusters: Callable) -> None:
     assert_works(filter_clusters)
     labels = np.repeat([1, 2, 3], [60, 98, 102])
-    assert_kept(filter_clusters(labels.copy()), labels, np.repeat([0, 0, 3], [60, 98, 102]))
+    assert_kept(filter_clusters(labels.copy()), labels, np.repeat([0, 0, 3], [60, 98, 102]), 100)
 
 
 @visible(
@@ -261,7 +267,7 @@ def leaves_noise_alone(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=2,
     title="Labels may have gaps",
-    why="Whoever filters twice gives gaps to the second run.",
+    why="A second filter gets the gaps that the first one left.",
     hint="Go by the labels that occur, from np.unique, not by range(1, N): 7 may be there "
     "without 6.",
 )
@@ -287,14 +293,14 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
         ([5, 5, 5], 4, [0, 0, 0]),
     ):
         labels = np.array(labels)
-        assert_kept(filter_clusters(labels.copy(), minimum), labels, np.array(expected))
+        assert_kept(filter_clusters(labels.copy(), minimum), labels, np.array(expected), minimum)
 
 
 @visible(
     "filter_clusters",
     weight=2,
     title="Leaves its input untouched",
-    why="Somebody may want to try another minimum on the same labels.",
+    why="The next step may want to try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def leaves_its_input(filter_clusters: Callable) -> None:
@@ -306,7 +312,7 @@ def leaves_its_input(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=1,
     title="Returns a new array, also where nothing is removed",
-    why="Whoever changes the result later would change the labels of the step before.",
+    why="Otherwise a change of the result would change the labels of the step before.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def returns_a_new_array(filter_clusters: Callable) -> None:

@@ -111,8 +111,8 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     title="Pairs just above the threshold stay apart",
     why="Sharing a cell, or lying in the next one, is no proof of being close: half a metre "
     "parts a pedestrian from a car.",
-    hint="Is the side of a cell threshold / sqrt(3), so that nobody in it is too far from "
-    "anybody else? Is the distance of points in neighbouring cells really measured?",
+    hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too "
+    "far apart? Is the distance of points in neighbouring cells really measured?",
 )
 def parts_what_is_apart(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
@@ -159,7 +159,7 @@ def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
 @visible(
     _NAME,
     weight=3,
-    title="The parameter threshold decides who is close",
+    title="The parameter threshold decides which points are close",
     why="The threshold decides what counts as one object, and it decides the size of a cell.",
     hint="Everything scales with the parameter threshold: sides, neighbours and distances.",
 )
@@ -192,7 +192,7 @@ def keeps_the_default(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=1,
     title="The parameters keep their names",
-    why="Somebody may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
+    why="Other programs may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
     hint="Keep the first line of the function as it was given.",
 )
 def keeps_the_names(euclidean_clustering_accelerated: Callable) -> None:
@@ -246,7 +246,7 @@ def takes_the_smallest(euclidean_clustering_accelerated: Callable) -> None:
     weight=1,
     title="Equal points belong together",
     why="Recordings do hold the same point twice.",
-    hint="Equal points share a cell, so that nobody has to measure them.",
+    hint="Equal points share a cell, so that there is nothing to measure.",
 )
 def joins_equal_points(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
@@ -293,7 +293,7 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     why="A wet wall just in front of the sensor, or two merged scans, put thousands of points "
     "close together: the pairs of near points are then the square of the points, and fill the "
     "memory.",
-    hint="Whoever shares a cell of side threshold / sqrt(3) shares a cluster: no pair of points "
+    hint="Points that share a cell of side threshold / sqrt(3) share a cluster: no pair of points "
     "inside has to be listed or measured.",
 )
 def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
@@ -305,7 +305,7 @@ def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=8,
     title="Two heaps side by side cost no table of their distances",
-    why="The exact test of two cells is the old trouble in a corner where nobody looks: "
+    why="The exact test of two cells is the old trouble in a corner that no street shows: "
     "thousands of points against thousands.",
     hint="The closest pair of two cells needs no table of all distances between them: "
     "cKDTree(p).query(q) finds the nearest in p for each in q.",
@@ -413,7 +413,7 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
 @noted(
     _NAME,
     title="Clusters are numbered as they first appear in the cloud",
-    why="The docstring says so. With other numbers nobody can compare two answers label by "
+    why="The docstring says so. With other numbers two answers cannot be compared label by "
     "label: with lesson 05, or from one scan to the next.",
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
@@ -523,7 +523,7 @@ mistakes(
     _NAME,
     *measured_wrongly(),
     Mistake(
-        "Cells have the side threshold: whoever shares one may be 1.7 thresholds apart.",
+        "Cells have the side threshold: two points in one may be 1.7 thresholds apart.",
         _with_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
         "The side is threshold / sqrt(3): then the diagonal is the threshold.",
     ),

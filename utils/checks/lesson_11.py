@@ -45,6 +45,8 @@ def _grid(length: float, width: float, height: float, steps: int = 4) -> np.ndar
 
 # ---- principal_axes ----
 
+# The tiny case of the lesson: 2 m ahead and behind, 1 m aside, half a metre up and down.
+_CROSS = frozen(np.vstack([np.diag([2.0, 1.0, 0.5]), -np.diag([2.0, 1.0, 0.5])]))
 # Left-handed answers slip through where a library happens to return a right-handed one, so
 # there are several.
 _TURNS = (20, 65, 110, 155, 200, 245, 290, 335)
@@ -188,6 +190,11 @@ def assert_finds_axes(principal_axes: Callable) -> None:
     "one in each column. Draw them: do they run along the block?",
 )
 def finds_the_directions(principal_axes: Callable) -> None:
+    assert_directions(
+        principal_axes(_turn(_CROSS, 30)),
+        _turn(np.eye(3), 30).T,
+        "six points, 2 m ahead and behind, 1 m left and right, 0.5 m up and down, turned by 30°",
+    )
     for sides in _SIDES:
         for degrees in (25, 50, 140):
             block = _turn(_grid(*sides), degrees)
@@ -402,6 +409,11 @@ def _street(*headings: float) -> np.ndarray:
     return np.vstack([_turn(_grid(*size), heading) + place for size, heading, place in blocks])
 
 
+# The tiny case of the lesson: the corners of a rectangle, and one point above its middle.
+_FIVE = frozen(
+    np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]], dtype=float)
+)
+
 # Clusters that stand straight, so that only what has to do with turning turns on it.
 _STRAIGHT = frozen(_street(0, 0))
 
@@ -446,11 +458,20 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
     weight=9,
     title="Boxes turn with their clusters",
     why="A box along x and y around a diagonal car closes twice the street it needs.",
-    hint="The yaw is np.arctan2(y, x), in radians, of the first principal axis of the points seen "
-    "from above. The points turn by minus yaw, the corners by plus yaw.",
+    hint="The yaw, in radians, is the angle whose floor_area_at is smallest; or np.arctan2(y, x) "
+    "of the first principal axis of the points seen from above. The points turn by minus yaw, the "
+    "corners by plus yaw.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     assert_boxes(get_oriented_boxes)
+    five, ones = _turn(_FIVE, 30) + [8.0, 0.0, 0.0], np.ones(5, dtype=int)
+    assert_headings(
+        get_oriented_boxes(five.copy(), ones.copy()),
+        five,
+        ones,
+        (30,),
+        "five points: the corners of 4 x 2 m, turned by 30°, and one above their middle",
+    )
     for heading in _HEADINGS:
         street = _street(heading, heading + 15)
         answer = get_oriented_boxes(street.copy(), _LABELS.copy())
@@ -506,7 +527,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     "get_oriented_boxes",
     weight=5,
     title="What is taller than long turns by its heading seen from above, too",
-    why="In space the longest direction of a walker is up. Seen from above, that is nowhere.",
+    why="In space the longest direction of a pedestrian is up. Seen from above, that is nowhere.",
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
 )
 def looks_from_above(get_oriented_boxes: Callable) -> None:
@@ -685,6 +706,11 @@ def _straight(box: np.ndarray) -> np.ndarray:
     return _standing(middle, *_measured_off(box, heading), height, 0)
 
 
+def _diagonal(box: np.ndarray) -> np.ndarray:
+    middle, _, _, height, heading = _parts(box)
+    return _standing(middle, *_measured_off(box, 45), height, heading + 45)
+
+
 def _mirrored(box: np.ndarray) -> np.ndarray:
     middle, _, _, height, heading = _parts(box)
     return _standing(middle, *_measured_off(box, 2 * heading), height, -heading)
@@ -767,6 +793,12 @@ mistakes(
         _each(_mirrored),
         "Are the points turned by minus yaw first, and the corners by plus yaw after that? Does "
         "np.arctan2 get y first, then x, of one axis, a column?",
+    ),
+    Mistake(
+        "The boxes are the largest that touch their points, not the smallest: turned by 45° "
+        "against them.",
+        _each(_diagonal),
+        "np.argmin finds where the smallest area stands, np.argmax where the largest.",
     ),
     Mistake(
         "Label 0 gets a box, too. It is no obstacle.",

@@ -72,8 +72,9 @@ def finds_people(detect_obstacles: Callable) -> None:
     weight=3,
     title="Boxes are around obstacles, not around road or nothing",
     why="A car that brakes for its own road will not be driven for long.",
-    hint="Look at the ghosts from the side: road that rises above the ground level? Pieces "
-    "of a few points, which filter_clusters should have removed?",
+    hint="Look at the ghosts from the side: road that rises above the ground level, where a plane "
+    "(lesson 03) would rise with it? Pieces of a few points, which filter_clusters should have "
+    "removed?",
 )
 def leaves_the_road(detect_obstacles: Callable) -> None:
     answer = detect_obstacles(street_before().cloud.copy())
@@ -103,7 +104,8 @@ def forgets_itself(detect_obstacles: Callable) -> None:
     title="Boxes turn with the cars",
     why="A car that pulls out of a parking space stands at an angle; a box along the axes "
     "would close the lane beside it.",
-    hint="Fit the box along the main directions of the cluster, seen from above (lesson 11).",
+    hint="Let get_oriented_boxes of lesson 11 fit the boxes: it turns each with its points, seen "
+    "from above.",
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
     answer = detect_obstacles(square(SQUARE).cloud.copy())
@@ -141,7 +143,7 @@ def ignores_rain(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=2,
-    title="Bears returns that are not a number, and hundreds at (0, 0, 0)",
+    title="Copes with returns that are not a number, and hundreds at (0, 0, 0)",
     why="Whatever the scanner loses comes as such a row. A stream has no pause button.",
     hint="Let drop_invalid be the very first step.",
 )

@@ -23,6 +23,7 @@ from utils.plots.style import (
     PALETTE,
     PAPER,
     VERMILION,
+    WIDTH,
     canvas,
     counted,
     finish,
@@ -254,6 +255,8 @@ def growth(
     frames_of_labels: Iterable[ArrayLike],
     *,
     titles: Sequence[str] | None = None,
+    names: Sequence[str] = ("untouched", "waiting in the queue", "done"),
+    columns: int = 4,
     view: str = "above",
     title: str | None = None,
     limits: ArrayLike | None = None,
@@ -269,6 +272,10 @@ def growth(
         For each step the state of each point: 0 untouched, 1 waiting in the queue, 2 done.
     titles : sequence of str, optional
         One for each step; "step 0", "step 1" and so on by default.
+    names : (str, str, str)
+        What the three states are called in the legend; only for a new figure.
+    columns : int
+        Pictures side by side; only for a new figure.
     view : {"above", "side", "side to scale"}
     title : str, optional
         Of the whole row; only for a new figure.
@@ -290,17 +297,20 @@ def growth(
     if len(titles) != len(frames):
         raise ValueError(f"titles must hold one title per step: {len(frames)}, not {len(titles)}.")
     own_figure = axes is None
-    axes = panels(len(frames), axes, columns=min(4, max(1, len(frames))))
+    columns = min(columns, max(1, len(frames)))
+    rows = -(-len(frames) // columns)
+    size = (WIDTH, max(1, rows) * (0.9 + WIDTH / max(columns, 2)))
+    axes = panels(len(frames), axes, columns=columns, size=size)
     across, up, across_label, up_label = project(cloud, view)
     size = 1.2 * marker_size(len(cloud))
     looks = (
-        (UNTOUCHED, "untouched", "o", PALE, 0.7),
-        (WAITING, "waiting in the queue", "^", VERMILION, 1.3),
-        (DONE, "done", "s", BLUE, 1.0),
+        (UNTOUCHED, "o", PALE, 0.7),
+        (WAITING, "^", VERMILION, 1.3),
+        (DONE, "s", BLUE, 1.0),
     )
     for panel, states, panel_title in zip(axes, frames, titles, strict=True):
         frame(panel, across, up, limits)
-        for state, _, marker, colour, scale in looks:
+        for state, marker, colour, scale in looks:
             chosen = states == state
             dots(panel, across[chosen], up[chosen], marker, colour, size * scale)
         finish(panel, panel_title, across_label, up_label)
@@ -310,7 +320,8 @@ def growth(
         figure = axes[0].figure
         if title:
             figure.suptitle(title, x=0.01, ha="left", color=INK, fontsize=12, fontweight="bold")
-        shared_key(figure, axes[0], [(name, mark, colour) for _, name, mark, colour, _ in looks])
+        entries = zip(names, looks, strict=True)
+        shared_key(figure, axes[0], [(name, look[1], look[2]) for name, look in entries])
     return axes
 
 

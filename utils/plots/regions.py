@@ -1,4 +1,4 @@
-"""Kd-trees of the plane: the regions they cut, and what a search visits and skips.
+"""Kd-trees of the plane: the regions they cut, and what a search looks at and leaves out.
 
 A node is any object with `point`, `index`, `left` and `right`; the root may be None. The axis of a
 node is its depth modulo 2. A wrong tree is drawn as it is, and a loop in it is walked only once.
@@ -23,23 +23,28 @@ from utils.plots.style import (
     GREEN,
     GRID,
     INK,
-    MUTED,
     ORANGE,
     PALE,
     VERMILION,
     canvas,
-    counted,
     finish,
     frame,
     key,
     styled,
 )
+from utils.visits import NOT_YET, PRUNED, VISITED, fates
 
 if TYPE_CHECKING:
     from utils.visits import Node
 
 MOST_NAMES = 40
 AXIS_LOOKS = (("x", BLUE, "-"), ("y", VERMILION, "--"))
+# Lines across what is left out for good, dots on what is only not reached yet.
+LEFT_OUT = {
+    PRUNED: {"facecolor": GRID, "edgecolor": PALE, "hatch": "//"},
+    NOT_YET: {"facecolor": "none", "edgecolor": PALE, "hatch": ".."},
+}
+TITLE = {"color": INK, "fontsize": 12, "fontweight": "bold"}
 
 
 class _Place(NamedTuple):
@@ -82,6 +87,7 @@ def kd_splits(
     points = as_points(points)
     axes = canvas(axes)
     frame(axes, *points.T, limits)
+    axes.locator_params(nbins=6)
     _draw_splits(axes, root, strength=1.0)
     _draw_points(axes, points, names)
     for axis, colour, dashes in AXIS_LOOKS:
@@ -98,12 +104,14 @@ def kd_search(
     visited: Iterable[int] | None = None,
     *,
     found: Iterable[int] | None = None,
+    steps: int | None = None,
     names: bool | None = None,
+    legend: bool = True,
     title: str | None = None,
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Draw a search in a kd-tree: circle and box, nodes looked at, regions never entered.
+    """Draw a search in a kd-tree: circle and box, nodes looked at, regions left out.
 
     Parameters
     ----------
@@ -114,9 +122,14 @@ def kd_search(
     tolerance : float
         Radius of the search in metres.
     visited : sequence of int, optional
-        Indices of the nodes the search looked at. Regions without one are hatched.
+        Indices of the nodes the search looked at, in order. Regions without one are hatched.
     found : sequence of int, optional
         Indices the search returned.
+    steps : int, optional
+        How many nodes it has looked at so far; by default all. Regions that it enters later are
+        dotted, and what it finds later is not shown.
+    legend : bool
+        Explain the marks above the picture.
     names, title, limits, axes
         As in :func:`kd_splits`.
 
@@ -128,22 +141,34 @@ def kd_search(
     target = np.asarray(target, dtype=float)
     if target.shape != (2,):
         raise ValueError(f"target must be one point (x, y); yours has shape {target.shape}.")
-    visited_rows = None if visited is None else _as_rows(visited, len(points), "visited")
+    rows = None if visited is None else _as_rows(visited, len(points), "visited")
+    found = None if found is None else np.unique(_as_rows(found, len(points), "found"))
     axes = canvas(axes)
     frame(axes, *points.T, limits)
+    axes.locator_params(nbins=6)
     _draw_splits(axes, root, strength=0.45)
-    if visited_rows is not None:
-        _draw_pruned(axes, root, set(visited_rows.tolist()))
+    if rows is not None:
+        _draw_left_out(axes, root, rows.tolist(), steps)
+        if found is not None and steps is not None:
+            found = np.intersect1d(found, rows[:steps])
     _draw_points(axes, points, names)
     _draw_window(axes, target, float(tolerance))
     size = marker_size(len(points))
-    if visited_rows is not None:
-        label = f"{len(np.unique(visited_rows))} of {len(points)} visited"
-        _ring(axes, points[visited_rows], "s", INK, size * 2.0, label)
+    if rows is not None:
+        so_far = np.unique(rows[:steps])
+        label = f"{len(so_far)} looked at"
+        _ring(axes, points[so_far], "s", INK, size * 2.0, label)
+        if steps is not None and 0 < steps <= len(rows):
+            now = rows[steps - 1]
+            look = {"markerfacecolor": "none", "markeredgewidth": 2.4}
+            axes.plot(*points[now], "o", color=INK, markersize=size * 3.6, zorder=3.6, **look)
     if found is not None:
-        rows = _as_rows(found, len(points), "found")
-        _ring(axes, points[rows], "o", GREEN, size * 1.5, f"{len(np.unique(rows))} found")
-    return finish(axes, title, "x (m)", "y (m)")
+        _disc(axes, points[found], size * 1.25, f"{len(found)} found")
+    finish(axes, title, "x (m)", "y (m)")
+    if not legend:
+        axes.get_legend().remove()
+        axes.set_title(axes.get_title(loc="left"), loc="left", pad=7, **TITLE)
+    return axes
 
 
 def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
@@ -166,43 +191,22 @@ def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
         Circle(target, tolerance, facecolor="none", edgecolor=INK, linewidth=1.4, zorder=4)
     )
     axes.plot(*target, marker="+", color=INK, markersize=11, markeredgewidth=1.8, zorder=6)
-    key(axes, "target and tolerance", "+", colour=INK, size=9, markeredgewidth=1.8)
+    key(axes, "target", "+", colour=INK, size=9, markeredgewidth=1.8)
 
 
-def _draw_pruned(axes: Axes, root: Node | None, visited: set[int]) -> None:
-    """Hatch the largest regions in which no node was visited."""
-    places = _places(axes, root)
-    entered = set()
-    # Parents come before their children, so backwards each child is known before its parent.
-    for place in reversed(places):
-        if place.node.index in visited or id(place.node) in entered:
-            entered.update((id(place.node), id(place.parent)))
-    pruned = [
-        place
-        for place in places
-        if id(place.node) not in entered and (place.parent is None or id(place.parent) in entered)
-    ]
-    for place in pruned:
-        axes.add_patch(
-            Rectangle(
-                place.lower,
-                *(place.upper - place.lower),
-                facecolor=GRID,
-                edgecolor=PALE,
-                hatch="//",
-                linewidth=0,
-                zorder=0.9,
-            )
-        )
-    if pruned:
-        key(
-            axes,
-            counted(len(pruned), "pruned region"),
-            "s",
-            colour=GRID,
-            size=10,
-            markeredgecolor=MUTED,
-        )
+def _draw_left_out(axes: Axes, root: Node | None, visited: list[int], steps: int | None) -> None:
+    """Hatch the largest regions that the search prunes, and dot those that it enters later."""
+    places, made = _places(axes, root), fates(root, visited, steps)
+    for fate, look in LEFT_OUT.items():
+        for place in places:
+            above = VISITED if place.parent is None else made[id(place.parent)]
+            if made[id(place.node)] == fate and above == VISITED:
+                size = place.upper - place.lower
+                axes.add_patch(Rectangle(place.lower, *size, linewidth=0, zorder=0.9, **look))
+        count = sum(one == fate for one in made.values())
+        if count:
+            handle = Rectangle((0, 0), 0, 0, label=f"{count} {fate}", linewidth=0.6, **look)
+            axes.add_patch(handle)
 
 
 def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
@@ -232,6 +236,11 @@ def _ring(
 ) -> None:
     look = {"markerfacecolor": "none", "markeredgewidth": 1.4}
     axes.plot(*points.T, marker, color=colour, markersize=size, zorder=3.5, label=label, **look)
+
+
+def _disc(axes: Axes, points: np.ndarray, size: float, label: str) -> None:
+    look = {"markeredgecolor": INK, "markeredgewidth": 0.8, "linestyle": "none"}
+    axes.plot(*points.T, "o", color=GREEN, markersize=size, zorder=3.7, label=label, **look)
 
 
 def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:

@@ -69,7 +69,7 @@ def timing(
             ends.append((n[last], seconds[last], name))
     _name_ends(axes, ends)
     _write_powers(axes)
-    return finish(axes, title, "number of points n", "time (s)")
+    return finish(axes, title, "number of points n", "time")  # the ticks have units
 
 
 def _measurements(

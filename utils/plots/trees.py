@@ -6,6 +6,7 @@ is drawn as it is, and a loop in it is walked only once.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,10 @@ from utils.plots.grouping import write
 from utils.plots.style import (
     BLUE,
     GREEN,
+    GRID,
     INK,
     MUTED,
+    PALE,
     PAPER,
     VERMILION,
     canvas,
@@ -27,6 +30,7 @@ from utils.plots.style import (
     number,
     styled,
 )
+from utils.visits import NOT_YET, PRUNED, VISITED, fates
 
 if TYPE_CHECKING:
     from utils.visits import Node
@@ -34,17 +38,33 @@ if TYPE_CHECKING:
 MOST_NAMES, MOST_POINTS = 40, 15
 """Larger trees are drawn without indices, and without coordinates."""
 
+FOUND = "#A6DCC9"  # a green on which a dark number can be read
+
 AXIS_LOOKS = (("x", "o", BLUE), ("y", "s", VERMILION), ("z", "D", GREEN))
 
 
 @styled
-def kd_tree(root: Node | None, *, title: str | None = None, axes: Axes | None = None) -> Axes:
+def kd_tree(
+    root: Node | None,
+    *,
+    visited: Iterable[int] | None = None,
+    found: Iterable[int] = (),
+    steps: int | None = None,
+    legend: bool = True,
+    title: str | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Draw a kd-tree as a tree: depth downwards, smaller to the left, equal or greater right.
 
     Parameters
     ----------
     root : node or None
         With `point`, `index`, `left` and `right`.
+    visited, found, steps : optional
+        Of a search, as in :func:`utils.plots.kd_search`: nodes looked at are filled, the way to
+        a pruned branch is crossed out, and the way to one not reached yet is dotted.
+    legend : bool
+        Explain the marks above the picture.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
 
@@ -54,27 +74,53 @@ def kd_tree(root: Node | None, *, title: str | None = None, axes: Axes | None = 
     """
     axes = canvas(axes)
     order = _in_order(root)
+    visited = None if visited is None else list(visited)
+    made = {} if visited is None else fates(root, visited, steps)
     places = {id(node): (rank, depth) for rank, (node, depth) in enumerate(order)}
     deepest = max((depth for _, depth in order), default=0)
     axes.set_xlim(-1, max(len(order), 1))
     axes.set_ylim(deepest + 0.6, -0.6)
-    links = [
-        (places[id(node)], places[id(child)])
-        for node, _ in order
-        for child in (node.left, node.right)
-        if child is not None
-    ]
-    axes.add_collection(LineCollection(links, colors=MUTED, linewidths=1, zorder=1), autolim=False)
-    _draw_nodes(axes, order)
+    links = {VISITED: [], PRUNED: [], NOT_YET: []}
+    for node, _ in order:
+        for child in (node.left, node.right):
+            if child is not None:
+                fate = made.get(id(child), VISITED)
+                links[fate].append((places[id(node)], places[id(child)]))
+    for fate, dashes in ((VISITED, "-"), (PRUNED, "-"), (NOT_YET, ":")):
+        look = {"colors": MUTED if fate == VISITED else PALE, "linestyles": dashes}
+        axes.add_collection(
+            LineCollection(links[fate], linewidths=1.2, zorder=1, **look), autolim=False
+        )
+    if made:
+        tops = [(node, child) for node, _ in order for child in (node.left, node.right)]
+        tops = [(node, child) for node, child in tops if made.get(id(child)) == PRUNED]
+        middles = [
+            np.mean([places[id(node)], places[id(child)]], axis=0)
+            for node, child in tops
+            if made[id(node)] == VISITED
+        ]
+        if middles:
+            look = {"markersize": 9, "markeredgewidth": 2}
+            axes.plot(*np.transpose(middles), "x", color=INK, zorder=3, **look)
+            key(axes, "pruned", "x", size=8, markeredgewidth=2)
+    so_far = set() if visited is None else set(visited[:steps])
+    _draw_nodes(axes, order, so_far, so_far & set(found))
     if not order:
         note(axes, "the tree is empty")
     axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
     axes.yaxis.get_major_locator().set_params(integer=True)
-    return finish(axes, title, None, "depth")
+    finish(axes, title, None, "depth")
+    if not legend and axes.get_legend():
+        axes.get_legend().remove()
+        look = {"color": INK, "fontsize": 12, "fontweight": "bold"}
+        axes.set_title(axes.get_title(loc="left"), loc="left", pad=7, **look)
+    return axes
 
 
-def _draw_nodes(axes: Axes, order: list[tuple[Node, int]]) -> None:
+def _draw_nodes(
+    axes: Axes, order: list[tuple[Node, int]], looked_at: set[int], found: set[int]
+) -> None:
     """Draw (node, depth) by rank and depth, in the colour and shape of the axis it splits."""
     dimensions = len(np.ravel(order[0][0].point)) if order else 2
     few = len(order) <= MOST_NAMES
@@ -86,14 +132,23 @@ def _draw_nodes(axes: Axes, order: list[tuple[Node, int]]) -> None:
         look = {"markerfacecolor": PAPER if few else colour, "markeredgewidth": 2 if few else 0}
         axes.plot(ranks, depths[ranks], marker, color=colour, markersize=size, zorder=2, **look)
         key(axes, f"splits {name}", marker, colour=colour, size=8, **look)
+    for filled, colour, name in ((looked_at - found, GRID, "far"), (found, FOUND, "found")):
+        ranks = [rank for rank, (node, _) in enumerate(order) if node.index in filled]
+        if few and ranks:
+            look = {"markerfacecolor": colour, "markeredgecolor": MUTED, "markeredgewidth": 0.8}
+            axes.plot(ranks, depths[ranks], "s", markersize=1.55 * size, zorder=1.5, **look)
+            key(axes, name, "s", size=9, **look)
     if few:
+        wide = 72 * axes.get_window_extent().width / axes.figure.dpi / (len(order) + 1)
+        letters = max((len(_coordinates(node)) for node, _ in order), default=0)
         for rank, (node, depth) in enumerate(order):
             _name_node(
                 axes,
                 node,
                 (rank, depth),
                 font_size=0.56 * size,
-                with_point=len(order) <= MOST_POINTS,
+                # Two nodes of one level are at least two ranks apart.
+                with_point=len(order) <= MOST_POINTS and 4.7 * letters < 2 * wide,
             )
 
 
@@ -117,10 +172,13 @@ def _name_node(
         zorder=5,
     )
     if with_point:
-        point = ", ".join(number(value) for value in np.ravel(node.point))
         # On paper of its own: the links to the children start below it.
-        written = write(axes, *place, f"({point})", offset=(0, -16), size=9)
+        written = write(axes, *place, _coordinates(node), offset=(0, -18), size=9)
         written.set_bbox({"facecolor": PAPER, "edgecolor": "none", "pad": 0.8})
+
+
+def _coordinates(node: Node) -> str:
+    return "(" + ", ".join(number(value) for value in np.ravel(node.point)) + ")"
 
 
 def _in_order(root: Node | None) -> list[tuple[Node, int]]:

@@ -1,0 +1,66 @@
+"""What lesson 09 says holds."""
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import find_lesson, load_reference
+from utils import check, load_cloud
+from utils.datasets import DATA
+
+NAME = "09_filter_clusters"
+
+
+LESSON = load_reference(NAME, "ten", "size_of_puff", "theory", "minima", "moved_up_in_the_loop")
+
+
+def test_ten_points():
+    """What the notebook prints beside "expected"."""
+    text = find_lesson(NAME).source.read_text("utf-8")
+    for minimum in (2, 3):
+        assert f"({minimum}, {LESSON.filter_clusters(LESSON.ten, minimum).tolist()})" in text
+    filtered = LESSON.filter_clusters(LESSON.ten, 3)
+    assert (len(set(filtered[filtered > 0])), (filtered == 0).sum()) == (1, 6)
+
+
+def test_the_slider_reaches_the_default_and_clears_the_road():
+    slider = find_lesson(NAME).source.read_text("utf-8").split("IntSlider(")[1].split(")")[0]
+    settings = dict(part.strip().split("=") for part in slider.split(",")[:4])
+    low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
+    assert value == 100 and (value - low) % step == 0
+    assert low < LESSON.size_of_puff.max() < high
+
+
+def test_people_and_their_distance():
+    assert LESSON.theory(20.0) == pytest.approx(LESSON.theory(10.0) / 4)
+    assert np.sqrt(LESSON.theory(1.0) / 100) == pytest.approx(15, abs=0.5)
+
+
+def test_the_naive_loop_keeps_every_second_small_neighbour():
+    labels = np.repeat([1, 2, 3, 4, 5, 6], [9, 1, 1, 1, 1, 9])
+    kept = LESSON.moved_up_in_the_loop(labels, 3)
+    assert np.unique(labels[kept > 0]).tolist() == [1, 3, 5, 6]
+    alone = np.repeat([1, 2, 3], [9, 1, 9])  # "with a single small cluster all is well"
+    assert np.array_equal(LESSON.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
+
+
+def test_cars_and_walls_interleave():
+    truth, scan = np.load(DATA / "cloud_truth.npz"), load_cloud("cloud.txt")
+    near = (scan[:, 2] >= -1.2) & (np.hypot(scan[:, 0], scan[:, 1]) < 30)
+    sizes = {}
+    for kind in ("car", "wall"):
+        chosen = near & (truth["classes"] == truth["class_names"].tolist().index(kind))
+        sizes[kind] = np.unique(truth["objects"][chosen], return_counts=True)[1]
+    assert sizes["wall"].min() < sizes["car"].max() < sizes["wall"].max()
+
+
+def test_a_failed_check_says_the_minimum(capsys):
+    def filter_clusters(cluster_labels, min_num_points=100):
+        filtered, found = cluster_labels.copy(), np.unique(cluster_labels)
+        for label in found:
+            if np.sum(cluster_labels == label) < 100:
+                filtered[cluster_labels == label] = 0
+        return filtered
+
+    with pytest.raises(Exception, match="checks failed"):
+        check(filter_clusters)
+    assert "minimum 3" in capsys.readouterr().out

@@ -1,0 +1,183 @@
+"""What lesson 10 says holds for the plan that it teaches."""
+
+import json
+from time import perf_counter
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from grader.course.lessons import find_lesson, load_reference
+from grader.course.variants import variants_of
+from grader.intake.handed_in import HandedIn
+from grader.intake.preflight import prepare
+from grader.lms.autograded import build_copy
+from utils import load_cloud
+
+NAME = "10_accelerated_clustering"
+STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
+GIVEN = ("components", "join_all_pairs", "same_clusters", "points_of_each_cell", "spring_the_trap")
+LESSON = load_reference(
+    NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "after_two_steps"
+)
+
+
+@pytest.fixture(scope="module")
+def obstacles():
+    cloud = load_cloud("cloud.txt")
+    own_car = np.hypot(cloud[:, 0], cloud[:, 1]) < 2
+    return cloud[(cloud[:, 2] > -1.2) & ~own_car, :3]
+
+
+@pytest.fixture(scope="module")
+def right(obstacles):
+    return LESSON.join_all_pairs(obstacles)
+
+
+def open_pairs(label, pairs):
+    return label[pairs[:, 0]] != label[pairs[:, 1]]
+
+
+def test_the_steps_on_seven_points():
+    """What the notebook prints beside "expected" stands there as text."""
+    text, seven, wide = find_lesson(NAME).source.read_text("utf-8"), LESSON.seven, np.sqrt(3)
+    cells, first, cell_of_point = LESSON.points_in_cells(seven, wide)
+    assert f"[{', '.join(str(one) for one in cells[:, :2].astype(int).tolist())}]" in text
+    assert str(first.tolist()) in text and str(cell_of_point.tolist()) in text
+    pairs, label = LESSON.join_cheaply(seven, cells, first, wide)
+    assert str(sorted(pairs.tolist())) in text
+    gaps = np.linalg.norm(seven[first[pairs[:, 0]]] - seven[first[pairs[:, 1]]], axis=1)
+    # "Seven are neighbours. Two are joined, that settles a third by a detour. Four are left."
+    assert (len(pairs), (gaps < wide).sum(), open_pairs(label, pairs).sum()) == (7, 2, 4)
+    before = label.copy()
+    exact = LESSON.join_exactly(seven, cell_of_point, pairs, label, wide)
+    assert np.array_equal(label, before)
+    assert len(set(exact[[1, 2, 3, 4]])) == 1 and len(set(exact)) == 3
+    found = LESSON.euclidean_clustering_accelerated(seven, wide)
+    assert f"expected: {found}" in text
+
+
+def test_no_gap_of_the_seven_points_is_close_to_the_threshold():
+    gaps = cKDTree(LESSON.seven).sparse_distance_matrix(cKDTree(LESSON.seven), 9.0).toarray()
+    assert np.abs(gaps[gaps > 0] - np.sqrt(3)).min() > 0.05
+
+
+def test_the_cheap_step_settles_nearly_all(obstacles, right):
+    labels, cells, pairs, still_open = LESSON.after_two_steps(obstacles)
+    assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
+    assert 0.01 < still_open / pairs < 0.03  # "about one pair in fifty"
+    assert labels.max() > right.max() + 1  # torn, and nothing runs together:
+    for part in np.unique(labels):
+        assert len(np.unique(right[labels == part])) == 1
+
+
+def test_both_versions_are_exact_and_number_alike(obstacles, right):
+    for points, threshold in ((obstacles, 0.5), (obstacles[::5], 0.23), (obstacles[::9], 1.4)):
+        taught = LESSON.euclidean_clustering_accelerated(points, threshold)
+        assert np.array_equal(taught, LESSON.clustering_at_full_speed(points, threshold))
+        exact = right if points is obstacles else LESSON.join_all_pairs(points, threshold)
+        assert LESSON.same_clusters(taught, exact)
+
+
+def test_what_is_said_about_pairs(obstacles):
+    few, tree = obstacles[::20], cKDTree(obstacles)
+
+    def company(tree, points, threshold):
+        return (tree.query_ball_point(points, threshold, return_length=True) - 1).mean()
+
+    assert company(tree, few, 0.5) > 100  # hundreds; and n - 1 pairs would be enough
+    for threshold in (0.25, 0.5, 1.0):  # "two to three times longer"
+        longer = company(tree, few, 2 * threshold) / company(tree, few, threshold)
+        assert 2 < longer < 3.4
+    half = np.random.default_rng(0).permutation(obstacles)[: len(obstacles) // 2]
+    pairs = len(obstacles) * company(tree, few, 0.5)
+    assert pairs / (len(half) * company(cKDTree(half), half[::10], 0.5)) == pytest.approx(
+        4, rel=0.1
+    )
+
+
+def test_fewer_cells_and_open_pairs_at_larger_thresholds(obstacles):
+    counts = [LESSON.after_two_steps(obstacles[::3], one)[1:] for one in (0.2, 0.5, 1.0)]
+    assert (np.diff(counts, axis=0) < 0).all()
+
+
+def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obstacles):
+    cells, _, which = LESSON.points_in_cells(obstacles, 0.5)
+    pairs, _ = LESSON.join_cheaply(obstacles, cells, np.zeros(len(cells), int), 0.5)
+    joined = LESSON.components(len(cells), pairs).max() + 1
+    small, large = (LESSON.euclidean_clustering_accelerated(obstacles, one) for one in (0.85, 0.65))
+    assert small.max() < joined < large.max()
+
+
+def test_a_partition_is_compared_both_ways():
+    assert LESSON.same_clusters(np.array([5, 5, 2]), np.array([0, 0, 1]))
+    assert not LESSON.same_clusters(np.array([1, 2, 3]), np.array([0, 0, 1]))
+    assert not LESSON.same_clusters(np.array([0, 0, 1]), np.array([1, 2, 3]))
+
+
+def test_the_solution_is_as_long_as_promised():
+    """Lines between the marks, wrapped ones counted once, against "roughly N lines"."""
+    text = find_lesson(NAME).source.read_text("utf-8")
+    for name in (*STEPS, "euclidean_clustering_accelerated"):
+        body = text[text.index(f"\ndef {name}(") :]
+        promised = int(body.split("# roughly ")[1].split()[0])
+        solution = body.split("### BEGIN SOLUTION\n")[1].split("### END")[0]
+        lines = [line for line in solution.splitlines() if len(line) - len(line.lstrip()) < 24]
+        assert abs(len(lines) - promised) <= 1, name
+
+
+@pytest.mark.slow
+def test_the_fast_version_is_several_times_as_fast(obstacles):
+    def seconds(way):
+        begin = perf_counter()
+        way(obstacles)
+        return perf_counter() - begin
+
+    # In turn, so that a busy machine slows both alike; it is about ten.
+    ways = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
+    ratios = [seconds(ways[0]) / seconds(ways[1]) for _ in range(5)]
+    assert np.median(ratios) > 4
+
+
+def test_the_fast_version_is_not_given_out():
+    released = find_lesson(NAME).released.read_text("utf-8")
+    for word in ("sort_into_cells", "join_by_tree", "searchsorted"):
+        assert word not in released
+
+
+@pytest.mark.parametrize("quadratic", [True, False])
+def test_the_trap_stops_what_would_fill_the_memory(quadratic, capsys):
+    asked = []
+
+    def pretend(cloud):
+        asked.append(len(cloud))
+        n = len(cloud) / 1000
+        until = perf_counter() + (0.01 * n**2 if quadratic else 0.01 * n)
+        while perf_counter() < until:
+            pass
+        return np.zeros(len(cloud), int)
+
+    LESSON.spring_the_trap(pretend, most=6_000)
+    said = capsys.readouterr().out
+    assert ("Stopped" in said) == quadratic
+    assert (max(asked) == 6_000) == quadratic  # 3,000 in each heap, and no more
+    assert "GB" in said.split("Stopped")[0]
+
+
+def test_the_hints_to_the_letter_are_a_right_answer():
+    names = [variant.name for variant in variants_of("euclidean_clustering_accelerated")]
+    assert "the hints followed to the letter, in three steps" in names
+
+
+def test_steps_stay_the_students_own_in_the_autograded_copy():
+    """They carry no points, but without them the graded function does nothing."""
+    lesson = find_lesson(NAME)
+    notebook = json.loads(lesson.released.read_text("utf-8"))
+    for cell in notebook["cells"]:
+        if cell["metadata"].get("nbgrader", {}).get("grade_id") in STEPS:
+            cell["source"] = [f"{cell['metadata']['nbgrader']['grade_id']} = print  # mine"]
+    copy = build_copy(prepare(HandedIn(f"{NAME}.ipynb", json.dumps(notebook).encode()), lesson))
+    for name in STEPS:
+        found = [cell for cell in copy.cells if f"{name} = print" in cell.source]
+        assert [cell.metadata.nbgrader.grade_id for cell in found] == [name]
+        assert not any(f"def {name}(" in cell.source for cell in copy.cells)
