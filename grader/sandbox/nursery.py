@@ -26,6 +26,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 
 import worker  # noqa: E402
 
+sys.path.pop(0)  # the worker has put it there, too
+
 # What bubblewrap unshares, beside users; see namespaces(7).
 NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
 # See ioctl_ns(2), prctl(2), capabilities(7) and linux/capability.h.
@@ -100,7 +102,7 @@ def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     read_end, write_end = _alone_with(read_end, write_end)
     give_up_privileges(keep_user_changes=not request["own_users"])
     os.chdir(request["home"])
-    os.environ["HOME"] = request["home"]
+    os.environ["HOME"] = os.environ["PWD"] = request["home"]
     sys.argv[:] = [str(Path(worker.__file__))]
     # Else all workers would draw the same numbers.
     random.seed()

@@ -209,6 +209,8 @@ class Student:
             self._stop(f"{name} did not answer the question that was asked")
         if "error" in reply:
             raise self._error(name, reply["error"])
+        if not _is_number(reply):
+            self._stop(f"{name} did not answer the question that was asked")
         if "object" not in reply:
             result = reply.get("result")
         elif reply.get("callable") is True and not call:
@@ -231,7 +233,7 @@ class Student:
     def _remember(self, number: int, beside: object) -> None:
         """Keep what came with an attribute: whoever walks a tree asks for all of a node."""
         for name, value in beside.items() if isinstance(beside, dict) else ():
-            if isinstance(name, str) and isinstance(value, dict):
+            if isinstance(name, str) and isinstance(value, dict) and _is_number(value):
                 known = self._object(value) if "object" in value else value.get("result")
                 self._known[number, name] = known
 
@@ -376,6 +378,11 @@ def _readable(value: object) -> str:
     """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
     text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def _is_number(told: dict) -> bool:
+    """Whether an object that is told of comes under a number, if any is."""
+    return "object" not in told or type(told["object"]) is int
 
 
 def _positions(values: object) -> list[int]:
