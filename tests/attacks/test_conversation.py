@@ -252,10 +252,19 @@ def test_asks_for_objects_that_it_was_not_given():
     source = PIPES + function(
         'say(b\'{"dict":[["id",1],["object",{"list":[1]}],["type","x"]]}\'); time.sleep(2)'
     )
+    with attack(source) as student, pytest.raises(StudentStopped, match="did not answer the"):
+        student.f(1)
+
+
+def test_sends_along_what_was_not_asked_for():
+    """Attributes beside the one that was asked for, under numbers and names that are none."""
+    source = function("return Thing()") + "class Thing:\n    first = 1\n"
     with attack(source) as student:
-        held = student.f(1)
-        with pytest.raises((StudentError, StudentStopped)):
-            _ = held.root
+        thing = student.f(1)
+        student._remember(thing._held.number, {"first": 5, "b": {"object": [1]}, 3: {"result": 1}})
+        assert thing.first == 1
+        with pytest.raises(StudentError, match="no attribute 'b'"):
+            _ = thing.b
 
 
 # ---- Values that lie ----------------------------------------------------------------------
