@@ -5,7 +5,7 @@ fetch = "mkdir -p .new; curl -fsSL ADDRESS/archive/REVISION.tar.gz | tar -xzC .n
 if not folders and "google.colab" in sys.modules and os.system(fetch) == 0:
     folders = [Path.cwd()]
 assert folders, "No course here. Check the connection and run this cell again; or unzip the whole course and open the notebook from it; or get the standalone notebook, which needs no other file."
-sys.path.insert(0, str(folders[0])); import utils; print(utils.health()); utils.lend_answers("NUMBER")
+sys.path.insert(0, str(folders[0])); import utils; utils.begin("NUMBER")
 # ---
 # Run this cell first. It finds the course's folder and looks whether everything is there.
 import sys
@@ -14,4 +14,4 @@ from pathlib import Path
 folders = [p for p in (Path.cwd(), *Path.cwd().parents) if (p / "utils" / "checks").is_dir()]
 assert folders, "No folder `utils` here: unzip the whole course and open the notebook from it; or get the standalone notebook, which needs no other file; or open the course by its address in Colab."
 sys.path.insert(0, str(folders[0]))
-import utils; print(utils.health()); utils.lend_answers("NUMBER")
+import utils; utils.begin("NUMBER")

@@ -31,7 +31,7 @@ ARCHIVE = f"/{REPOSITORY}/archive/{REVISION}.tar.gz"
 # The smallest course that the setup cell can look over.
 COURSE = {
     "README.md": b"",
-    "utils/__init__.py": b"def health(): return 'Ready: a course.'",
+    "utils/__init__.py": b"def begin(number): print('Ready: a course.')",
     "utils/checks/__init__.py": b"",
     "data/cloud.txt": b"1 2 3\n",
     "solutions/x.py": b"",

@@ -15,7 +15,7 @@ _HOME = {
     "read_cloud": "utils.clouds",
     "read_sequence": "utils.clouds",
     "read_bag": "utils.recordings",
-    "lend_answers": "utils.lent",
+    "begin": "utils.beginning",
     "is_written": "utils.lent",
     "predict": "utils.predictions",
     "write_cloud": "utils.clouds",

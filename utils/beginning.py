@@ -1,0 +1,27 @@
+"""What the first cell of each notebook does, once the course's folder is found."""
+
+from __future__ import annotations
+
+from utils import health
+from utils.lent import lend_answers
+from utils.showing import show
+
+# A figure is dark on white. In a dark notebook it is turned round, and turned back in hue: blue
+# stays blue. JupyterLab, then VS Code.
+DARK = """<style>
+[data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
+.vscode-dark .output img { filter: invert(0.9) hue-rotate(180deg); }
+</style>"""
+
+
+def begin(number: str) -> None:
+    """Say whether everything is there, lend answers to stubs, and suit dark notebooks.
+
+    Parameters
+    ----------
+    number : str
+        Of the lesson, such as "06".
+    """
+    ready = health()
+    show(f"<pre>{ready}</pre>{DARK}", ready)
+    lend_answers(number)
