@@ -17,4 +17,4 @@ if "utils" not in sys.modules:
 
     (folder / "data").mkdir()
     write_lesson_cloud(folder / "data")
-import utils; utils.begin("NUMBER")
+import utils; print("Everything this notebook needs is here."); utils.begin("NUMBER")

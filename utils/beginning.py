@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from utils import health
 from utils.lent import lend_answers
-from utils.showing import show
+from utils.showing import shell, show
 
 # A figure is dark on white. In a dark notebook it is turned round, and turned back in hue: blue
 # stays blue. JupyterLab, then VS Code.
@@ -22,6 +22,7 @@ def begin(number: str) -> None:
     number : str
         Of the lesson, such as "06".
     """
-    ready = health()
-    show(f"<pre>{ready}</pre>{DARK}", ready)
+    print(health())
+    if shell() is not None:
+        show(DARK, "")
     lend_answers(number)
