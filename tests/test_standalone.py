@@ -151,7 +151,7 @@ def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
     )
     done = run_python(here, program)
     assert done.returncode == 0, done.stderr
-    assert "filter_ground" in done.stdout.splitlines()[-1]
+    assert done.stdout.splitlines()[2] == "filter_ground"
     assert "Upload your 07_filter_by_distance.ipynb beside this notebook" in done.stdout
 
 
