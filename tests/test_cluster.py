@@ -322,6 +322,8 @@ def test_nobody_answers(course, sandbox, monkeypatch, capsys):
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):
         assert graded_on(address, course, sandbox) == commands.FAULT
         assert f"No scheduler answers at {address}" in capsys.readouterr().err
+    assert graded_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
+    assert "names none" in capsys.readouterr().err
     with only_one(course):  # the lock is free
         pass
 

@@ -72,11 +72,17 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
     Raises
     ------
     grader.classroom.executors.ExecutorLost
-        If no scheduler answers.
+        If no scheduler answers, or there are no certificates for it.
     """
     # What goes wrong is told in sentences, and other versions only where they matter.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
+    # A client that fails for this reason would hang when Python ends.
+    if address.startswith("tls:") and not distributed.Security().tls_client_cert:
+        raise ExecutorLost(
+            f"{address} asks for certificates, and Dask's configuration here names none. Name "
+            "them under distributed.comm.tls, as grader/README.md shows."
+        )
     try:
         client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
