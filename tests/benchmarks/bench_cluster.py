@@ -46,7 +46,10 @@ def make_class(root, students):
 
 
 def cpu_seconds(course, sandbox):
-    """Processor seconds a notebook, when each is judged here, one after another."""
+    """Processor seconds a notebook, when each is judged here, one after another.
+
+    At least: processes of a sandbox that is killed are counted by nobody.
+    """
     submissions = find_submissions(course)
     for submission in submissions[: len(all_lessons())]:  # scenes and right answers are made once
         judge(course, submission, sandbox)
@@ -90,7 +93,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         course = make_class(Path(folder).resolve(), options.students)
         seconds, paid = cpu_seconds(course, sandbox), core_seconds(course, sandbox)
-    print(f"{seconds:.2f} CPU seconds a notebook; {paid:.2f} core seconds paid, start included")
+    print(f"At least {seconds:.2f} CPU seconds a notebook; {paid:.2f} core seconds paid")
     print(f"at {options.price} for a core and hour:")
     print("submissions   core hours        money   hours on 100 cores")
     for count in CLASSES:
