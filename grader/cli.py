@@ -84,7 +84,12 @@ def parser() -> argparse.ArgumentParser:
     grade.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
     add_judging_options(grade)
     add_workers(grade)
-    grade.set_defaults(run=commands.run_grade)
+    grade.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="judge on the workers of a Dask cluster instead, such as tcp://10.0.0.1:8786",
+    )
+    grade.set_defaults(run=commands.run_grade, workers=None)
 
     report = kinds.add_parser("report", help="write the report on what has been graded")
     report.set_defaults(run=commands.run_report)

@@ -4,15 +4,18 @@ What a command needs is imported when it runs, so that ``--help`` is quick.
 """
 
 import argparse
+import contextlib
+import functools
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 
 from grader import console
 from grader.course.lessons import stages
 from grader.course.paths import PROJECT, Course
-from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable, choose_sandbox
+from grader.sandbox import AUTO, SANDBOXES, Sandbox, SandboxUnavailable, choose_sandbox
 
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
 
@@ -84,16 +87,31 @@ def run_judge(options: argparse.Namespace) -> int:
 
 def run_grade(options: argparse.Namespace) -> int:
     """Run ``grade [STAGE ...]``."""
+    from grader.classroom.executors import processors
     from grader.course.seed import course_seed
 
     if not are_stages(options.stages):
         return WRONG_CALL
+    if options.workers and options.scheduler:
+        print(
+            "--workers is for this machine, and --scheduler for a cluster, on which each worker "
+            "judges as many notebooks at a time as it has threads. Name one of the two.",
+            file=sys.stderr,
+        )
+        return WRONG_CALL
     course = Course()
-    sandbox = choose_sandbox(options.sandbox)
+    sandbox = (_sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
     console.warn_if_unprotected(sandbox)
-    return grade_course(
-        course, options.stages, course_seed(course, options.seed), sandbox, options.workers
-    )
+    workers = options.workers or processors()
+    seed = course_seed(course, options.seed)
+    return grade_course(course, options.stages, seed, sandbox, workers, scheduler=options.scheduler)
+
+
+def _sandbox_elsewhere(wish: str) -> Sandbox:
+    """The sandbox that was asked for; whether a worker has it, the worker finds out."""
+    if wish == AUTO:
+        return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
+    return SANDBOXES[wish]
 
 
 def run_report(options: argparse.Namespace) -> int:
@@ -178,13 +196,14 @@ def grade_course(
     sandbox: Sandbox,
     workers: int,
     warning: str = "",
+    scheduler: str | None = None,
 ) -> int:
     """Judge, enter, report: what `grade` and `demo` do."""
     from grader.classroom.lock import AlreadyRunning, only_one
 
     try:
         with only_one(course):
-            return _grade_alone(course, wanted, seed, sandbox, workers, warning)
+            return _grade_alone(course, wanted, seed, sandbox, workers, warning, scheduler)
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
         return FAULT
@@ -197,8 +216,9 @@ def _grade_alone(
     sandbox: Sandbox,
     workers: int,
     warning: str,
+    scheduler: str | None,
 ) -> int:
-    from grader.classroom.executors import EXECUTORS
+    from grader.classroom.executors import ExecutorLost
     from grader.classroom.grade import RehearsalFailed, judge_class
     from grader.classroom.report import write_report
     from grader.classroom.submissions import unaccounted_files
@@ -206,17 +226,19 @@ def _grade_alone(
 
     warning = warning or sandbox.warning
     begin = time.perf_counter()
-    open_executor = EXECUTORS["processes"]
     counts = []
     try:
-        with console.progress_bar("Judging") as advance:
+        with (
+            _executors(scheduler, sandbox) as open_executor,
+            console.progress_bar("Judging") as advance,
+        ):
 
             def count(done: int, total: int, what: object) -> None:
                 counts.append(done)
                 advance(done, total, what)
 
             judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count)
-    except RehearsalFailed as error:
+    except (RehearsalFailed, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return FAULT
     seconds = time.perf_counter() - begin
@@ -245,3 +267,22 @@ def _grade_alone(
     )
     print(f"Report: {path}")
     return status
+
+
+@contextlib.contextmanager
+def _executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
+    """What opens an executor for a number of notebooks at a time; a cluster is joined once."""
+    from grader.classroom.executors import EXECUTORS
+
+    with contextlib.ExitStack() as stack:
+
+        @functools.cache
+        def cluster() -> Executor:
+            return stack.enter_context(
+                EXECUTORS["scheduler"](scheduler, sandbox.name, console.tell)
+            )
+
+        if scheduler:
+            yield lambda workers: contextlib.nullcontext(cluster())
+        else:
+            yield EXECUTORS["processes"]

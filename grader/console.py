@@ -40,6 +40,11 @@ def plain(text: object) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in str(text))
 
 
+def tell(sentence: str) -> None:
+    """Say something to whoever waits, above a progress bar if there is one."""
+    print(plain(sentence), file=sys.stderr)
+
+
 def warn_if_unprotected(sandbox: Sandbox) -> None:
     """Say loudly what a missing sandbox means."""
     if sandbox.warning:

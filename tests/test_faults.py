@@ -47,7 +47,7 @@ class Deadly(ProcessPoolExecutor):
     left = 0
 
     def submit(self, function, *arguments):
-        if function is grade.judge_and_store and arguments[1].student == "poison":
+        if function is grade.judge_one and arguments[2] == "poison":
             Deadly.left -= 1
             if Deadly.left >= 0:
                 return super().submit(os._exit, 1)

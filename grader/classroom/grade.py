@@ -6,16 +6,19 @@ that was broken off goes on where it stopped, and `nbgrader autograde` finds wha
 
 from __future__ import annotations
 
+import itertools
 import json
+import queue
 import traceback
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future
 from pathlib import Path
 
+from grader.classroom.executors import ExecutorLost, room
 from grader.classroom.submissions import Submission, find_submissions
-from grader.course.lessons import Lesson
+from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
-from grader.intake.handed_in import read_handed_in
+from grader.intake.handed_in import HandedIn, read_handed_in
 from grader.judging.judge import UNFAIR, complaints_about_reference, judge_handed_in
 from grader.judging.key import verdict_key
 from grader.judging.verdict import (
@@ -27,7 +30,7 @@ from grader.judging.verdict import (
     write_atomically,
     write_verdict,
 )
-from grader.sandbox import Sandbox, SandboxUnavailable
+from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 Judged = list[tuple[Submission, Verdict]]
 
@@ -49,22 +52,44 @@ def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict
     return verdict if verdict.key == key else None
 
 
-def judge_and_store(
-    course: Course, submission: Submission, seed: int, sandbox: Sandbox, alone: bool = False
+def judge_one(
+    handed_in: HandedIn, lesson: str, student: str, seed: int, sandbox: str, alone: bool = False
 ) -> Verdict:
-    """Judge one submission and keep the verdict.
+    """Judge one notebook: plain data in, a verdict out, wherever there is the course's code.
 
     Parameters
     ----------
+    handed_in : grader.intake.handed_in.HandedIn
+    lesson, student : str
+        Names.
+    seed : int
+    sandbox : str
+        A name in `grader.sandbox.SANDBOXES`.
     alone : bool
         That nothing else is judged meanwhile: then a time limit is believed.
     """
-    handed_in = submission.read(course)
-    verdict = judge_handed_in(handed_in, seed, sandbox, submission.lesson, submission.student)
-    if alone:
-        verdict = verdict.believed()
+    verdict = judge_handed_in(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
+    return verdict.believed() if alone else verdict
+
+
+def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
+    """What the tests of a lesson find wrong with its own solution; names as for `judge_one`."""
+    return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
+
+
+def judge_and_store(
+    course: Course, submission: Submission, seed: int, sandbox: Sandbox, alone: bool = False
+) -> Verdict:
+    """Judge one submission here and keep the verdict; `alone` as for `judge_one`."""
+    verdict = judge_one(*_job(course, submission, seed, sandbox), alone)
     write_verdict(verdict, submission.verdict_path(course))
     return verdict
+
+
+def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> tuple:
+    """What `judge_one` takes; this reads the submission."""
+    handed_in = submission.read(course)
+    return handed_in, submission.lesson.name, submission.student, seed, sandbox.name
 
 
 def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
@@ -84,8 +109,9 @@ def judge_class(
 ) -> Judged:
     """Judge what has no verdict yet.
 
-    A notebook that kills the process that judges it is tried once more by itself; so is one whose
-    code reached a time limit without having had a processor.
+    What judges gets data and gives verdicts; here alone submissions are read and verdicts
+    written, each as soon as it arrives. A notebook that kills the process that judges it is tried
+    once more by itself; so is one whose code reached a time limit without having had a processor.
 
     Parameters
     ----------
@@ -111,48 +137,70 @@ def judge_class(
     submissions = find_submissions(course, stages)
     verdicts = {one: stored_verdict(course, one, seed) for one in submissions}
     waiting = [one for one, verdict in verdicts.items() if verdict is None]
-    progress(len(submissions) - len(waiting), len(submissions), None)
+    done = len(submissions) - len(waiting)
+    progress(done, len(submissions), None)
+    suspects = []
 
-    def note(submission: Submission, verdict: Verdict) -> None:
+    def note(submission: Submission, future: Future) -> None:
+        nonlocal done
+        verdict = _result(future, submission)
+        write_verdict(verdict, submission.verdict_path(course))
+        done += verdicts[submission] is None
         verdicts[submission] = verdict
-        done = sum(known is not None for known in verdicts.values())
         progress(done, len(submissions), submission)
 
-    with open_executor(workers) as executor:
-        rehearse(course, {one.lesson for one in waiting}, seed, sandbox, executor)
-        suspects = _judge_all(course, waiting, seed, sandbox, executor, note)
+    def job(submission: Submission) -> tuple:
+        return _job(course, submission, seed, sandbox)
+
+    if waiting:
+        with open_executor(workers) as executor:
+            rehearse(course, {one.lesson for one in waiting}, seed, sandbox, executor)
+            waiting = _judge_all(waiting, job, executor, note, suspects)
+    while waiting:  # a process died, and the executor with it
+        with open_executor(workers) as executor:
+            waiting = _judge_all(waiting, job, executor, note, suspects)
     suspects += [one for one, verdict in verdicts.items() if verdict and verdict.starved]
     for submission in suspects:
         with open_executor(1) as executor:
-            alone = executor.submit(judge_and_store, course, submission, seed, sandbox, True)
-            note(submission, _result(alone, course, submission))
+            note(submission, executor.submit(judge_one, *job(submission), True))
     return [(submission, verdicts[submission]) for submission in submissions]
 
 
 def _judge_all(
-    course: Course,
     waiting: Sequence[Submission],
-    seed: int,
-    sandbox: Sandbox,
+    job: Callable[[Submission], tuple],
     executor: Executor,
-    note: Callable[[Submission, Verdict], None],
+    note: Callable[[Submission, Future], None],
+    suspects: list[Submission],
 ) -> list[Submission]:
-    """Judge in parallel; return what is left when a worker died."""
-    running = {
-        executor.submit(judge_and_store, course, submission, seed, sandbox): submission
-        for submission in waiting
-    }
-    left = []
+    """Judge in parallel, reading only so many submissions ahead as the executor has room for.
+
+    What was at work when a process died is added to `suspects`; what the executor then did not
+    take any more is returned.
+    """
+    coming, running, finished = iter(waiting), {}, queue.SimpleQueue()
+    rest = []
     try:
-        for future in as_completed(running):
+        while True:
+            for submission in itertools.islice(coming, max(0, room(executor) - len(running))):
+                try:
+                    future = executor.submit(judge_one, *job(submission))
+                except BrokenExecutor:
+                    rest = [submission, *coming]
+                    break
+                running[future] = submission
+                future.add_done_callback(finished.put)
+            if not running:
+                return rest
+            future = finished.get()
+            submission = running.pop(future)
             if isinstance(future.exception(), BrokenExecutor):
-                left.append(running[future])
+                suspects.append(submission)
             else:
-                note(running[future], _result(future, course, running[future]))
+                note(submission, future)
     except BaseException:
         executor.shutdown(wait=True, cancel_futures=True)
         raise
-    return left
 
 
 def rehearse(
@@ -171,7 +219,7 @@ def rehearse(
         path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
         key = verdict_key(read_handed_in(lesson.solved), lesson, seed)
         if _read(path) != key:
-            future = executor.submit(complaints_about_reference, lesson, seed, sandbox)
+            future = executor.submit(rehearse_one, lesson.name, seed, sandbox.name)
             running[future] = (lesson, path, key)
     failed = []
     for future, (lesson, path, key) in running.items():
@@ -197,16 +245,14 @@ def _read(path: Path) -> object:
         return None
 
 
-def _result(future: Future, course: Course, submission: Submission) -> Verdict:
+def _result(future: Future, submission: Submission) -> Verdict:
     """The verdict of a future; one that says so where the judge itself failed."""
     try:
         return future.result()
-    except SandboxUnavailable:
+    except (SandboxUnavailable, ExecutorLost):
         raise
     except Exception as error:  # one submission must not stop the others
-        verdict = failed_verdict(submission, error)
-        write_verdict(verdict, submission.verdict_path(course))
-        return verdict
+        return failed_verdict(submission, error)
 
 
 def failed_verdict(submission: Submission, error: Exception) -> Verdict:

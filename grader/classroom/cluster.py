@@ -1,0 +1,271 @@
+"""Judge on the workers of a Dask cluster.
+
+Workers need Python, the course's requirements and bubblewrap. The course's code travels to each
+of them once, in a plugin; jobs travel as bytes, and what comes of them, too, so that neither
+scheduler nor worker needs a module of ours.
+"""
+
+from __future__ import annotations
+
+import functools
+import io
+import logging
+import pickle
+import threading
+import time
+import uuid
+import warnings
+import zipfile
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future
+
+import cloudpickle
+import dask
+import distributed
+
+from grader.classroom import worker_plugin
+from grader.classroom.executors import ROOM, ExecutorLost
+from grader.course.paths import PROJECT
+from grader.judging.key import versions
+
+TRAVELS = ("grader", "utils", "solutions", "notebooks", "data")
+STAYS_AT_HOME = ("__pycache__", "pictures")
+
+PATIENCE = 15 * 60
+"""Seconds without any worker that can judge, after which grading stops."""
+CHECK = 1.0
+"""Seconds from one look at the scheduler to the next."""
+CONNECT = 30
+"""Seconds that a scheduler may take to answer."""
+
+cloudpickle.register_pickle_by_value(worker_plugin)
+
+
+class _ByValue:
+    """A function that travels with its code."""
+
+    def __init__(self, function: Callable) -> None:
+        self._code = cloudpickle.dumps(function)
+
+    def __call__(self) -> None:
+        raise TypeError("It is a function only where it arrives.")
+
+    def __reduce__(self) -> tuple:
+        return cloudpickle.loads, (self._code,)
+
+
+def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor:
+    """Join a cluster.
+
+    Whether the connection is encrypted the address says (``tls://``), and with which certificates
+    Dask's own configuration.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler.
+    sandbox : str
+        A name in `grader.sandbox.SANDBOXES`, which workers must have.
+    tell : callable
+        Called with sentences for whoever grades, such as which worker was refused.
+
+    Raises
+    ------
+    grader.classroom.executors.ExecutorLost
+        If no scheduler answers, or there are no certificates for it.
+    """
+    # What goes wrong is told in sentences, and other versions only where they matter.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
+    # A client that fails for this reason would hang when Python ends.
+    if address.startswith("tls:") and not distributed.Security().tls_client_cert:
+        raise ExecutorLost(
+            f"{address} asks for certificates, and Dask's configuration here names none. Name "
+            "them under distributed.comm.tls, as grader/README.md shows."
+        )
+    try:
+        client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        raise ExecutorLost(
+            f"No scheduler answers at {address} ({error}). Start one with: dask scheduler\n"
+            "and a worker or more with: dask worker ADDRESS\n"
+            "What has been judged is kept: the same command goes on from there."
+        ) from None
+    return Cluster(client, address, sandbox, tell)
+
+
+def packed_course() -> bytes:
+    """All that judging reads of this project, as a zip file; the same files give the same bytes."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for folder in TRAVELS:
+            for path in sorted((PROJECT / folder).rglob("*")):
+                name = path.relative_to(PROJECT)
+                hidden = any(part.startswith(".") for part in name.parts)
+                if path.is_file() and not hidden and not set(STAYS_AT_HOME) & set(name.parts[:-1]):
+                    entry = zipfile.ZipInfo(name.as_posix())  # without the time of the file
+                    archive.writestr(entry, path.read_bytes(), zipfile.ZIP_DEFLATED)
+    return file.getvalue()
+
+
+class Cluster(Executor):
+    """The fit workers of a cluster, as one executor.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    address, sandbox, tell
+        As for `connect`.
+    """
+
+    def __init__(
+        self, client: distributed.Client, address: str, sandbox: str, tell: Callable[[str], None]
+    ) -> None:
+        self._client, self._address, self._tell = client, address, tell
+        self._name = f"lidar-obstacle-lab-{uuid.uuid4().hex}"
+        self._fit: dict[str, int] = {}
+        self._refused: dict[str, str] = {}
+        self._waiting: dict[Future, distributed.Future] = {}
+        self._lost: ExecutorLost | None = None
+        self._lock, self._over = threading.Lock(), threading.Event()
+        self._judge = _ByValue(worker_plugin.judge_there)
+        client.subscribe_topic(self._name, self._heard)
+        plugin = worker_plugin.JudgePlugin(self._name, packed_course(), versions(), sandbox)
+        for work in (functools.partial(self._send, plugin), self._watch):
+            threading.Thread(target=work, daemon=True).start()
+
+    def __exit__(self, kind: type | None, *about: object) -> None:
+        self.shutdown(cancel_futures=kind is not None)
+
+    @property
+    def room(self) -> int:
+        """Enough for every thread to have a notebook, and another waiting."""
+        return max(ROOM, 3 * sum(self._fit.values()))
+
+    def submit(self, function: Callable, /, *arguments: object) -> Future:
+        """Have a function called on a fit worker, as soon as there is one."""
+        answer = Future()
+        job = pickle.dumps((function, arguments))
+        with self._lock:
+            if self._lost:
+                raise self._lost
+            with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1GB"}):
+                there = self._client.submit(
+                    self._judge,
+                    self._name,
+                    job,
+                    key=f"judge-{uuid.uuid4().hex}",
+                    pure=False,
+                    resources={self._name: 1},
+                )
+            self._waiting[answer] = there
+        there.add_done_callback(functools.partial(self._arrived, answer))
+        return answer
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Leave the cluster as it was; see `concurrent.futures.Executor.shutdown`."""
+        if self._over.is_set():
+            return
+        if wait and not cancel_futures:
+            for answer in list(self._waiting):
+                answer.exception()
+        self._over.set()
+        for answer in list(self._waiting):
+            answer.cancel()
+        if not self._lost:
+            _whatever(self._client.unregister_worker_plugin, self._name)
+        _whatever(self._client.close, timeout=5)
+
+    def _send(self, plugin: worker_plugin.JudgePlugin) -> None:
+        """Give the plugin to every worker, and to those that join later."""
+        # What comes of it each worker tells; one that hangs must not keep the others waiting.
+        _whatever(self._client.register_plugin, plugin, name=self._name)
+
+    def _heard(self, event: tuple[float, dict]) -> None:
+        """Note what a worker says of itself."""
+        said = event[1]
+        if not said["complaint"]:
+            self._fit[said["worker"]] = said["threads"]
+            return
+        self._refused[said["worker"]] = said["complaint"]
+        self._tell(
+            f"Worker {said['worker']} on {said['machine']} judges nothing; its notebooks go "
+            f"elsewhere. {said['complaint']}"
+        )
+
+    def _arrived(self, answer: Future, there: distributed.Future) -> None:
+        """Pass on what came of a job."""
+        try:
+            if there.status == "finished":
+                good, value = pickle.loads(there.result())
+            elif there.status == "error":
+                good, value = False, there.exception()
+            else:
+                raise ConnectionError
+        except Exception:
+            if not self._over.is_set():
+                self._give_up(self._silence())
+            return
+        if isinstance(value, distributed.scheduler.KilledWorker):
+            # As often as Dask tries, the whole worker died.
+            value = BrokenExecutor(str(value))
+        with self._lock:
+            if self._waiting.pop(answer, None) and answer.set_running_or_notify_cancel():
+                answer.set_result(value) if good else answer.set_exception(value)
+
+    def _watch(self) -> None:
+        """Stop waiting when nobody can judge any more."""
+        last, told = time.monotonic(), False
+        while not self._over.wait(CHECK):
+            try:
+                present = set(self._client.nthreads())
+            except Exception:
+                self._give_up(self._silence())
+                return
+            now = time.monotonic()
+            for address in set(self._fit) - present:
+                self._fit.pop(address, None)
+            if self._fit:
+                last, told = now, False
+            elif present and present <= set(self._refused):
+                self._give_up(
+                    f"No worker of {self._address} can judge, for the reasons above. Mend one, or "
+                    "start another, and give the same command again. What has been judged is kept."
+                )
+                return
+            elif now - last > PATIENCE:
+                self._give_up(
+                    f"For {PATIENCE / 60:.0f} minutes {self._address} has had no worker that can "
+                    f"judge. Start some with: dask worker {self._address}\nand give the same "
+                    "command again. What has been judged is kept."
+                )
+                return
+            elif now - last > 10 and not told:
+                told = True
+                self._tell(
+                    f"{self._address} has no worker that can judge yet. Waiting for one, for "
+                    f"{PATIENCE / 60:.0f} minutes: dask worker {self._address}"
+                )
+
+    def _give_up(self, reason: str) -> None:
+        with self._lock:
+            self._lost = ExecutorLost(reason)
+            waiting = list(self._waiting)
+            self._waiting.clear()
+        for answer in waiting:
+            if answer.set_running_or_notify_cancel():
+                answer.set_exception(self._lost)
+
+    def _silence(self) -> str:
+        return (
+            f"The scheduler {self._address} does not answer any more. What has been judged is "
+            "kept: start it and its workers again, and give the same command."
+        )
+
+
+def _whatever(function: Callable, *arguments: object, **options: object) -> None:
+    """Call a function; whether it succeeds is seen elsewhere, or matters to nobody."""
+    try:
+        function(*arguments, **options)
+    except Exception as error:
+        logging.getLogger(__name__).info("%s: %r", function, error)

@@ -1,0 +1,212 @@
+"""What a worker of a cluster gets: the course's code, and a process that judges with it.
+
+This module travels by value: a worker has Python and the requirements, and no course. So it
+imports nothing of ours.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import itertools
+import multiprocessing
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import zipfile
+from concurrent.futures import BrokenExecutor, Future
+from pathlib import Path
+
+from distributed import Status, Worker, WorkerPlugin, get_worker
+
+SLOWEST_START = 300
+"""Seconds that Python may take to import what judging needs, from a busy disk."""
+
+
+def judge_there(name: str, job: bytes) -> bytes:
+    """Do a job on the worker that this runs on; `name` is that of the plugin."""
+    return get_worker().plugins[name].judge(job)
+
+
+class Unfit(Exception):
+    """A worker must not judge; `str()` says why, and what to do about it."""
+
+
+class JudgePlugin(WorkerPlugin):
+    """Unpacks the course on a worker, and judges there in processes of their own.
+
+    A fit worker gets a resource of the plugin's name, one for each of its threads, which every
+    job asks for: so an unfit worker is given none, and one that joins later is.
+
+    Parameters
+    ----------
+    name : str
+    archive : bytes
+        The course's code, as a zip file.
+    versions : dict of str to str
+        What a worker must have, so that it judges as anybody else does.
+    sandbox : str
+        A name in `grader.sandbox.SANDBOXES`.
+    """
+
+    def __init__(self, name: str, archive: bytes, versions: dict[str, str], sandbox: str) -> None:
+        self.name = name
+        self.archive = archive
+        self.versions = versions
+        self.sandbox = sandbox
+
+    async def setup(self, worker: Worker) -> None:
+        """Make the worker fit, or know why it is not; say which of the two."""
+        self.threads = worker.state.nthreads
+        self.lock, self.host, self.over = threading.Lock(), None, False
+        try:
+            await asyncio.to_thread(self._prepare, worker.local_directory)
+            complaint = ""
+        except Unfit as unfit:
+            complaint = str(unfit)
+        except Exception as error:
+            complaint = f"It cannot take the course's code: {error!r}."
+        if not complaint:
+            await worker.set_resources(**{self.name: self.threads})
+            # The scheduler looks at tasks that nobody could do when a worker joins or goes on
+            # after a pause, and not when one comes by a resource.
+            worker.status = Status.paused
+            worker.status = Status.running
+        said = {"worker": worker.address, "machine": socket.gethostname(), "complaint": complaint}
+        worker.log_event(self.name, {**said, "threads": self.threads})
+
+    def teardown(self, worker: Worker) -> None:
+        """Leave nothing behind."""
+        with self.lock:
+            self.over = True
+            if self.host:
+                self.host.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def judge(self, job: bytes) -> bytes:
+        """Do a job in a process that judges.
+
+        Raises
+        ------
+        BrokenExecutor
+            If that died meanwhile. The next job gets another one.
+        """
+        with self.lock:
+            if self.over:
+                raise BrokenExecutor("This grading is over.")
+            if self.host is None or self.host.dead:
+                self.host = JudgeHost(self.folder, self.threads, self.sandbox)
+            answer = self.host.begin(job)
+        return answer.result()
+
+    def _prepare(self, place: str) -> None:
+        os.makedirs(place, exist_ok=True)
+        # For us alone: there are hidden tests in it.
+        self.folder = Path(tempfile.mkdtemp(prefix="course-", dir=place))
+        with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
+            archive.extractall(self.folder)
+        # What student code is shown of it, the user that it runs as must be able to read.
+        for path in self.folder.rglob("*"):
+            path.chmod(0o755 if path.is_dir() else 0o644)
+        self.host = JudgeHost(self.folder, self.threads, self.sandbox)
+        found = self.host.hello["versions"]
+        other = [
+            f"{name} {found[name]} instead of {wanted}"
+            for name, wanted in self.versions.items()
+            if found[name] != wanted
+        ]
+        complaint = self.host.hello["complaint"]
+        if other:
+            complaint = f"It has {', '.join(other)}. Install the course's requirements.txt there."
+        if complaint:
+            self.host.close()
+            raise Unfit(complaint)
+
+
+class JudgeHost:
+    """A running process that judges, as `grader.classroom.judge_host` does.
+
+    Attributes
+    ----------
+    hello : dict
+        What it said of itself.
+    dead : bool
+    """
+
+    def __init__(self, folder: Path, threads: int, sandbox: str) -> None:
+        self._pipe, theirs = multiprocessing.Pipe()
+        code = f"from grader.classroom.judge_host import serve; serve({theirs.fileno()}, {threads}"
+        with open(folder / "errors.txt", "w+b") as errors, theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", f"{code}, {sandbox!r})"],
+                cwd=folder,
+                env={**os.environ, "PYTHONPATH": _path_with(folder)},
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=errors,
+            )
+        try:
+            self.hello = self._greeting(folder)
+        except BaseException:
+            self.close()
+            raise
+        self.dead = False
+        self._lock, self._numbers, self._waiting = threading.Lock(), itertools.count(), {}
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def begin(self, job: bytes) -> Future:
+        """Hand a job over."""
+        answer = Future()
+        with self._lock:
+            number = next(self._numbers)
+            self._waiting[number] = answer
+            try:
+                self._pipe.send((number, job))
+            except OSError:  # it has just died, and `_listen` may have heard of it already
+                if self._waiting.pop(number, None):
+                    answer.set_exception(_broken())
+        return answer
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._process.wait()
+
+    def _greeting(self, folder: Path) -> dict:
+        if not self._pipe.poll(SLOWEST_START):
+            raise Unfit(f"Its Python has not started within {SLOWEST_START} s.")
+        try:
+            return self._pipe.recv()
+        except EOFError:
+            said = (folder / "errors.txt").read_text("utf-8", "replace").strip().splitlines()
+            raise Unfit(
+                f"It cannot run the course's code: {said[-1] if said else 'no reason given'}. "
+                "Install the course's requirements.txt there."
+            ) from None
+
+    def _listen(self) -> None:
+        try:
+            while True:
+                number, answer = self._pipe.recv()
+                self._waiting.pop(number).set_result(answer)
+        except (EOFError, OSError):
+            with self._lock:
+                self.dead, waiting = True, list(self._waiting.values())
+                self._waiting.clear()
+            for answer in waiting:
+                answer.set_exception(_broken())
+            self._process.wait()
+
+
+def _broken() -> BrokenExecutor:
+    return BrokenExecutor("A process that judged died.")
+
+
+def _path_with(folder: Path) -> str:
+    """The course first: a worker's own modules of such names must not be taken for ours."""
+    return os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))

@@ -1,0 +1,105 @@
+"""What grading on a cluster costs: core seconds for each notebook, and money for many.
+
+Students of all lessons, who are right and wrong in many ways, are judged on one worker that has
+this machine's processors. Run it on a quiet machine, and name the price of a core at your
+provider: ``python tests/benchmarks/bench_cluster.py --price 0.03``
+"""
+
+import argparse
+import contextlib
+import os
+import tempfile
+import time
+from pathlib import Path
+
+from distributed import LocalCluster
+
+from grader.classroom.cluster import connect
+from grader.classroom.executors import processors
+from grader.classroom.grade import judge_class, judge_one
+from grader.classroom.submissions import find_submissions
+from grader.course.lessons import all_lessons
+from grader.course.paths import Course
+from grader.course.variants import fill_in, variants_of
+from grader.sandbox import choose_sandbox
+
+SEED = 1
+CLASSES = (1_000, 100_000, 1_000_000)
+# An assumption: a virtual core of c5.2xlarge on demand in US East, 0.34 USD for eight of them, as
+# the user guide of Amazon EC2 Auto Scaling has it as an example.
+PRICE = 0.0425
+
+
+def make_class(root, students):
+    """A course in which each student gives another variant as the answer to each exercise."""
+    course = Course(root)
+    for number in range(students):
+        for lesson in all_lessons():
+            answers = {}
+            for exercise in lesson.machine_graded:
+                variants = variants_of(exercise.name)
+                answers[exercise.name] = variants[number % len(variants)].source
+            path = course.submitted / f"student{number}" / lesson.stage / f"{lesson.name}.ipynb"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(fill_in(lesson, answers), "utf-8")
+    return course
+
+
+def cpu_seconds(course, sandbox):
+    """Processor seconds a notebook, when each is judged here, one after another.
+
+    At least: processes of a sandbox that is killed are counted by nobody.
+    """
+    submissions = find_submissions(course)
+    for submission in submissions[: len(all_lessons())]:  # scenes and right answers are made once
+        judge(course, submission, sandbox)
+    begin = sum(os.times()[:4])
+    for submission in submissions:
+        judge(course, submission, sandbox)
+    return (sum(os.times()[:4]) - begin) / len(submissions)
+
+
+def judge(course, submission, sandbox):
+    lesson, student = submission.lesson.name, submission.student
+    judge_one(submission.read(course), lesson, student, SEED, sandbox.name)
+
+
+def core_seconds(course, sandbox):
+    """What is paid for a notebook: seconds of the whole run, joining included, times cores."""
+    with LocalCluster(
+        n_workers=1, threads_per_worker=processors(), dashboard_address=None
+    ) as there:
+        begin = time.perf_counter()
+        with connect(there.scheduler_address, sandbox.name, print) as executor:
+            judged = judge_class(
+                course,
+                (),
+                SEED,
+                sandbox,
+                lambda workers: contextlib.nullcontext(executor),
+                1,
+                lambda *news: None,
+            )
+        return (time.perf_counter() - begin) * processors() / len(judged)
+
+
+def main():
+    """Measure and print."""
+    words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    words.add_argument("--price", type=float, default=PRICE, help="of a core for an hour")
+    words.add_argument("--students", type=int, default=5, help="to measure with")
+    options = words.parse_args()
+    sandbox = choose_sandbox()
+    with tempfile.TemporaryDirectory() as folder:
+        course = make_class(Path(folder).resolve(), options.students)
+        seconds, paid = cpu_seconds(course, sandbox), core_seconds(course, sandbox)
+    print(f"At least {seconds:.2f} CPU seconds a notebook; {paid:.2f} core seconds paid")
+    print(f"at {options.price} for a core and hour:")
+    print("submissions   core hours        money   hours on 100 cores")
+    for count in CLASSES:
+        hours = count * paid / 3600
+        print(f"{count:11,} {hours:12,.1f} {hours * options.price:12,.2f} {hours / 100:20,.2f}")
+
+
+if __name__ == "__main__":
+    main()

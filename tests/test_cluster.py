@@ -1,0 +1,376 @@
+"""A class judged on a Dask cluster: whatever happens there, the same gradebook or a resumable stop.
+
+Schedulers and workers are started as anybody would, in an empty folder, knowing nothing of us.
+"""
+
+import contextlib
+import dataclasses
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from concurrent.futures import BrokenExecutor
+from io import BytesIO
+from types import SimpleNamespace
+
+import distributed
+import pytest
+
+from grader import cli, commands
+from grader.classroom import cluster, grade
+from grader.classroom.executors import ExecutorLost, room
+from grader.classroom.lock import only_one
+from grader.course.paths import Course
+from grader.course.variants import fill_in
+from grader.judging.verdict import read_verdict
+from tests.test_course import rows
+from tests.test_faults import Inline
+from tests.test_grade import LESSON, SEED, answer, make_course, quiet
+
+# One cluster at a time: each takes all processors.
+pytestmark = pytest.mark.xdist_group("cluster")
+PATIENCE = 240
+
+
+# ---- A class, and what is right about it -------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory, sandbox):
+    """A class, graded here: its course, and all that its gradebook holds."""
+    texts = {
+        "broken": answer()[:5000],
+        "half": answer("filter_ground"),
+        "other": answer("voxel_grid"),
+        "right": answer(),
+        "untouched": fill_in(LESSON, {}),
+    }
+    made = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
+    assert commands.grade_course(made, (), SEED, sandbox, 1) == commands.GOOD
+    return SimpleNamespace(root=made.root, verdicts=verdicts_of(made), rows=marks(made))
+
+
+@pytest.fixture
+def course(tmp_path, local):
+    """The same class, not graded."""
+    made = Course(tmp_path / "course")
+    shutil.copytree(local.root, made.root)
+    for folder in ("verdicts", "autograded", "report"):
+        shutil.rmtree(made.root / folder)
+    (made.root / "gradebook.db").unlink()
+    settings = made.root / "nbgrader_config.py"
+    settings.write_text(settings.read_text().replace(str(local.root), str(made.root)))
+    return made
+
+
+def verdicts_of(course):
+    """Each student's verdict, but for how long it took."""
+    paths = course.verdicts.glob(f"*/{LESSON.stage}/*.json")
+    return {path.parts[-3]: dataclasses.replace(read_verdict(path), seconds=0.0) for path in paths}
+
+
+def marks(course):
+    found, comments, _ = rows(course)
+    return found, comments
+
+
+def complete(course, local):
+    return verdicts_of(course) == local.verdicts and marks(course) == local.rows
+
+
+def graded_on(address, course, sandbox):
+    return commands.grade_course(course, (), SEED, sandbox, 1, scheduler=address)
+
+
+# ---- A cluster ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Start schedulers and workers in an empty folder, with the environment of a stranger."""
+    started = []
+    nowhere = tmp_path / "nowhere"
+    nowhere.mkdir()
+
+    def begin(*words, **environment):
+        log = open(tmp_path / f"log{len(started)}.txt", "w")  # noqa: SIM115
+        process = subprocess.Popen(
+            [sys.executable, "-m", "dask", *words, "--no-dashboard"],
+            cwd=nowhere,
+            env={"PATH": os.environ["PATH"], "HOME": str(nowhere), **environment},
+            stdout=log,
+            stderr=log,
+        )
+        started.append((process, log))
+        return process
+
+    def scheduler():
+        file = tmp_path / f"scheduler{len(started)}.json"
+        where = ("--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
+        process = begin("scheduler", *where)
+        wait_for(file.exists)
+        wait_for(lambda: file.read_text().strip().endswith("}"))
+        return json.loads(file.read_text())["address"], process
+
+    def worker(address, *words, threads=1, **environment):
+        options = ("--nthreads", str(threads), "--local-directory", str(tmp_path / "scratch"))
+        return begin("worker", address, *options, *words, **environment)
+
+    yield SimpleNamespace(scheduler=scheduler, worker=worker)
+    for process, log in started:
+        process.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(20)
+        process.kill()
+        process.wait()
+        log.close()
+
+
+def wait_for(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.1)
+
+
+def workers_at(address, count):
+    """Wait until so many workers have joined a scheduler."""
+    with distributed.Client(address, set_as_default=False) as client:
+        client.wait_for_workers(count, timeout=PATIENCE)
+
+
+@pytest.fixture
+def after_first_verdict(monkeypatch):
+    """Do something in the middle: when the first verdict has been written."""
+
+    def when(action):
+        def write(verdict, path, right=grade.write_verdict):
+            right(verdict, path)
+            monkeypatch.setattr(grade, "write_verdict", right)
+            action()
+
+        monkeypatch.setattr(grade, "write_verdict", write)
+
+    return when
+
+
+# ---- Whole runs --------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox, start, capsys):
+    """With two threads, and Dask's nanny; and a second run does not need them any more."""
+    address, process = start.scheduler()
+    start.worker(address, threads=2)
+    assert graded_on(address, course, sandbox) == commands.GOOD
+    assert complete(course, local)
+    assert "5 notebooks: 5 judged" in capsys.readouterr().out
+    process.kill()
+    assert graded_on(address, course, sandbox) == commands.GOOD
+    assert "5 as before" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_local_cluster_of_processes(course, local, sandbox, monkeypatch):
+    """Also: a judge that dies costs one job, and a changed course goes to workers that have one."""
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as there,
+        cluster.connect(there.scheduler_address, sandbox.name, print) as executor,
+    ):
+        judged = grade.judge_class(
+            course, (), SEED, sandbox, lambda workers: contextlib.nullcontext(executor), 1, quiet
+        )
+        assert len(judged) == 5 and verdicts_of(course) == local.verdicts
+
+        with pytest.raises(BrokenExecutor):
+            executor.submit(os._exit, 1).result()
+        assert executor.submit(max, 1, 2).result() == 2
+        with pytest.raises(ZeroDivisionError) as caught:
+            executor.submit(divmod, 1, 0).result()
+        assert "On the worker" in caught.value.__notes__[0]
+
+        changed = BytesIO(cluster.packed_course())
+        with zipfile.ZipFile(changed, "a") as archive:
+            archive.writestr("grader/version.txt", "another")
+        monkeypatch.setattr(cluster, "packed_course", changed.getvalue)
+        look = "__import__('os').path.exists('grader/version.txt')"
+        with cluster.connect(there.scheduler_address, sandbox.name, print) as another:
+            assert another.submit(eval, look).result() is True
+            assert executor.submit(eval, look).result() is False
+        assert executor.submit(max, 1, 2).result() == 2
+
+
+@pytest.mark.slow
+def test_a_worker_is_killed_and_another_joins_later(
+    course, local, sandbox, start, after_first_verdict
+):
+    address, _ = start.scheduler()
+    first = start.worker(address, "--no-nanny", threads=2)
+
+    def exchange():
+        first.send_signal(signal.SIGKILL)
+        start.worker(address)
+
+    after_first_verdict(exchange)
+    assert graded_on(address, course, sandbox) == commands.GOOD
+    assert complete(course, local)
+
+
+@pytest.mark.slow
+def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_path, capfd):
+    """Without a fit one nobody is graded; with one beside them the class is complete."""
+    numpy = tmp_path / "stub" / "numpy-1.26.4.dist-info"
+    numpy.mkdir(parents=True)
+    (numpy / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.26.4\n")
+    empty = tmp_path / "bin"
+    empty.mkdir()
+    broken = tmp_path / "broken" / "traitlets"
+    broken.mkdir(parents=True)
+    (broken / "__init__.py").write_text("raise ImportError('no traitlets here')\n")
+
+    address, _ = start.scheduler()
+    start.worker(address, PYTHONPATH=str(numpy.parent))
+    start.worker(address, PYTHONPATH=str(broken.parent))
+    count = 2
+    if sandbox.name == "bubblewrap":
+        start.worker(address, PATH=str(empty))
+        count = 3
+    workers_at(address, count)
+
+    assert graded_on(address, course, sandbox) == commands.FAULT
+    said = capfd.readouterr().err
+    assert len(re.findall(r"Worker tcp://\S+ on \S+ judges nothing", said)) == count
+    assert re.search(r"It has numpy 1\.26\.4 instead of 2\.\S+ Install", said)
+    assert "It cannot run the course's code: ImportError: no traitlets here." in said
+    assert ("bubblewrap is not installed" in said) == (count == 3)
+    assert f"No worker of {address} can judge" in said
+    assert not verdicts_of(course)
+
+    start.worker(address)
+    workers_at(address, count + 1)
+    assert graded_on(address, course, sandbox) == commands.GOOD
+    assert complete(course, local)
+    assert len(re.findall("judges nothing", capfd.readouterr().err)) == count
+
+
+@pytest.mark.slow
+def test_the_scheduler_is_lost_and_nothing_is_judged_twice(
+    course, local, sandbox, start, after_first_verdict, capfd
+):
+    address, process = start.scheduler()
+    start.worker(address)
+    after_first_verdict(process.kill)
+    assert graded_on(address, course, sandbox) == commands.FAULT
+    said = capfd.readouterr().err
+    assert f"The scheduler {address} does not answer any more. What has been judged is kept" in said
+    assert "Traceback" not in said
+    kept = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
+    assert 1 <= len(verdicts_of(course)) < 5
+
+    address, _ = start.scheduler()
+    start.worker(address)
+    assert graded_on(address, course, sandbox) == commands.GOOD
+    assert complete(course, local)
+    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+
+
+RUN = """
+import sys
+from pathlib import Path
+from grader import cli, commands
+from grader.course.paths import Course
+commands.Course = lambda: Course(Path(sys.argv[1]))
+sys.exit(cli.main(["grade", "--seed", sys.argv[2], "--sandbox", sys.argv[3],
+    "--scheduler", sys.argv[4]]))
+"""
+
+
+@pytest.mark.slow
+def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, start):
+    """By Ctrl-C with a sentence, and by SIGKILL; workers stay as they were."""
+    address, _ = start.scheduler()
+    start.worker(address)
+    command = [sys.executable, "-c", RUN, str(course.root), str(SEED), sandbox.name, address]
+    kept = {}
+    for number, status in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL), (0, 0)):
+        running = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+        if number:
+            more = len(kept) + 1
+            wait_for(lambda more=more: len(verdicts_of(course)) >= more)
+            running.send_signal(number)
+        _, said = running.communicate(timeout=PATIENCE)
+        assert running.returncode == status, said
+        assert (b"Stopped. What has been judged is kept" in said) == (number == signal.SIGINT)
+        assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+        paths = course.verdicts.glob(f"*/{LESSON.stage}/*.json")
+        kept = {path: path.stat().st_mtime_ns for path in paths}
+    assert complete(course, local)
+
+
+# ---- Parts -------------------------------------------------------------------------------------
+
+
+def test_nobody_answers(course, sandbox, monkeypatch, capsys):
+    monkeypatch.setattr(cluster, "CONNECT", 1)
+    for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):
+        assert graded_on(address, course, sandbox) == commands.FAULT
+        assert f"No scheduler answers at {address}" in capsys.readouterr().err
+    assert graded_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
+    assert "names none" in capsys.readouterr().err
+    with only_one(course):  # the lock is free
+        pass
+
+
+def test_nobody_works(sandbox, monkeypatch, tmp_path):
+    monkeypatch.setattr(cluster, "PATIENCE", 1)
+    monkeypatch.chdir(tmp_path)
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as there,
+        cluster.connect(there.scheduler_address, sandbox.name, print) as executor,
+    ):
+        with pytest.raises(ExecutorLost, match="dask worker"):
+            executor.submit(max, 1, 2).result()
+        with pytest.raises(ExecutorLost):
+            executor.submit(max, 1, 2)
+
+
+def test_workers_and_a_scheduler_exclude_each_other(capsys):
+    words = ["grade", "--workers", "2", "--scheduler", "tcp://127.0.0.1:8786"]
+    assert cli.main(words) == commands.WRONG_CALL
+    assert "Name one of the two" in capsys.readouterr().err
+
+
+def test_what_travels_is_what_judging_reads():
+    packed = cluster.packed_course()
+    assert packed == cluster.packed_course()
+    names = set(zipfile.ZipFile(BytesIO(packed)).namelist())
+    assert "data/cloud.txt" in names and "grader/tests/test_06_filter_ground.py" in names
+    assert {name.split("/")[0] for name in names} == set(cluster.TRAVELS)
+    assert not [name for name in names if "/." in name or "pycache" in name]
+    assert len(packed) < 5e6
+
+
+def test_only_so_many_notebooks_are_read_ahead(course, sandbox, monkeypatch):
+    """And what has been judged is written before the next is read."""
+    monkeypatch.setattr(Inline, "room", 1, raising=False)
+    monkeypatch.setattr(grade, "rehearse", lambda *course: None)
+    events = []
+    read, write = grade.Submission.read, grade.write_verdict
+    known = grade.stored_verdict
+    monkeypatch.setattr(grade, "stored_verdict", lambda *about: None)
+    monkeypatch.setattr(
+        grade.Submission, "read", lambda self, course: events.append("read") or read(self, course)
+    )
+    monkeypatch.setattr(
+        grade, "write_verdict", lambda *about: events.append("write") or write(*about)
+    )
+    judged = grade.judge_class(course, (), SEED, sandbox, Inline, 1, quiet)
+    assert events == ["read", "write"] * 5 and room(Inline(1)) == 1
+    assert all(known(course, submission, SEED) == verdict for submission, verdict in judged)
