@@ -52,6 +52,15 @@ def errors_of(notebook):
     ]
 
 
+def errors_beside_checks(notebook):
+    """As `errors_of`, without those of the cells that check: they may fail, and nothing stops."""
+    return [
+        (number, error)
+        for number, error in errors_of(notebook)
+        if "raises-exception" not in notebook.cells[number].metadata.get("tags", ())
+    ]
+
+
 def written(notebook, stream):
     """All that was written to "stdout" or "stderr"."""
     return "".join(
