@@ -454,7 +454,6 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: the exact step as a table of distances
 # loses only: takes_two_heaps, test_touching_heaps
-# says: cKDTree(p).query(q)
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
