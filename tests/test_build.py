@@ -144,7 +144,7 @@ def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_ne
     "line, message",
     [
         ("# from 06_filter_grounds: filter_ground", "no lesson '06_filter_grounds'"),
-        ("# from 06_filter_ground: filter_ground, no_grid", "06_filter_ground does not define no_grid"),
+        ("# from 06_filter_ground: filter_ground, none", "06_filter_ground does not define none"),
     ],
 )
 def test_a_wrong_name_of_an_earlier_function_is_said(line, message):
