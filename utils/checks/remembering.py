@@ -7,7 +7,7 @@ import functools
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 
-from utils.checks.failures import CheckFailed
+from utils.checks.failures import CheckFailed, FarTooMuch
 
 _KNOWN: ContextVar[dict | None] = ContextVar("known", default=None)
 
@@ -48,6 +48,9 @@ def once(assertion: Callable[[Callable], None]) -> Callable[[Callable], None]:
                 assertion(function)
             except CheckFailed as failure:
                 known[key] = failure
+                if isinstance(failure, FarTooMuch):
+                    del known[key]  # of such answers each is counted
+                    raise
             except BaseException:
                 del known[key]
                 raise
