@@ -138,7 +138,8 @@ class Student:
     def __init__(self, program: Program, sandbox: Sandbox, limits: Limits | None = None) -> None:
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
-        # Attributes that came with another one of the same object; until something is called.
+        # Attributes that came with another one, of the same object and of those that it leads to;
+        # until something is called.
         self._known: dict[tuple[int, str], object] = {}
         self._stops: dict[str, list[str]] = {}
         self._time_left = self._limits.total_seconds
@@ -218,7 +219,8 @@ class Student:
         else:
             result = self._object(reply)
         if not call:
-            self._remember(held.number, reply.get("beside"))
+            self._remember(reply.get("beside"))
+            result = self._known.get((held.number, name), result)
         if not observe:
             return result
         after, shared = reply.get("arguments"), reply.get("shared")
@@ -230,12 +232,16 @@ class Student:
         held = _Held(reply["object"], self._worker)
         return RemoteObject(self, held, wire.known_type(reply.get("type")))
 
-    def _remember(self, number: int, beside: object) -> None:
-        """Keep what came with an attribute: whoever walks a tree asks for all of a node."""
-        for name, value in beside.items() if isinstance(beside, dict) else ():
-            if isinstance(name, str) and isinstance(value, dict) and _is_number(value):
-                known = self._object(value) if "object" in value else value.get("result")
-                self._known[number, name] = known
+    def _remember(self, beside: object) -> None:
+        """Keep what came with an attribute: whoever asks for one walks the whole tree."""
+        for one in beside if isinstance(beside, list) else ():
+            number, said = one if isinstance(one, list) and len(one) == 2 else (None, None)
+            if type(number) is not int or not isinstance(said, dict):
+                continue
+            for name, value in said.items():
+                if isinstance(name, str) and isinstance(value, dict) and _is_number(value):
+                    known = self._object(value) if "object" in value else value.get("result")
+                    self._known[number, name] = known
 
     def _error(self, name: str, error: object) -> StudentError:
         if not isinstance(error, dict):

@@ -261,7 +261,10 @@ def test_sends_along_what_was_not_asked_for():
     source = function("return Thing()") + "class Thing:\n    first = 1\n"
     with attack(source) as student:
         thing = student.f(1)
-        student._remember(thing._held.number, {"first": 5, "b": {"object": [1]}, 3: {"result": 1}})
+        number = thing._held.number
+        forged = {"first": 5, "b": {"object": [1]}, 3: {"result": 1}}
+        student._remember([[number, forged], "xy", [1], [None, forged], [number, 7]])
+        student._remember({number: forged})
         assert thing.first == 1
         with pytest.raises(StudentError, match="no attribute 'b'"):
             _ = thing.b

@@ -447,6 +447,26 @@ def as_labels(answer: object, n: int) -> np.ndarray:
     return labels.astype(np.int64)
 
 
+def overlaps(labels: np.ndarray, others: np.ndarray) -> tuple[int, int, int]:
+    """How many groups of one partition share points with how many of another.
+
+    Parameters
+    ----------
+    labels, others : numpy.ndarray of int, shape (n,)
+
+    Returns
+    -------
+    tuple of int
+        Pairs of groups that share points, groups of the one, and of the other: three times the
+        same number if they group the points alike.
+    """
+    names, mine = np.unique(labels, return_inverse=True)
+    other_names, theirs = np.unique(others, return_inverse=True)
+    # One number for a pair: sorting numbers is ten times as quick as sorting pairs.
+    pairs = np.unique(mine * len(other_names) + theirs)
+    return len(pairs), len(names), len(other_names)
+
+
 def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) -> None:
     """The answer groups the points as `expected` does, under whatever numbers.
 
@@ -457,12 +477,11 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     """
     yours = as_labels(answer, len(cloud))
-    pairs = np.unique(np.stack([yours, expected]), axis=1)
-    number_yours, number_expected = len(np.unique(yours)), len(np.unique(expected))
-    if pairs.shape[1] == number_yours == number_expected:
+    shared, number_yours, number_expected = overlaps(yours, expected)
+    if shared == number_yours == number_expected:
         return
-    split = pairs.shape[1] > number_expected
-    merged = pairs.shape[1] > number_yours
+    split = shared > number_expected
+    merged = shared > number_yours
     what = {
         (True, True): "Some clusters are torn apart and others run together.",
         (True, False): "Points that belong together have different labels.",

@@ -316,11 +316,11 @@ def send(descriptor: int, value: object, deadline: float | None = None) -> None:
     """
     view = memoryview(encode(value))
     while view:
-        _wait(descriptor, deadline, select.POLLOUT)
+        _in_time(deadline)
         try:
             view = view[os.write(descriptor, view) :]
         except BlockingIOError:
-            continue
+            _wait(descriptor, deadline, select.POLLOUT)
         except BrokenPipeError:
             raise WireClosed from None
 
@@ -350,10 +350,11 @@ def _read(descriptor: int, size: int, deadline: float | None) -> bytearray:
     data = bytearray(size)
     missing = memoryview(data)
     while missing:
-        _wait(descriptor, deadline, select.POLLIN)
+        _in_time(deadline)
         try:
             count = os.readv(descriptor, [missing])
         except BlockingIOError:
+            _wait(descriptor, deadline, select.POLLIN)
             continue
         if not count:
             raise WireClosed
@@ -361,12 +362,14 @@ def _read(descriptor: int, size: int, deadline: float | None) -> bytearray:
     return data
 
 
+def _in_time(deadline: float | None) -> None:
+    # The clock decides even while data keep coming: a drop at a time is no answer.
+    if deadline is not None and time.monotonic() >= deadline:
+        raise WireTimeout
+
+
 def _wait(descriptor: int, deadline: float | None, event: int) -> None:
-    if deadline is None:
-        return
-    left = deadline - time.monotonic()
     poll = select.poll()
     poll.register(descriptor, event)
-    # The clock decides even while data keep coming: a drop at a time is no answer.
-    if left <= 0 or not poll.poll(left * 1000):
+    if not poll.poll(None if deadline is None else max(0, 1000 * (deadline - time.monotonic()))):
         raise WireTimeout

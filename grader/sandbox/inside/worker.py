@@ -15,6 +15,7 @@ import os
 import resource
 import sys
 import types
+from collections import deque
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -30,7 +31,7 @@ import wire  # noqa: E402
 from utils.notebooks import slicing  # noqa: E402
 
 LONGEST_TEXT = 400
-MOST_ATTRIBUTES, MOST_NUMBERS = 12, 12
+MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 8, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are not there because the lesson does not allow what they are imported from.
 _REFUSED: dict[str, str] = {}
@@ -210,7 +211,7 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
         return {"error": describe(error)}
     seen = observed(result, arguments) if request["observe"] else {}
     if not request["call"] and not callable(result):
-        seen["beside"] = beside(objects[request["object"]], objects)
+        seen["beside"] = beside(request["object"], objects)
     if wire.is_plain(result):
         return {"result": result, **seen}
     return {**held(result, objects), "callable": callable(result), **seen}
@@ -222,18 +223,27 @@ def held(value: object, objects: dict[int, object]) -> dict:
     return {"object": len(objects) - 1, "type": type(value).__name__}
 
 
-def beside(owner: object, objects: dict[int, object]) -> dict:
-    """The other attributes of an object, as who asks for one asks for all: a tree is walked."""
-    attributes = getattr(owner, "__dict__", None)
-    if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
-        return {}
-    said = {}
-    for name, value in attributes.items():
-        if isinstance(value, SCALARS) or type(value) is np.ndarray and value.size <= MOST_NUMBERS:
-            said[str(name)] = {"result": value}
-        elif not wire.is_plain(value) and not callable(value):
-            said[str(name)] = held(value, objects)
-    return said
+def beside(number: int, objects: dict[int, object]) -> list:
+    """The attributes of an object, and of those that it leads to: who asks for one walks a tree.
+
+    Each as the object's number and what its attributes hold.
+    """
+    known, waiting = [], deque([number])
+    while waiting and len(known) < MOST_OBJECTS:
+        number = waiting.popleft()
+        attributes = getattr(objects[number], "__dict__", None)
+        if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
+            continue
+        said = {}
+        for name, value in attributes.items():
+            small = type(value) is np.ndarray and value.size <= MOST_NUMBERS
+            if isinstance(value, SCALARS) or small:
+                said[str(name)] = {"result": value}
+            elif not wire.is_plain(value) and not callable(value):
+                said[str(name)] = held(value, objects)
+                waiting.append(said[str(name)]["object"])
+        known.append([number, said])
+    return known
 
 
 def observed(result: object, arguments: list) -> dict:
