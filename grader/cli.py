@@ -112,6 +112,12 @@ def parser() -> argparse.ArgumentParser:
         metavar="N",
         help="how many students to pretend (default: %(default)s)",
     )
+    demo.add_argument(
+        "--stages",
+        nargs="*",
+        metavar="STAGE",
+        help="what they hand in; without a name, all stages (default: stage 3)",
+    )
     add_workers(demo)
     demo.set_defaults(run=commands.run_demo)
     return top

@@ -171,8 +171,10 @@ def run_doctor(options: argparse.Namespace) -> int:
 
 def run_demo(options: argparse.Namespace) -> int:
     """Run ``demo``."""
-    from grader.classroom.demo import make_class
+    from grader.classroom.demo import STAGE, make_class
 
+    if not are_stages(options.stages or ()):
+        return WRONG_CALL
     try:
         sandbox, warning = choose_sandbox(), ""
     except SandboxUnavailable as error:
@@ -185,7 +187,8 @@ def run_demo(options: argparse.Namespace) -> int:
     if options.students < 1:
         print("A class has at least one student.", file=sys.stderr)
         return WRONG_CALL
-    course = make_class(options.students, hostile=not sandbox.warning)
+    wanted = (STAGE,) if options.stages is None else options.stages or stages()
+    course = make_class(options.students, not sandbox.warning, wanted)
     return grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
 
 

@@ -10,11 +10,12 @@ import time
 
 import pytest
 
-from grader import cli
+from grader import cli, commands
 from grader.classroom import demo, grade
 from grader.classroom.demo import make_class
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.report import write_report
+from grader.classroom.submissions import find_submissions
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
@@ -391,9 +392,9 @@ def test_report_tells_and_escapes(course, sandbox):
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )
 def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(demo, "STAGE", stage)
     monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
-    assert cli.main(["demo", "--students", str(students), "--workers", "2"]) == 0
+    wanted = ["--students", str(students), "--stages", stage]
+    assert cli.main(["demo", *wanted, "--workers", "2"]) == 0
     shown = capsys.readouterr().out
     assert "Report: " in shown
     course = Course(tmp_path / "demo")
@@ -415,6 +416,20 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     assert len(by_student) == students
     assert 0 < by_student["chioma"] < whole
     assert (course.report / "index.html").stat().st_size > 10_000
+
+
+def test_demo_of_all_stages_is_of_every_lesson(monkeypatch, tmp_path):
+    graded = []
+    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(
+        commands, "grade_course", lambda course, *_: graded.append(find_submissions(course)) or 0
+    )
+    assert cli.main(["demo", "--students", "2", "--stages"]) == 0
+    assert cli.main(["demo", "--students", "1"]) == 0
+    assert cli.main(["demo", "--stages", "stage9_none"]) == 2
+    everything, usual = ([one.lesson for one in found] for found in graded)
+    assert everything == [*all_lessons(), *all_lessons()]
+    assert {lesson.stage for lesson in usual} == {"stage3_obstacles"}
 
 
 def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):

@@ -2,7 +2,7 @@
 
 import itertools
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from grader.course.lessons import Lesson, all_lessons
@@ -10,7 +10,7 @@ from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
 
 DEMO = PROJECT / "demo"
-STAGE = "stage3_obstacles"  # what the class has handed in: nbgrader grades a stage at a time
+STAGE = "stage3_obstacles"  # handed in unless others are asked for
 NAMES = (
     "ada",
     "bruno",
@@ -80,7 +80,7 @@ class Pupil:
     notebooks: dict
 
 
-def make_class(count: int, hostile: bool) -> Course:
+def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> Course:
     """Make ``demo/`` with the submissions of a class.
 
     Parameters
@@ -89,6 +89,8 @@ def make_class(count: int, hostile: bool) -> Course:
         Number of students.
     hostile : bool
         Whether one of them attacks the grader; leave that out without a sandbox.
+    stages : sequence of str
+        What everybody hands in.
 
     Returns
     -------
@@ -96,16 +98,16 @@ def make_class(count: int, hostile: bool) -> Course:
     """
     course = Course(DEMO)
     shutil.rmtree(course.root, ignore_errors=True)
-    for folder in ("solutions", "notebooks"):
+    for folder, stage in itertools.product(("solutions", "notebooks"), stages):
         shutil.copytree(
-            PROJECT / folder / STAGE,
-            course.root / folder / STAGE,
+            PROJECT / folder / stage,
+            course.root / folder / stage,
             ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"),
         )
     (course.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(project=str(PROJECT)), "utf-8"
     )
-    for pupil in pretend_students(count, hostile):
+    for pupil in pretend_students(count, hostile, stages):
         for lesson, text in pupil.notebooks.items():
             path = course.submitted / pupil.name / lesson.stage / f"{lesson.name}.ipynb"
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -113,12 +115,12 @@ def make_class(count: int, hostile: bool) -> Course:
     return course
 
 
-def pretend_students(count: int, hostile: bool) -> Iterator[Pupil]:
-    """Yield `count` of `Pupil`: the special ones first, then right and wrong answers in turn."""
+def pretend_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterator[Pupil]:
+    """Yield `count` of `Pupil`: right and wrong answers in turn, the special ones among them."""
     names = (
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
     )
-    lessons = [lesson for lesson in all_lessons() if lesson.stage == STAGE]
+    lessons = [lesson for lesson in all_lessons() if lesson.stage in stages]
     special = [
         Pupil("untouched", {lesson: fill_in(lesson, {}) for lesson in lessons}),
         Pupil(
