@@ -87,9 +87,7 @@ def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
     if verdict.problems:
         # A block of HTML, in which nobody's Markdown is at work.
         listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdict.problems)
-        about = nbformat.v4.new_markdown_cell(
-            f"<div><b>About this notebook</b><ul>{listed}</ul></div>", id="about"
-        )
+        about = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
         notebook.cells.insert(0, about)
     notebook.metadata["verdict_key"] = verdict.key
 
@@ -133,18 +131,24 @@ def _released(lesson: Lesson) -> NotebookNode:
 def _shown(cell: Cell, ours: NotebookNode | None) -> NotebookNode:
     """A cell around the graded ones; as it was released where it says the same."""
     if is_setup_cell(cell.source):
-        return nbformat.v4.new_code_cell(f"{TITLE}\n# (The tools of the course, packed.)")
+        return _cell(f"{TITLE}\n# (The tools of the course, packed.)", kind="code")
     if ours is not None and ours.cell_type == "markdown" and cell.kind == "markdown":
-        made = nbformat.v4.new_markdown_cell(ours.source)
+        made = _cell(ours.source)
         if "attachments" in ours:
             made.attachments = ours.attachments
         return made
     if cell.kind == "code":
-        return nbformat.v4.new_code_cell(cell.source)
+        return _cell(cell.source, kind="code")
     if cell.kind == "raw":  # some programs take raw text for HTML
-        return nbformat.v4.new_markdown_cell(harmless(as_code(cell.source)))
-    made = nbformat.v4.new_markdown_cell(harmless(cell.source))
-    return _with_pictures(made, cell.attachments)
+        return _cell(harmless(as_code(cell.source)))
+    return _with_pictures(_cell(harmless(cell.source)), cell.attachments)
+
+
+def _cell(source: str, kind: str = "markdown") -> NotebookNode:
+    """A new cell. nbformat's own functions look through the format's schema for each."""
+    run = {"outputs": [], "execution_count": None} if kind == "code" else {}
+    cell = {"cell_type": kind, "id": "about", "metadata": {}, "source": source, **run}
+    return nbformat.from_dict(cell)
 
 
 def _with_pictures(made: NotebookNode, attachments: dict) -> NotebookNode:
