@@ -9,13 +9,10 @@ import random
 import re
 import shutil
 import signal
-import socket
 import sqlite3
 import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
 
 import pytest
 
@@ -28,6 +25,7 @@ from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
 from grader.lms import gradebook
 from grader.lms.late import PercentPerDay
+from tests.postgresql import NotInstalled, server
 from tests.test_faults import Inline
 from tests.test_grade import CONFIGURATION, SEED, answer, entered, make_course, nbgrader
 from tests.test_preflight import EARNS_EVERYTHING, changed
@@ -286,31 +284,11 @@ def test_settings_of_the_course_count(course, sandbox):
 @pytest.fixture
 def postgresql():
     """Address of an empty database on a server of its own; skips where there is none."""
-    programs = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
-    if not programs:
-        pytest.skip("PostgreSQL is not installed: sudo apt-get install postgresql")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    folder = Path(tempfile.mkdtemp())
-    # The server refuses to be root.
-    as_user = ["runuser", "-u", "postgres", "--"] if os.geteuid() == 0 else []
-    if as_user:
-        shutil.chown(folder, "postgres")
-
-    def run(program, *words):
-        command = [*as_user, str(programs[-1] / program), *words]
-        subprocess.run(command, check=True, cwd=folder, stdout=subprocess.DEVNULL)
-
-    data = str(folder / "data")
-    run("initdb", "-D", data, "-A", "trust", "-U", "teacher")
-    options = f"-p {port} -k {folder} -c listen_addresses=127.0.0.1"
-    run("pg_ctl", "-D", data, "-o", options, "-l", f"{folder}/log", "-w", "start")
     try:
-        yield f"postgresql+pg8000://teacher:secret@127.0.0.1:{port}/postgres"
-    finally:
-        run("pg_ctl", "-D", data, "-m", "immediate", "stop")
-        shutil.rmtree(folder, ignore_errors=True)
+        with server() as address:
+            yield address
+    except NotInstalled as error:
+        pytest.skip(str(error))
 
 
 @pytest.mark.slow

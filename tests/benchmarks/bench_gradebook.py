@@ -1,0 +1,110 @@
+"""How quickly one writer enters a class into the gradebook, as it fills: SQLite and PostgreSQL.
+
+Everybody hands in the solved notebooks of the first stage, which were judged once. PostgreSQL is
+left out where Debian's ``postgresql`` is not installed.
+"""
+
+import argparse
+import contextlib
+import dataclasses
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+from grader.classroom.grade import judge_one
+from grader.classroom.submissions import Submission
+from grader.course.lessons import all_lessons, stages
+from grader.course.paths import PROJECT, Course
+from grader.intake.handed_in import read_handed_in
+from grader.lms.gradebook import class_results, enter
+from grader.sandbox import choose_sandbox
+from tests.postgresql import NotInstalled, server
+
+SEED = 1
+STAGE = stages()[0]
+CONFIGURATION = """\
+import sys
+sys.path.insert(0, {project!r})
+from pathlib import Path
+from grader.course.nbgrader_settings import configure
+configure(get_config(), Path({root!r}))
+{database}
+"""
+
+
+def make_course(root, database):
+    """A course with nobody in it yet."""
+    shutil.copytree(PROJECT / "notebooks" / STAGE, root / "notebooks" / STAGE)
+    line = f"get_config().CourseDirectory.db_url = {database!r}" if database else ""
+    (root / "nbgrader_config.py").write_text(
+        CONFIGURATION.format(project=str(PROJECT), root=str(root), database=line)
+    )
+    return Course(root)
+
+
+def hand_in(course, verdicts, students):
+    """(submission, verdict) of each of these students, for each lesson."""
+    judged = []
+    for student in students:
+        for lesson, verdict in verdicts.items():
+            path = course.submitted / student / STAGE / f"{lesson.name}.ipynb"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(lesson.solved, path)
+            about = dataclasses.replace(verdict, student=student)
+            judged.append((Submission(student, lesson, path), about))
+    return judged
+
+
+def seconds(function, *arguments):
+    begin = time.perf_counter()
+    function(*arguments)
+    return time.perf_counter() - begin
+
+
+def measure(name, course, verdicts, students, step):
+    """Enter `step` students at a time, and print what that takes."""
+    judged, told = [], lambda *news: None
+    for first in range(0, students, step):
+        names = [f"student{number:06}" for number in range(first, first + step)]
+        judged += hand_in(course, verdicts, names)
+        before = seconds(
+            enter, course, judged[: -step * len(verdicts)], [STAGE], lambda *news: None
+        )
+        both = seconds(enter, course, judged, [STAGE], lambda *news: None)
+        again = seconds(enter, course, judged, [STAGE], lambda *news: None)
+        count = len(judged) // len(verdicts)
+        print(
+            f"{name:12} {count:9,} {1000 * (both - before) / step:22.0f} "
+            f"{1000 * again / count:20.1f} {seconds(class_results, course):18.1f}",
+            flush=True,
+        )
+
+
+def main():
+    """Measure and print."""
+    words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    words.add_argument("--students", type=int, default=120, help="to end with")
+    words.add_argument("--step", type=int, default=40, help="to enter at a time")
+    options = words.parse_args()
+    sandbox = choose_sandbox()
+    verdicts = {
+        lesson: judge_one(read_handed_in(lesson.solved), lesson.name, "", SEED, sandbox.name)
+        for lesson in all_lessons()
+        if lesson.stage == STAGE
+    }
+    print("gradebook     students   ms to enter a student   ms to look again   s to read them all")
+    with contextlib.ExitStack() as stack:
+        databases = {"SQLite": ""}
+        try:
+            databases["PostgreSQL"] = stack.enter_context(server())
+        except NotInstalled as error:
+            print(error)
+        for name, database in databases.items():
+            root = Path(stack.enter_context(tempfile.TemporaryDirectory())).resolve()
+            course = make_course(root, database)
+            measure(name, course, verdicts, options.students, options.step)
+
+
+if __name__ == "__main__":
+    main()
