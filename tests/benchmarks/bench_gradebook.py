@@ -68,11 +68,9 @@ def measure(name, course, verdicts, students, step):
     for first in range(0, students, step):
         names = [f"student{number:06}" for number in range(first, first + step)]
         judged += hand_in(course, verdicts, names)
-        before = seconds(
-            enter, course, judged[: -step * len(verdicts)], [STAGE], lambda *news: None
-        )
-        both = seconds(enter, course, judged, [STAGE], lambda *news: None)
-        again = seconds(enter, course, judged, [STAGE], lambda *news: None)
+        before = seconds(enter, course, judged[: -step * len(verdicts)], [STAGE], told)
+        both = seconds(enter, course, judged, [STAGE], told)
+        again = seconds(enter, course, judged, [STAGE], told)
         count = len(judged) // len(verdicts)
         print(
             f"{name:12} {count:9,} {1000 * (both - before) / step:22.0f} "
