@@ -17,7 +17,7 @@ from utils.checks import CheckFailed, check, checks_of
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import as_html
 from utils.checks.story import resolve
-from utils.checks.tips import tip_for
+from utils.checks.tips import place_in, tip_for
 from utils.checks.vocabulary import (
     as_array,
     as_labels,
@@ -66,6 +66,16 @@ def test_check_explains_an_exception(capsys):
     assert "return cloud[np.ones(len(cloud) + 1, dtype=bool)]" in shown, "the line is named"
     assert shown.count("boolean index did not match") == 1, "one cause is told once"
     assert "Hint" not in shown, "the hints of the rows are about something else"
+
+
+def test_an_exception_in_a_comprehension_is_placed_in_the_function_around_it():
+    def measure(rows):
+        return [x + y for x, y in rows]
+
+    with pytest.raises(ValueError) as caught:
+        measure([(1, 2, 3)])
+    name, place, _ = place_in(caught.value, measure)
+    assert name == "measure" and place.endswith("of the cell of measure")
 
 
 def test_check_of_a_stub_says_so(capsys):

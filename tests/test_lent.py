@@ -161,7 +161,7 @@ def test_what_is_written_is_left_alone():
     assert namespace["keep"] is mine
 
 
-def test_an_experiment_is_lent_where_a_stub_stops_it():
+def test_an_experiment_is_lent_where_a_stub_stops_it(capsys):
     def experiment(cloud):
         return [len(namespace["keep"](cloud, level)) for level in (0, 1, 2)]
 
@@ -174,6 +174,8 @@ def test_an_experiment_is_lent_where_a_stub_stops_it():
     namespace = {"keep": stub, "experiment": experiment}
     lent.Lender(stored, namespace).look_round()
     assert namespace["experiment"](CLOUD) == expected
+    said = capsys.readouterr().out
+    assert "experiment: this is the course's answer; stub is not written yet." in said
     namespace["keep"] = lambda cloud, level: cloud[:0]
     assert namespace["experiment"](CLOUD) == [0, 0, 0]
 

@@ -10,8 +10,8 @@ from utils.plots.style import COLOURS
 
 # Azimuth of the label in the upper picture; the thing on the map, and how far from it the label is.
 LABELLED = {
-    "cyclist": (37, (3.4, 2.0), (-12, 32)),
-    "turning car": (19, (7.0, 3.4), (24, 32)),
+    "cyclist": (37.2, (3.4, 2.0), (-12, 32)),
+    "turning car": (20.5, (7.0, 3.4), (24, 32)),
     "pedestrian": (-2, (8.9, -0.3), (34, 20)),
     "parked car": (-24, (6.8, -2.4), (20, -34)),
 }
@@ -44,7 +44,7 @@ def draw() -> Figure:
     panorama.set(xlim=(75, -75), ylim=(-16, 2.4), facecolor="white")
     panorama.set_axis_off()
     for name, (middle, _, _) in LABELLED.items():
-        panorama.text(middle, 3.0, name, **LABEL)
+        panorama.text(middle, 3.0, name, **LABEL | {"fontsize": 9.5})
     near = (np.abs(cloud[:, 0] - 4) < 22) & (np.abs(cloud[:, 1]) < 11)
     plots.from_above(
         cloud[near],

@@ -99,7 +99,7 @@ for x, y in ((15, 0), (8, -4), (-12, 4)):
     plots.ring(axes, x, y, radius=2.8, text="car")
 
 # %% [markdown]
-# All missing rays belong to the two steepest beams. They hit the roof of our own car, at its four corners. This scanner reports nothing that is nearer than 5 m. The outermost ring is torn behind the car ahead of us: that car casts a *shadow*. A scanner sees fronts, never backs.
+# All missing rays belong to the two steepest beams. They hit the roof of our own car, at its four corners. This scanner reports nothing that is nearer than 5 m along the ray. The outermost ring is torn behind the car ahead of us: that car casts a *shadow*. A scanner sees fronts, never backs.
 #
 # Here are the rays that go straight ahead, from the side.
 
@@ -162,7 +162,7 @@ def show_scanner(beams, step, noise):
     plt.show()
 
 # %% [markdown]
-# The same without sliders: one scanner, and what happens when one of its three parameters gets worse. The rings hold a pole and a pedestrian, with the number of their returns.
+# The same without sliders: one scanner, and what happens when one of its three parameters gets worse. Each title ends with the number of all returns; the rings hold a pole and a pedestrian, with the number of theirs.
 
 # %%
 scanners = {"32 beams, 0.8°, 2 cm": {}, "8 beams": {"beams": 8},
@@ -218,6 +218,8 @@ plots.from_above(cloud, values=cloud[:, 3], span=(0, 1), label="intensity", limi
                  title="Coloured by intensity: the same points, another column");
 
 # %% [markdown]
+# The small tufts beside the sensor are parts of [our own car](#Words-of-the-course): a mirror, the tailgate and the aerial.
+#
 # From above, everything lies flat. In space people are easier to find.
 
 # %%
@@ -255,7 +257,7 @@ people.compare(found, "The one with 9 returns is a child behind the car that is 
 heights = cloud[:, 2]                       # a column: one number per point
 on_the_left = cloud[:, 1] > 0               # a comparison: one True or False per point
 left = cloud[on_the_left]                   # a mask picks the rows that are True
-bright_left = cloud[on_the_left & (cloud[:, 3] > 0.9)]  # & for "and", each side in parentheses
+bright_left = cloud[on_the_left & (cloud[:, 3] > 0.9)]  # & for "and"; put comparisons in parentheses
 
 print("heights:    ", heights.shape, heights[:3])
 print("on_the_left:", on_the_left.shape, on_the_left[:3], "holds", on_the_left.sum(), "times")
@@ -335,7 +337,7 @@ def horizontal_distance(cloud):
 # </details>
 
 # %% [markdown]
-# **Three points first.** They lie 3 m and 4 m, 6 m and 8 m, and 0 m and 7 m from the sensor; heights and intensities are there to mislead. Expected: 5, 10 and 7.
+# **Three points first.** Along x and y they lie 3 m and 4 m, 6 m and 8 m, and 0 m and 7 m from the sensor; heights and intensities are there to mislead. Expected: 5, 10 and 7.
 
 # %%
 three = np.array([[3.0, 4.0, -1.7, 0.1], [-6.0, 8.0, 4.0, 0.9], [0.0, 7.0, 2.5, 1.0]])
@@ -471,7 +473,7 @@ print("all rows nearer than 0.5 m:")
 print(too_near)
 
 # %% [markdown]
-# The car would brake as hard as it can, for nothing: an obstacle in the very middle of the sensor. When an echo is lost, many scanners write a row all the same, at exactly (0, 0, 0). Each frame of the street recordings that this course grew from holds one.
+# The car would brake as hard as it can, for nothing: an obstacle in the very middle of the sensor. When an echo is lost, many scanners write a row all the same, at exactly (0, 0, 0). This scan holds three; each frame of the street recordings that this course grew from holds one.
 #
 # Others write NaN, *not a number*, or an infinite range. NaN spreads through every sum, and it is not equal to anything, itself included.
 
@@ -554,7 +556,7 @@ print("expected:")
 print(six[[0, 4, 5]])
 
 # %% [markdown]
-# **Look before you check.** We break the scan as heavy rain would: four thousand echoes lost, and a thousand rows that are not a number. Before, a bar stands at 0 m; after, it must be gone, and no other bar may change. Rows with NaN have no bar at all: you see in the number of rows that they are gone.
+# **Look before you check.** We break the scan as heavy rain would: four thousand echoes lost, and a thousand rows that are not a number. Before, a bar stands at 0 m; after, it must be gone, and no other bar may change. The small one at 1 m stays: real points of our own car, which lesson 07 takes out. Rows with NaN have no bar at all: you see in the number of rows that they are gone.
 
 # %%
 def profile(scan, clean):
@@ -628,7 +630,7 @@ print(f"points of this scan with x = 0 that are no lost returns: {((xs == 0) & (
 #
 # 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance. The picture at the head of this lesson was made so.
 # 2. Compute the distance beyond which a pedestrian, 0.5 m wide and 1.7 m tall, gets fewer than 10 returns from the 64-beam scanner (steps of 0.18°, beams a third of a degree apart). Compare with `truth["box_returns"]`.
-#    <details><summary>An answer</summary>At the distance d one step is 0.0031 d wide and one beam 0.0058 d high. So 0.5 / (0.0031 d) × 1.7 / (0.0058 d) returns fit, about 46,500 / d²: fewer than 10 beyond 68 m. In the scan it happens much nearer, because others stand in the way.</details>
+#    <details><summary>An answer</summary>At the distance d one step is 0.00314 d wide and one beam 0.00582 d high. So 0.5 / (0.00314 d) × 1.7 / (0.00582 d) returns fit, about 46,500 / d²: fewer than 10 beyond 68 m. In the scan it happens much nearer, because others stand in the way.</details>
 # 3. Run `with_a_loop` on `cloud.tolist()` instead of the array, and find out why it is faster.
 #    <details><summary>An answer</summary>A list holds Python's own numbers. Each `row[0]` of an array makes a new NumPy number first, and arithmetic with those is slower than with Python's own.</details>
 #

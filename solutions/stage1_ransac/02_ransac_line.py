@@ -62,10 +62,7 @@ plots.line_model(points, limits=window, title="Where is the wall?");
 # %% [markdown]
 # `np.random.default_rng(18)` is a *random generator*; the number, its *seed*, decides what it draws, so that you see the same points as everybody else.
 #
-# Hold a pencil to the screen where you see the line; the next section shows which ten points belong to it. But first imagine that you cannot see: you take two of the twenty points at random, and lay the pencil through them.
-
-# %%
-good_samples = predict("How often do both points belong to the wall?", between=(0, 100), unit="%")
+# Hold a pencil to the screen where you see the line; the next section shows which ten points belong to it.
 
 # %% [markdown]
 # ## The naive idea: fit all of them
@@ -301,7 +298,14 @@ for axes in grid.flat:
     axes.plot(*points[chosen].T, "o", color="black", markersize=11, fillstyle="none")
 
 # %% [markdown]
-# How often is a sample a good one? There are only 190 pairs of two points among twenty, so we can count. The wall's points are the rows 0 to 9.
+# A sample is *good* when both of its points belong to the wall, the rows 0 to 9. How often is that?
+
+# %%
+good_samples = predict("Two of the twenty points are drawn at random: how often is the sample good?",
+                       between=(0, 100), unit="%")
+
+# %% [markdown]
+# There are only 190 pairs of two points among twenty, so we can count.
 
 # %%
 from itertools import combinations
@@ -454,7 +458,7 @@ same_line = predict("With how many rounds do ten seeds all give the same line?",
 @interact(rounds=SelectionSlider(options=[10, 20, 50, 100, 200, 500, 1000, 2000],
                                  description="rounds", continuous_update=False),
           threshold=FloatSlider(value=1.0, min=0.1, max=4.0, step=0.1, description="threshold (m)",
-                                continuous_update=False),
+                                continuous_update=False, style={"description_width": "initial"}),
           seed=IntSlider(value=0, min=0, max=9, description="seed", continuous_update=False))
 def show_ransac(rounds, threshold, seed):
     line, inliers = ransac_line(points, rounds, threshold, seed)
@@ -502,7 +506,7 @@ for threshold in (0.2, 0.5, 1.0, 2.0, 3.0, 4.0):
           f"{np.ptp(directions(200, threshold)):4.1f}°")
 
 # %% [markdown]
-# A narrow band loses the wall's own points. A wide one takes in others, and many lines then have nearly the same number of inliers: the direction wobbles. One metre is a fair compromise here.
+# A narrow band gives nearly the same direction each time, but it loses the wall's own points: at 0.2 m, half of them. A wide one takes in others, and many lines then have nearly the same number of inliers: the direction wobbles. One metre is a fair compromise here: it keeps nearly the whole wall, and few others.
 #
 # ## Theory against practice: how many rounds?
 #
@@ -545,7 +549,7 @@ def success_rate(rounds, inlier_ratio, roughness=0.005, threshold=0.2, runs=200)
     """Share of runs in which your ransac_line finds the line."""
     found = 0
     for seed in range(runs):
-        rng = np.random.default_rng((seed, rounds))
+        rng = np.random.default_rng((seed, rounds, round(100 * inlier_ratio)))
         xy, on_line = scene(rng, inlier_ratio, roughness)
         inliers = np.asarray(ransac_line(xy, rounds, threshold, rng)[1])
         found += inliers[on_line].mean() >= 0.8
@@ -565,7 +569,7 @@ for rounds in (2, 10, 40):
           f"measured {measured[f'{rounds} rounds'][1][1]:4.0%}")
 
 # %% [markdown]
-# Your measurements follow the curves. Go along the one of ten rounds from left to right: where a fifth of the points are inliers, most runs fail; from two thirds on, nearly all succeed. Then compare the three curves at w = 0.3, as the numbers below the figure do: more rounds make up for fewer inliers. Lesson 03 turns the formula around and asks for the number of rounds directly.
+# Your measurements follow the curves, give or take a few per cent: two hundred runs are a sample, too. Go along the one of ten rounds from left to right: where a fifth of the points are inliers, most runs fail; from two thirds on, nearly all succeed. Then compare the three curves at w = 0.3, as the numbers below the figure do: more rounds make up for fewer inliers. Lesson 03 turns the formula around and asks for the number of rounds directly.
 #
 # These walls were smooth, to half a centimetre, and theory counts every pair of inliers as a good sample. On a rough wall, two points that lie close to each other are not, as you have seen. With half of the points on the wall, the formula promises that eight rounds find it in 90 % of all runs.
 
@@ -619,7 +623,7 @@ share = np.linspace(0, 1, 300)
 plots.curves({"RANSAC alone": (np.sort(alone), share),
               "then least squares on its inliers": (np.sort(refitted), share)},
              across="error of the direction (degrees)", up="share of runs with at most this error",
-             title="RANSAC and least squares together").set_xlim(0, 20)
+             title="RANSAC and least squares together").set_xlim(0, 12)
 print(f"half of the runs are better than {np.median(alone):.1f} degrees alone, "
       f"{np.median(refitted):.1f} degrees refitted")
 
@@ -641,6 +645,7 @@ for name, axes in zip(("the first wall", "what is left, and the next wall"), pan
     line, inliers = ransac_line(left_over, 100, 0.1, 1)
     plots.line_model(left_over, line, inliers, 0.1, limits=((-25, 25), (-17, 0)), axes=axes,
                      title=f"{name}: {np.sum(inliers):,} of {len(left_over):,} points")
+    axes.lines[-1].set_linewidth(0.5)  # the inliers lie under it
     left_over = left_over[~np.asarray(inliers)]  # ~ turns a mask around
 
 # %% [markdown]

@@ -103,6 +103,18 @@ def test_gaps_grow_faster_than_the_distance(told):
     assert all(after > 2 * before for before, after in zip(gaps, gaps[1:], strict=False))
 
 
+def test_three_returns_are_lost_and_what_is_nearest_then_is_our_own_car(told):
+    assert len(told.names["too_near"]) == 3 and not told.names["too_near"][:, :3].any()
+    cloud, truth = told.names["cloud"], told.names["truth"]
+    distance = told.names["horizontal_distance"](cloud)
+    near = (distance < 3) & (distance > 0)
+    assert {truth["class_names"][one] for one in truth["classes"][near]} == {"ego"}
+    assert distance[near].min() >= 1 and distance[near].max() < 2
+    # Three tufts: a mirror in front, the tailgate and the aerial behind.
+    ahead, left = cloud[near, 0] > 0, cloud[near, 1] > 0
+    assert [np.any(one) for one in (ahead & left, ~ahead & left, ~ahead & ~left)] == [True] * 3
+
+
 def test_nothing_but_the_bar_at_zero_changes(told):
     assert "bars that changed, by their left edge: [0] m" in told.text
     before, after = told.names["bars"]["before"], told.names["bars"]["after"]
@@ -123,4 +135,7 @@ def test_loop_is_much_slower(told):
 
 def test_answer_about_the_pedestrian():
     across, up = 0.5 / np.radians(0.18), 1.7 / np.radians(1 / 3)
+    as_written = 0.5 / 0.00314 * 1.7 / 0.00582
+    assert as_written == pytest.approx(across * up, rel=0.001)
+    assert across * up == pytest.approx(46_500, abs=50)
     assert np.sqrt(across * up / 10) == pytest.approx(68, abs=1)

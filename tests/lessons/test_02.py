@@ -84,8 +84,9 @@ def test_directions_wobble_more_the_wider_the_band(told):
     spread = [np.ptp(told.names["directions"](200, one)) for one in (0.2, 0.5, 1, 2, 3, 4)]
     assert spread == sorted(spread)
     wall, others = told.numbers_after("within 0.2 m:")[0], told.numbers_after("within 3.5 m:")[-1]
-    assert wall <= 6 and others >= 5
+    assert wall == 5 and others >= 5
     assert told.numbers_after("within 1.0 m:")[0] >= 9
+    assert told.numbers_after("within 1.0 m:")[-1] <= 2
 
 
 def test_wall_lies_within_its_band(told):
@@ -99,7 +100,8 @@ def test_success_follows_the_formula(told):
     rate = told.names["success_rate"]
     assert rate(10, 0.2) < 0.5 and rate(10, 2 / 3) > 0.95
     for rounds in (2, 10, 40):
-        assert rate(rounds, 0.3) == pytest.approx(1 - (1 - 0.3**2) ** rounds, abs=0.12)
+        # What the text calls a few per cent.
+        assert rate(rounds, 0.3) == pytest.approx(1 - (1 - 0.3**2) ** rounds, abs=0.06)
     assert rate(10, 0.26) == pytest.approx(0.5, abs=0.12)
 
 

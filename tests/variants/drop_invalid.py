@@ -132,6 +132,20 @@ def drop_invalid(cloud):
 def drop_invalid(cloud):
     return cloud[cloud != np.nan]
 
+# %% wrong: asks number by number, not row by row
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: one row per point
+# claims: in one long row
+def drop_invalid(cloud):
+    return cloud[np.isfinite(cloud) & (cloud != 0)]
+
+# %% wrong: asks number by number what is finite
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: one row per point
+# claims: in one long row
+def drop_invalid(cloud):
+    return cloud[np.isfinite(cloud)]
+
 # %% wrong: only rows that are lost altogether
 # loses: drops_nan, drops_what_is_infinite, test_fresh_street_cleaned
 # says: too many

@@ -156,7 +156,7 @@ def leaves_its_input(horizontal_distance: Callable) -> None:
 @noted(
     "horizontal_distance",
     title="The distances are an array",
-    why="The next cells take its .min() and compare it with a number, which a list cannot do.",
+    why="A later cell compares all of it with a number at once, which a list cannot do.",
 )
 def gives_an_array(horizontal_distance: Callable) -> None:
     _assert_array(horizontal_distance(_FLAT.copy()))
@@ -619,6 +619,21 @@ mistakes(
         "shape it lays all numbers in one long row.",
         lambda right, cloud: cloud.reshape(-1),
         "np.isfinite and .all(axis=1) make a mask with one entry for each row.",
+    ),
+    *(
+        Mistake(
+            f"The mask asks each number whether it {asked}: it has the cloud's own shape, and lays "
+            "the numbers that pass in one long row.",
+            lambda right, cloud, passes=passes: np.array(list(filter(passes, cloud.flat))),
+            ".all(axis=1) makes of it a mask with one entry for each row.",
+        )
+        for asked, passes in {
+            "is finite": _number,
+            "is not NaN": lambda value: not math.isnan(value),
+            "is not 0": lambda value: value != 0,
+            "is finite and not 0": lambda value: _number(value) and value != 0,
+            "is neither NaN nor 0": lambda value: not math.isnan(value) and value != 0,
+        }.items()
     ),
     Mistake(
         "The masks hold one True or False for the whole cloud: axis=1 is missing in both.",

@@ -749,10 +749,8 @@ def assert_finds(
         In metres.
     """
     missed = []
-    for seed, (points, on_line) in enumerate(runs):
-        rng = np.random.default_rng(seed)
-        answer = ransac_line(points.copy(), max_iterations, tolerance, rng)
-        line, mask = as_result(answer, len(points))
+    answers = _answers(ransac_line, runs, max_iterations, tolerance)
+    for (points, on_line), (line, mask) in zip(runs, answers, strict=True):
         if not is_found(line, points[on_line], tolerance):
             missed.append((points, line, mask))
     found = len(runs) - len(missed)
@@ -760,13 +758,54 @@ def assert_finds(
         none = sum(line is None for _, line, _ in missed)
         raise CheckFailed(
             f"The line was found in {found} of {len(runs)} runs."
-            + (f" In {none} of them the answer was None." if none else ""),
+            + (f" In {none} of them the answer was None." if none else "")
+            + _noticed(answers, ransac_line, runs, max_iterations, tolerance),
             yours=f"found in {found} of {len(runs)} runs",
             expected=f"nearly all of them, with {max_iterations} rounds",
             draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
         )
+
+
+def _answers(
+    ransac_line: Callable, runs: Sequence[tuple], max_iterations: int, tolerance: float
+) -> list[tuple[np.ndarray | None, np.ndarray]]:
+    """Of each run, with its own seed, the line and the mask."""
+    return [
+        as_result(
+            ransac_line(points.copy(), max_iterations, tolerance, np.random.default_rng(seed)),
+            len(points),
+        )
+        for seed, (points, _) in enumerate(runs)
+    ]
+
+
+def _noticed(
+    answers: Sequence[tuple],
+    ransac_line: Callable,
+    runs: Sequence[tuple],
+    max_iterations: int,
+    tolerance: float,
+) -> str:
+    """A fact about runs that miss the line which tells where to look; empty where there is none."""
+    if any(line is None for line, _ in answers):
+        return ""
+    if not any(mask.any() for _, mask in answers):
+        return " Each run returned a line, and not one inlier."
+    few = _answers(ransac_line, runs, 1, tolerance)
+    if all(_same(one[0], other[0]) for one, other in zip(few, answers, strict=True)):
+        return f" With 1 round instead of {max_iterations} the answers are the same."
+    half = _answers(ransac_line, runs, max_iterations // 2, tolerance)
+    fewer = sum(
+        after.sum() < before.sum() for (_, before), (_, after) in zip(half, answers, strict=True)
+    )
+    if fewer:
+        return (
+            f" In {fewer} of the {len(runs)} runs the mask holds fewer inliers after "
+            f"{max_iterations} rounds than it held after {max_iterations // 2}, from the same seed."
+        )
+    return ""
 
 
 @once
@@ -781,8 +820,8 @@ def assert_works(ransac_line: Callable) -> None:
     weight=5,
     title="Finds the line in a crowd",
     why="This is what it is for: the wall behind the people, and in lesson 03 the road.",
-    hint="After each round compare the number of inliers with the best so far, and keep line "
-    "and mask where it is larger. Return after the loop.",
+    hint="After each round compare the number of inliers with that of the best mask so far; where "
+    "it is larger, replace both line and mask. Make rng before the loop. Return after the loop.",
 )
 def finds_the_line(ransac_line: Callable) -> None:
     assert_finds(ransac_line, _CROWDS, 8, 60, 0.4)

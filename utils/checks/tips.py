@@ -3,6 +3,7 @@
 import linecache
 import re
 from collections.abc import Callable
+from types import CodeType
 
 _WHOLE = "An index must be a whole number: use //, int(...) or .astype(int)."
 
@@ -335,7 +336,13 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
         if any(trace.tb_frame.f_globals is home for home in homes):
             code = trace.tb_frame.f_code
             line = linecache.getline(code.co_filename, trace.tb_lineno).strip()
-            where = f"line {trace.tb_lineno} of the cell of {code.co_name}"
-            found = code.co_name, where, line
+            name = _written_name(code)
+            found = name, f"line {trace.tb_lineno} of the cell of {name}", line
         trace = trace.tb_next
     return found
+
+
+def _written_name(code: CodeType) -> str:
+    """The name after `def`: of a comprehension or a lambda, that of the function around it."""
+    named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
+    return named[-1] if named else code.co_name

@@ -103,12 +103,13 @@ class Lender:
             try:
                 return function(*arguments, **keywords)
             except NotImplementedError as error:
+                missing = _missing(error)
                 if key not in answers:
                     raise NotImplementedError(
-                        f"{_cause(error) or name} is not written yet, and the course lends its "
+                        f"{missing or name} is not written yet, and the course lends its "
                         "answers only to the calls that stand in this notebook."
                     ) from None
-            self._say(name)
+            self._say(name, "" if missing == function.__name__ else missing)
             stored = answers[key]
             set_rng_states(arguments, keywords, stored.get("rng", []))
             return decode(stored["answer"], arguments, self._namespace)
@@ -116,18 +117,17 @@ class Lender:
         lent.is_lent_answers = True
         return lent
 
-    def _say(self, name: str) -> None:
-        """Once a cell: whose answer it is."""
+    def _say(self, name: str, missing: str) -> None:
+        """Once a cell: whose answer it is, and for want of what, where that is another function."""
         if name in self._said:
             return
         self._said.add(name)
-        sentence = f"{name}: this is the course's answer; yours is not written yet."
+        whose, why = "the course's answer", f"{missing or 'yours'} is not written yet."
         html = (
             "<div style='border-left:4px solid #E69F00;padding:0.2em 0.8em'>"
-            f"<code>{name}</code>: this is <b>the course's answer</b>; yours is not written yet."
-            "</div>"
+            f"<code>{name}</code>: this is <b>{whose}</b>; {why}</div>"
         )
-        show(html, sentence)
+        show(html, f"{name}: this is {whose}; {why}")
 
 
 class Recorder(Lender):
@@ -214,6 +214,11 @@ def _checking() -> bool:
             return True
         frame = frame.f_back
     return False
+
+
+def _missing(error: NotImplementedError) -> str:
+    """The stub for want of which an experiment stopped; empty where nobody can know."""
+    return _cause(error) or str(error).partition(" is not written yet")[0]
 
 
 def _cause(error: NotImplementedError) -> str:
