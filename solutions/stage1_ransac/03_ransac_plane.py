@@ -291,9 +291,9 @@ for number, axes in enumerate(panels, start=1):
     axes.get_legend().remove()
     axes.set_title(title, loc="left", fontsize=12, fontweight="bold", pad=6)
 
-picks = rng.integers(len(street), size=(100_000, 3))
+picks = rng.integers(len(street), size=(1_000_000, 3))
 all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
-                  "Counted in a hundred thousand picks. By formula: each point is ground with the probability w, "
+                  "Counted in a million picks. By formula: each point is ground with the probability w, "
                   f"so all three are with w x w x w = {is_ground.mean() ** 3:.0%}. That is rare for one round, and common among fifty.")
 
 # %% [markdown]
