@@ -513,16 +513,17 @@ for name, rows in {"random order": thousand, "along a wall, end to end": wall,
 # A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x: half of the other points are smaller. In each half, the next point to insert is the median along y. And so on, each part along its own axis.
 
 # %%
-root_row = predict("Which of the seven points is the root of the best tree? The rows are "
+root_row = predict("The better tree has row 3 as its root, the median along x. Which row would it "
+                   "be if y were cut first? The rows are "
                    + ", ".join(f"{row} ({x:g}, {y:g})" for row, (x, y) in enumerate(seven)),
                    choices=["row 0", "row 2", "row 5", "row 6", "row 3"])
 
 # %%
-middle_x = np.median(seven[:, 0])
-root_row.compare(f"row {np.flatnonzero(seven[:, 0] == middle_x)[0]}",
-                 f"The median of x is {middle_x:g}: three points have a smaller x, three a greater "
-                 "one. Row 0 is in the middle of the picture and the median along y, but y has its "
-                 "turn only at depth 1. Row 6 has the greatest x: no point could go to its right.")
+middle_y = np.median(seven[:, 1])
+root_row.compare(f"row {np.flatnonzero(seven[:, 1] == middle_y)[0]}",
+                 f"The median of y is {middle_y:g}: three points have a smaller y, three a greater "
+                 "one. By x it is row 3: three are smaller than 3, three greater. Row 6 has the "
+                 "greatest x: no point could go to its right.")
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 8), layout="compressed")
 for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
                            ("greatest x first, then medians", [6, 0, 1, 3, 5, 4, 2], panels[1])):
