@@ -6,6 +6,7 @@ import importlib.util
 import math
 from types import SimpleNamespace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -15,7 +16,7 @@ from grader.judging.asking import run_tests
 from grader.judging.messages import text_of, told
 from utils.checks import CheckFailed, check, checks_of
 from utils.checks.core import ChecksFailed, run_check
-from utils.checks.display import as_html
+from utils.checks.display import Table, as_html
 from utils.checks.story import resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.vocabulary import (
@@ -294,6 +295,8 @@ def test_labels_and_arrays_say_what_was_expected():
         (lambda: {CLOUD[0]}, "tuple"),
         (lambda: np.empty(0).min(), "empty"),
         (lambda: CLOUD[1.5 * np.ones(2)], "whole number"),
+        (lambda: CLOUD[:, :3] @ np.ones(4), "as many numbers"),
+        (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "as many numbers"),
         (lambda: len(filter_ground.__doc__), "return"),
         (lambda: undefined_name, "spelt"),  # noqa: F821
         (lambda: filter_ground(points=CLOUD), "another name"),
@@ -321,6 +324,28 @@ def test_a_tip_may_depend_on_the_line():
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")
     assert "logarithm" in tip_for("ValueError", "math domain error", "`n = math.log(0)`")
     assert "logarithm" in tip_for("ZeroDivisionError", "float division by zero", "`1 / log(w)`")
+
+
+def test_who_takes_a_tree_for_a_node_is_told():
+    class KdTree:
+        root = None
+
+    with pytest.raises(AttributeError) as caught:
+        KdTree().left  # noqa: B018 (it raises)
+    assert "tree.root" in tip_for("AttributeError", str(caught.value))
+
+
+def test_a_picture_that_nobody_can_draw_leaves_the_table(monkeypatch):
+    def draw():
+        plt.figure()
+        raise TypeError("unhashable type")
+
+    monkeypatch.setattr("utils.checks.display.as_html", lambda story: "")
+    monkeypatch.setattr("utils.checks.display.as_text", lambda story: "")
+    shown, before = Table([]), plt.get_fignums()
+    shown._in_notebook, shown._display = True, lambda *_: None
+    shown.finish(SimpleNamespace(first=SimpleNamespace(failure=SimpleNamespace(draw=draw))))
+    assert plt.get_fignums() == before
 
 
 def test_no_tip_is_better_than_a_wrong_one():

@@ -291,10 +291,10 @@ for number, axes in enumerate(panels, start=1):
     axes.get_legend().remove()
     axes.set_title(title, loc="left", fontsize=12, fontweight="bold", pad=6)
 
-picks = rng.integers(len(street), size=(10_000, 3))
+picks = rng.integers(len(street), size=(1_000_000, 3))
 all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
-                  "Counted in ten thousand picks. By formula: each point is ground with the probability w, "
-                  f"so all three are with w x w x w = {is_ground.mean() ** 3:.2f}. That is rare for one round, and common among fifty.")
+                  "Counted in a million picks. By formula: each point is ground with the probability w, "
+                  f"so all three are with w x w x w = {is_ground.mean() ** 3:.0%}. That is rare for one round, and common among fifty.")
 
 # %% [markdown]
 # A sample that touches a car gives a plane that cuts through the street at an odd angle and has few inliers. As soon as all three points are ground and lie well apart, the count jumps. So: play many rounds, and keep the plane with the most inliers. Nothing about roads goes into it, only one assumption: the ground is the largest plane there is.
@@ -423,9 +423,9 @@ for threshold, axes in zip((0.03, 0.2, 0.8), panels):
 # %% [markdown]
 # The street was built with a slope of 2.2 %, with a crown in the middle and with kerbs.
 #
-# - **0.03 m:** more than a third of the ground is thrown out, and noise is not the reason: a crowned road leaves the best plane by several centimetres, to both sides.
+# - **0.03 m:** more than a third of the ground is left, as if obstacles lay there, and noise is not the reason: a crowned road leaves the best plane by several centimetres, to both sides.
 # - **0.2 m:** the ground is gone, and the obstacles have lost only their lowest part.
-# - **0.8 m:** most of the cars is gone, too. More inliers are to be had by cutting through the cars than by lying in the road, so the plane tilts: look at its slope.
+# - **0.8 m:** most of what stands there is gone, too. More inliers are to be had by cutting through the cars than by lying in the road, so the plane tilts: look at its slope.
 
 # %% [markdown]
 # ## When the wall wins
@@ -513,14 +513,15 @@ spread = ((section @ directions.T) ** 2).sum(axis=0)
 figure, (seen, curve) = plt.subplots(2, 1, figsize=(8.5, 7), layout="compressed")
 plots.line_model(section, [*last, 0], limits=((-5, 5), (-2.2, 2.2)), axes=seen,
                  title="Twelve points and the line with the smallest squares")
+seen.set(xlabel="x, forward (m)", ylabel="z, up (m)")
 for name, direction, length in (("first", first * np.sign(first[0]), 2.0), ("last", last * np.sign(last[1]), 1.4)):
     seen.annotate("", length * direction, (0, 0), arrowprops={"arrowstyle": "->", "lw": 2})
     seen.text(*(length * direction + [0.45, -0.1]), name, ha="left", va="center", fontsize=11)
 marks = {name: (np.degrees(np.arctan2(*direction[::-1])) % 180, ((section @ direction) ** 2).sum())
          for name, direction in (("first", first), ("last", last))}
 plots.curves({"sum of squares along this direction": (angles, spread)},
-             {f"{name} direction of the SVD": ([angle], [value]) for name, (angle, value) in marks.items()},
-             across="direction (degrees)", up="S (m²)", axes=curve,
+             {f"{name} direction": ([angle], [value]) for name, (angle, value) in marks.items()},
+             across="direction (degrees): 0 is forward, 90 is up", up="S (m²)", axes=curve,
              title="The sum of squares in every direction");
 
 # %% [markdown]
@@ -762,7 +763,7 @@ axes.set_xscale("log", base=2)
 axes.set_xticks(numbers, numbers);
 
 # %% [markdown]
-# Most measurements fall short of the formula. To see why, look at single samples. Are all three points on the ground? And does their plane hold nine tenths of it?
+# With house fronts every measurement falls short of the formula, and on the street some do. To see why, look at single samples. Are all three points on the ground? And does their plane hold nine tenths of it?
 
 # %%
 def good_samples(points, ground):
@@ -871,7 +872,7 @@ won_by_ground.compare(sum(upright > 0.9 for _, upright, *_ in lines),
                       "Where |c| is near 0, the largest plane stands upright. The next picture shows what it is. The search for the largest plane whose normal points up finds the ground in those frames, too.")
 
 # %% [markdown]
-# Read the table. The sensor is mounted 1.73 m above the road, and the street climbs by 2.2 %: the plane finds both in every frame, from nothing but points. It is off by about a centimetre and by about a tenth of a per cent, in each frame in another way: scatter and bias again. The last column says how good the plane of 0.3 s ago still is.
+# Read the table. The sensor is mounted 1.73 m above the road, and the street climbs by 2.2 %: the plane finds both in every frame, from nothing but points. It is off by a centimetre and by a tenth of a per cent or so at most, in each frame in another way: scatter and bias again. The last column says how good the plane of 0.3 s ago still is.
 #
 # Here is the frame in which the ground did worst.
 

@@ -9,6 +9,7 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
+from utils.datasets import DATA
 from utils.notebooks import slicing
 from utils.visits import depth_of, fates, nodes_of, place_of, told, watched
 
@@ -18,7 +19,7 @@ NAMES = (
     "Node", "KdTree", "insert", "search", "median_order", "grow", "trace", "levels", "cost_of",
     "search_the_scan", "first_of", "eight", "seven", "better", "target", "radius", "looked_at",
     "fifteen", "flat", "thousand", "wall", "four", "cases", "post", "half_a_metre", "obstacles",
-    "is_near",
+    "is_near", "cloud",
 )  # fmt: skip
 
 
@@ -54,7 +55,15 @@ def prose():
 def test_neither_strip_is_a_good_idea():
     space = taught()
     near = space["is_near"].sum()
-    assert "house front, a hedge and a cyclist" in prose()
+    assert "a cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
+    truth = np.load(DATA / "cloud_truth.npz")
+    own_car = np.hypot(*space["cloud"][:, :2].T) < 2
+    kinds = truth["classes"][(space["cloud"][:, 2] > -1.2) & ~own_car]
+    in_strip = np.abs(space["obstacles"][:, 0] - space["post"][0]) <= space["half_a_metre"]
+    seen = in_strip & (np.abs(space["obstacles"][:, 1]) < 12)
+    names = truth["class_names"][np.unique(kinds[seen])].tolist()
+    beyond = truth["class_names"][np.unique(kinds[in_strip & ~seen])].tolist()
+    assert sorted(names) == ["cyclist", "pole", "wall"] and "foliage" in beyond
     for axis, times in enumerate((5, 5, 100)):
         away = np.abs(space["obstacles"][:, axis] - space["post"][axis])
         assert (away <= space["half_a_metre"]).sum() > times * near

@@ -72,6 +72,7 @@ def fit_plane(points):
 # %% wrong: a column of V instead of a row
 # loses: fits_a_road, test_fit_any_direction
 # says: lies nearer to them
+# claims: a column of the SVD's third result
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][:, 2]

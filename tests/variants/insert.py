@@ -259,6 +259,23 @@ def insert(tree, point, index):
             return
         here, depth = getattr(here, side), depth + 1
 
+# %% wrong: point and index swapped in the node
+# loses: first_is_root, grows_the_quiz
+# says: Point and index are swapped
+def insert(tree, point, index):
+    node = Node(index, point)
+    if tree.root is None:
+        tree.root = node
+        return
+    current, depth = tree.root, 0
+    while True:
+        side = "left" if point[depth % len(point)] < current.index[depth % len(point)] else "right"
+        child = getattr(current, side)
+        if child is None:
+            setattr(current, side, node)
+            return
+        current, depth = child, depth + 1
+
 # %% wrong: hangs dictionaries into the tree
 # loses: first_is_root, grows_the_quiz, test_plane
 # says: hang a Node into the tree

@@ -413,6 +413,44 @@ def search(tree, target, tolerance):
             stack.append((node.left, depth + 1))
     return found
 
+# %% wrong: the ends of the box are swapped
+# loses: looks_on_both_sides, test_search_plane
+# says: Not found
+# claims: The ends of the box are swapped
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] + tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] - tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: returns at the first empty place
+# loses: looks_on_both_sides, test_search_plane
+# says: Not found
+# claims: The left side is searched only where the right one is not
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            return found
+        axis = depth % len(target)
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
 # %% wrong: the tolerance is left out on the left
 # loses: looks_on_both_sides, test_search_plane
 # says: Not found

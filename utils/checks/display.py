@@ -49,7 +49,12 @@ class Table:
         if story.first and story.first.failure.draw:
             import matplotlib.pyplot as plt
 
-            story.first.failure.draw()
+            opened = set(plt.get_fignums())
+            try:
+                story.first.failure.draw()
+            except Exception:  # what is wrong may be so wrong that nobody can draw it
+                for figure in set(plt.get_fignums()) - opened:
+                    plt.close(figure)
             plt.show()
 
     def _display(self, html: str, text: str) -> None:

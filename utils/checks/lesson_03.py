@@ -1113,7 +1113,7 @@ def _crowd_on_a_plane(seed: int) -> tuple[np.ndarray, np.ndarray]:
     title="Finds the plane among the outliers",
     why="The largest plane of a street is the road. What is not road may be an obstacle.",
     hint="Take three rows, make a plane, count how many points are near it; keep the plane "
-    "with the highest count.",
+    "with the highest count, and return it after the last round, not inside the loop.",
 )
 def finds_the_plane(ransac_plane: Callable) -> None:
     on_the_floor = _SEVEN[:, 2] == -1.7
@@ -1624,6 +1624,11 @@ def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
     return _plane_at(points[:, :3].mean(axis=0), normal)
 
 
+def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
+    """What stands where the normal is looked for in the wrong direction of the matrix."""
+    return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:, 2]
+
+
 def _heights_fitted(points: np.ndarray) -> np.ndarray:
     """Where the errors are measured along z: a x + b y - z + d = 0; shape (4,)."""
     table = np.column_stack([points[:, :2], np.ones(len(points))])
@@ -1651,6 +1656,11 @@ mistakes(
         "The normal is the direction of second largest spread; it must be that of least.",
         lambda right, points: _through_the_mean(points, _spread_of(points)[2][:, 1]),
         "The directions are sorted from most to least: take the last row.",
+    ),
+    Mistake(
+        "The normal is a column of the SVD's third result; its directions are the rows.",
+        lambda right, points: _through_the_mean(points, _column_of_the_svd(points)),
+        "Take the last row, [-1], and not the last column, [:, -1].",
     ),
     Mistake(
         "The sign of d is wrong: a x + b y + c z + d must be 0 at the mean.",

@@ -276,7 +276,15 @@ def _looked_at(tree: object, expected: dict[str, _Node]) -> dict[str, tuple[np.n
         point, index, left, right = (
             _attribute(node, name, way, expected) for name in ("point", "index", "left", "right")
         )
-        point = as_array(point, what="a point", most=MOST_OF_A_POINT).ravel()
+        point = as_array(point, what="a point", most=MOST_OF_A_POINT)
+        if point.ndim == 0 and np.ndim(index) == 1:
+            raise WrongForm(
+                "Point and index are swapped: the point of a node is a number, and its index "
+                "holds the coordinates.",
+                yours=f"point {point:g}, index {brief(index)}",
+                expected="Node(point, index): the point comes first",
+            )
+        point = point.ravel()
         found[way] = (point, index)
         if way in expected:
             waiting += [(way + "l", left), (way + "r", right)]
@@ -1433,15 +1441,22 @@ mistakes(
     ),
     Mistake(
         "The right side is searched only where the left one is not: `else` or `elif` parts two "
-        "questions that both have to be asked.",
+        "questions that both have to be asked, or a `return` ends all at the first empty place.",
         _limited(lambda one: (one.low < one.split) == one.is_left),
-        "Write two ifs, one for each child.",
+        "Write two ifs, one for each child. Where no node is, take the next place.",
     ),
     Mistake(
         "The left side is searched only where the right one is not: `else` or `elif` parts two "
-        "questions that both have to be asked.",
+        "questions that both have to be asked, or a `return` ends all at the first empty place.",
         _limited(lambda one: (one.high >= one.split) != one.is_left),
-        "Write two ifs, one for each child.",
+        "Write two ifs, one for each child. Where no node is, take the next place.",
+    ),
+    Mistake(
+        "The ends of the box are swapped: plus stands where minus is asked for, so that a side is "
+        "searched only where the whole box lies on it.",
+        _limited(lambda one: one.high < one.split if one.is_left else one.low >= one.split),
+        "The box begins at target[axis] - tolerance, which decides about the left child; it ends "
+        "at target[axis] + tolerance.",
     ),
     Mistake(
         "The sides are swapped: what decides about the left child is asked for the right one, and "
@@ -1521,6 +1536,7 @@ mistakes(
         (_scattered(12, 2), np.zeros(2), 3.0),
         (_scattered(13, 3), np.zeros(3), 2.0),
         (_scattered(52, 3), np.zeros(3), 3.0),
+        (_scattered(49, 2), np.full(2, 2.0), 1.0),
     ),
     right=lambda points, target, tolerance: {
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance

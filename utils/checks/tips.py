@@ -202,6 +202,14 @@ _TIPS = (
     ),
     (
         "ValueError",
+        r"\(size (3 is different from 4|4 is different from 3)\)|"
+        r"not aligned: (3 \(dim \d\) != 4|4 \(dim \d\) != 3)",
+        "",
+        "A product needs as many numbers on both sides: x, y, z of a point, [:, :3] of a cloud, "
+        "and the first three numbers of a plane.",
+    ),
+    (
+        "ValueError",
         r"could not be broadcast",
         "",
         "The two shapes in the message do not fit: seen from the right, they must be equal or 1. "
@@ -246,6 +254,13 @@ _TIPS = (
         r"'int' object has no attribute '(choice|integers|permutation|random|shuffle)'",
         "",
         "rng may be a whole number: begin with rng = np.random.default_rng(rng).",
+    ),
+    (
+        "AttributeError",
+        r"'KdTree' object has no attribute '(point|index|left|right)'",
+        "",
+        "A tree has a root and nothing else; point, index, left and right are those of a node. "
+        "Begin at tree.root.",
     ),
     (
         "ValueError",

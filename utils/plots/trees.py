@@ -109,7 +109,7 @@ def kd_tree(
         note(axes, "the tree is empty")
     axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
-    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.yaxis.get_major_locator().set_params(integer=True, min_n_ticks=1)
     finish(axes, title, None, "depth")
     if not legend and axes.get_legend():
         axes.get_legend().remove()
