@@ -418,9 +418,11 @@ def draw_cells(points, centroids, size, up=1, title=""):
     """From above, or from the side with up=2; the lines are the borders of the cells."""
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="compressed")
     low, high = np.floor(points.min(axis=0) / size), np.floor(points.max(axis=0) / size) + 1
-    for column, draw_line in ((0, axes.axvline), (up, axes.axhline)):
-        for border in np.arange(low[column], high[column] + 1):
-            draw_line(border * size, color="0.8", linewidth=0.8)
+    for column, axis, draw_line in ((0, axes.xaxis, axes.axvline), (up, axes.yaxis, axes.axhline)):
+        borders = np.arange(low[column], high[column] + 1) * size
+        for border in borders:
+            draw_line(border, color="0.8", linewidth=0.8)
+        axis.set_ticks(borders[::len(borders) // 10 + 1])
     axes.plot(points[:, 0], points[:, up], "o", color="0.6",
               markersize=3.5 if len(points) > 50 else 9,
               label=f"{len(points):,} points")
