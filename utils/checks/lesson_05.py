@@ -252,7 +252,7 @@ def takes_a_long_wall(euclidean_clustering: Callable) -> None:
     "queue, and not on entering it, it enters dozens of times, and lets others in as often.",
     hint="Label new neighbours before, or when, they join the queue.",
     slow="points enter the queue over and over. Label new neighbours before, or when, they join "
-    "it; whoever gets a label on leaving it enters again and again.",
+    "it: a point that gets its label on leaving enters again and again.",
 )
 def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
