@@ -30,10 +30,10 @@ def exercise(monkeypatch):
     return "double"
 
 
-def declared(title, exercise="double", weight=1):
+def declared(title, exercise="double", weight=1, **more):
     """Declare a check; the decorated function gets the student's function."""
     return visible(
-        exercise, title=title, why="It matters.", hint=f"Hint of {title}.", weight=weight
+        exercise, title=title, why="It matters.", hint=f"Hint of {title}.", weight=weight, **more
     )
 
 
@@ -298,6 +298,13 @@ def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function)
     assert time.monotonic() - begin < 15
     assert "did not come back after 1 s" in shown and "never ends" in shown
     assert "[passed] one" in shown and "[waiting] three" in shown
+
+
+def test_a_check_may_know_what_takes_so_long(exercise, capsys, monkeypatch):
+    monkeypatch.setattr(core, "SECONDS", 1)
+    declared("one", slow="everybody is asked twice.")(lambda double: double(0))
+    shown = shown_by(endless, capsys)
+    assert "after 1 s: everybody is asked twice." in shown and "never ends" not in shown
 
 
 def test_whoever_presses_stop_is_heard():

@@ -73,8 +73,8 @@ plots.histogram(cloud[:, 2], label="height z (m)", marks={"road under the car": 
 counts, edges = np.histogram(cloud[:, 2], bins=np.arange(-3.5, 3.05, 0.1))
 peak.compare(edges[np.argmax(counts)] + 0.05, "The peak is the ground. It lies a little above "
              "-1.73 m, as the street climbs and a pavement is a kerb higher than the road.")
-share.compare(100 * np.mean(kinds == "ground"), "Most beams point downwards, and between the "
-              "obstacles they all end on the ground.")
+share.compare(100 * np.mean(kinds == "ground"), "Most beams point downwards, but more than half "
+              "of the returns come from what stands in their way, most of them from walls and cars.")
 
 # %% [markdown]
 # The tall peak is road and pavement. It has a width because the street slopes, and because the scanner is never quite exact. The long shoulder to its right is everything else: cars, people, walls, trees. A good ground level lies at the foot of the peak, where the shoulder begins.
@@ -174,7 +174,7 @@ seven = np.array([[6.0, 0.5, -1.73, 0.20],   # road
 print(filter_ground(seven))
 
 # %% [markdown]
-# **Look before you check.** The first picture should show a street without a road; in the second, nothing may lie below the dashed line.
+# **Look before you check.** The first picture should show a street without a road, but for some streaks more than 20 m ahead, which we shall come back to. In the second, nothing may lie below the dashed line.
 
 # %%
 obstacles = filter_ground(cloud)
@@ -275,7 +275,7 @@ print(f"the curves cross at {crossing:.2f} m; half of the ground lies below "
       f"{np.median(ground[:, 2]):.2f} m")
 
 # %% [markdown]
-# The default stands to the right of the crossing. That is a choice: an obstacle that is not there makes the car brake for nothing in every scan, while the lower half metre of an obstacle is the half that we can spare.
+# The default stands to the right of the crossing. That is a choice: an obstacle that is not there makes the car brake for nothing in every scan, while the lowest half metre of an obstacle is what we can spare.
 #
 # And at the default some ground is still there. Where does it come from? Look along the street, from far behind to far ahead.
 
@@ -418,9 +418,11 @@ def draw_cells(points, centroids, size, up=1, title=""):
     """From above, or from the side with up=2; the lines are the borders of the cells."""
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="compressed")
     low, high = np.floor(points.min(axis=0) / size), np.floor(points.max(axis=0) / size) + 1
-    for column, draw_line in ((0, axes.axvline), (up, axes.axhline)):
-        for border in np.arange(low[column], high[column] + 1):
-            draw_line(border * size, color="0.8", linewidth=0.8)
+    for column, axis, draw_line in ((0, axes.xaxis, axes.axvline), (up, axes.yaxis, axes.axhline)):
+        borders = np.arange(low[column], high[column] + 1) * size
+        for border in borders:
+            draw_line(border, color="0.8", linewidth=0.8)
+        axis.set_ticks(borders[::len(borders) // 10 + 1])
     axes.plot(points[:, 0], points[:, up], "o", color="0.6",
               markersize=3.5 if len(points) > 50 else 9,
               label=f"{len(points):,} points")
@@ -471,7 +473,7 @@ print_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 # *Bigger cells save work, until the objects melt.*
 
 # %%
-fewer = predict("Cells twice as wide hold eight times the volume. "
+fewer = predict("A cell of 0.4 m holds eight times the volume of a cell of 0.2 m. "
                 "How many times fewer points will be left?", between=(1, 8), step=0.1,
                 digits=1)
 
@@ -505,7 +507,7 @@ fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes: four times
               "touch a surface, two times fewer touch a pole or an edge. A street has both.")
 
 # %% [markdown]
-# A surface of area $A$ passes through about $A / s^2$ cubes of side $s$: a line of slope $-2$ on logarithmic axes. A pole or an edge of length $L$ passes through $L / s$ cubes: slope $-1$. The measured points lie in between. At the left end they bend away from both lines: there is little to merge where most cells hold a single point.
+# A surface of area $A$ passes through about $A / s^2$ cubes of side $s$: a line of slope $-2$ on logarithmic axes. A pole or an edge of length $L$ passes through $L / s$ cubes: slope $-1$. The measured points lie in between. At the left end they rise less than either line: there is little to merge where most cells hold a single point.
 
 # %% [markdown]
 # ## Common mistakes

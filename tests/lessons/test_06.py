@@ -33,6 +33,8 @@ def test_the_peak_is_the_ground(street):
     low = edges[np.argmax(counts)]
     assert np.mean(is_ground[(z >= low) & (z < low + 0.1)]) > 0.9
     assert -1.73 < low + 0.05 < -1.6
+    assert np.mean(is_ground) < 0.5  # the rest comes from what stands in the way
+    assert np.mean(np.isin(street["kinds"], ["wall", "car"])) > 0.4
 
 
 def test_cars_nearby_are_lower_than_our_sensor(street):

@@ -473,6 +473,27 @@ def euclidean_clustering(cloud, threshold=0.5):
             waiting.extend(newcomers)
     return labels
 
+# %% wrong: returns after the first cluster
+# loses: separates_groups, follows_chains, test_course_cloud
+# says: ends too early
+# claims: keep the label 0
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+        return labels
+
 # %% wrong: distances without an axis
 # loses: separates_groups, follows_chains, test_course_cloud
 # says: axis=1
@@ -516,7 +537,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 # %% wrong: append for extend
 # loses: separates_groups, test_course_cloud
-# says: euclidean_clustering
+# says: extend puts in
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
     labels = np.zeros(len(xyz), dtype=int)

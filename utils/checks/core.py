@@ -47,6 +47,9 @@ class Check:
         says what costs no points and why later cells care.
     run : callable
         Takes the function; raises `CheckFailed` where the property does not hold.
+    slow : str
+        What somebody does whose function does not come back in this check, where that is no loop
+        without an end.
     """
 
     exercise: str
@@ -55,6 +58,7 @@ class Check:
     hint: str
     weight: float
     run: Callable
+    slow: str = ""
 
     @property
     def name(self) -> str:
@@ -79,7 +83,9 @@ class ChecksFailed(AssertionError):
         return [str(self)]
 
 
-def visible(exercise: str, *, title: str, why: str, hint: str, weight: float = 1.0) -> Callable:
+def visible(
+    exercise: str, *, title: str, why: str, hint: str, weight: float = 1.0, slow: str = ""
+) -> Callable:
     """Declare a function that takes the student's function as a visible check.
 
     Parameters
@@ -88,6 +94,7 @@ def visible(exercise: str, *, title: str, why: str, hint: str, weight: float = 1
         Name of the student's function.
     title, why, hint : str
     weight : float
+    slow : str
         As in `Check`.
 
     Returns
@@ -97,7 +104,8 @@ def visible(exercise: str, *, title: str, why: str, hint: str, weight: float = 1
     """
 
     def declare(run: Callable) -> Callable:
-        _CHECKS.setdefault(exercise, []).append(Check(exercise, title, why, hint, weight, run))
+        one = Check(exercise, title, why, hint, weight, run, slow)
+        _CHECKS.setdefault(exercise, []).append(one)
         return run
 
     return declare
@@ -184,9 +192,10 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
     except CheckFailed as failure:
         return Outcome(one_check, failure)
     except TimeUp:
+        guess = one_check.slow or "is there a loop that never ends?"
         sentence = (
-            f"{one_check.exercise} did not come back after {SECONDS} s: is there a loop "
-            "that never ends? If a cell of yours hangs, press the stop button ■ above."
+            f"{one_check.exercise} did not come back after {SECONDS} s: {guess} If a cell of "
+            "yours hangs, press the stop button ■ above."
         )
         return Outcome(one_check, Stopped(sentence))
     except Exception as error:

@@ -251,6 +251,8 @@ def takes_a_long_wall(euclidean_clustering: Callable) -> None:
     why="On a wall close by, a point has dozens of neighbours. If it gets its label on leaving the "
     "queue, and not on entering it, it enters dozens of times, and lets others in as often.",
     hint="Label new neighbours before, or when, they join the queue.",
+    slow="points enter the queue over and over. Label new neighbours before, or when, they join "
+    "it: a point that gets its label on leaving enters again and again.",
 )
 def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
@@ -341,6 +343,11 @@ mistakes(
         "two labels.",
         _in_one_pass,
         "Make one cluster complete, with a queue, before the next begins.",
+    ),
+    Mistake(
+        "Only the cluster of the first point is made; all other points keep the label 0.",
+        lambda right, *case: (right == 1).astype(int),
+        "The loop over the points ends too early: `return` belongs behind it, not into it.",
     ),
     Mistake(
         "The counter goes up at every point; it should only where a new cluster begins.",

@@ -194,6 +194,21 @@ _TIPS = (
     ),
     (
         "ValueError",
+        r"operands could not be broadcast together with shapes \((\d+),([34])\) \((?!\1,)\d+,\2\)",
+        "",
+        "These are two tables with different numbers of rows: should one be a single point? An "
+        "index that is an array takes many rows. (append puts an array into a queue as one entry; "
+        "extend puts in its numbers one by one.)",
+    ),
+    (
+        "ValueError",
+        r"not broadcastable to correct shape",
+        "",
+        "What is added does not fit its places: the array of sums needs a row for each kind, and "
+        "as many columns as what is added, np.zeros((kinds, columns)).",
+    ),
+    (
+        "ValueError",
         r"operands could not be broadcast together with shapes \((?!3,)(\d+,)?4\) \(3,\)|"
         r"operands could not be broadcast together with shapes \((?!4,)(\d+,)?3\) \(4,\)",
         "",
