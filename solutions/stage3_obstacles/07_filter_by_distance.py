@@ -44,7 +44,7 @@ cloud = load_cloud("cloud.txt")
 low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
 print(f"{len(cloud):,} returns; x from {low[0]:.0f} to {high[0]:.0f} m, "
       f"y from {low[1]:.0f} to {high[1]:.0f} m, z from {low[2]:.1f} to {high[2]:.1f} m")
-plots.from_above(cloud, limits=((-80, 80), (-45, 45)), title="One scan, everything it reached");
+plots.from_above(cloud, limits=((-80, 80), (-80, 30)), title="One scan, everything it reached");
 
 # %% [markdown]
 # Draw a circle of 10 m around the sensor, in your mind. The sensor reaches 80 m, so this circle covers one part in sixty-four of the area, 1.6 %. Move the slider to your guess; your own function will answer.
@@ -277,7 +277,8 @@ radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
 points = np.array(points_within([*radii, *stops])) / upright.sum()
 road_users = np.array(users_within([*radii, *stops]))
 road_users = road_users / road_users[12]
-axes = plots.curves({"points, if spread evenly": (radii, (radii / 80) ** 2)},
+evenly = np.arange(4, 81)
+axes = plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
                     {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2),
                      "road users": (radii, road_users[:13])},
                     across="radius (m)", up="share that is left",
@@ -460,7 +461,7 @@ axes.text(1.05, -2.3, "a child here?", va="center");
 #
 # ## Exercise 3 · `remove_ego_returns` (5 points)
 #
-# Keep the rows that are not inside the box.
+# Keep the rows that are not inside the box. A point on a face counts as inside, as in `crop_region`.
 
 # %% nbgrader={"grade": false, "grade_id": "remove_ego_returns", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def remove_ego_returns(cloud, minimum, maximum):
@@ -501,10 +502,10 @@ def remove_ego_returns(cloud, minimum, maximum):
 # Copy the line with `inside = ...` and return `cloud[~inside]`.
 # </details>
 #
-# **Five points first.** The first is a mirror of ours. The others share two coordinates with our car: a car ahead, one behind, a wall on the left, a child on the right. Only the first row may go.
+# **Five points first.** The first is our left mirror. The others share two coordinates with our car: a car ahead, one behind, a wall on the left, a child on the right. Only the first row may go.
 
 # %%
-five = np.array([[0.5, 0.0, -0.7, 0.4],
+five = np.array([[0.9, 1.0, -0.6, 0.4],
                  [9.0, 0.0, -0.7, 0.4],
                  [-4.0, 0.0, -0.7, 0.4],
                  [0.5, 6.0, -0.7, 0.4],
