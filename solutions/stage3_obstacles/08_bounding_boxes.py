@@ -436,7 +436,7 @@ from_zero = np.vstack([cloud, np.zeros((len(present), 4))])
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.6), layout="compressed")
 plots.boxes(get_bounding_boxes(from_zero, np.concatenate([labels, present])), limits=street,
             cloud=cloud[labels > 0], axes=left, title="low = high = 0 to start with")
-plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-80, 90), (-45, 45)),
+plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30)),
             cloud=cloud[::4], axes=right, title="label 0 boxed, too");
 
 # %% [markdown]
