@@ -299,7 +299,7 @@ for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]
 #
 # A box is given by two corners: the smallest and the largest x, y and z. A point is inside when *all* of its coordinates lie between them:
 #
-# $$x_{\min} \le x_p \le x_{\max} \ \text{ and }\ y_{\min} \le y_p \le y_{\max} \ \text{ and }\ z_{\min} \le z_p \le z_{\max}.$$
+# $$\begin{aligned} x_{\min} \le x_p &\le x_{\max} \\ \text{and}\quad y_{\min} \le y_p &\le y_{\max} \\ \text{and}\quad z_{\min} \le z_p &\le z_{\max}. \end{aligned}$$
 #
 # NumPy compares a table of points with one corner column by column, and `.all(axis=1)` asks of each row whether it is `True` throughout:
 
@@ -405,9 +405,10 @@ def left_by(name):
 
 
 left = {name: left_by(name) for name in ("circle of 10 m", "circle of 30 m", "region of interest")}
-print(f"{'':20}  points   walls   road users ahead: in the street, and with the pavements")
+print("road users ahead: in the street, and all, with those on the pavements")
+print(f"{'':18}{'points':>8}{'walls':>8}{'street':>8}{'all':>5}")
 for name, (some, walls, in_street, ahead) in left.items():
-    print(f"{name:20} {some:7,} {walls:7,} {in_street:7} {ahead:7}")
+    print(f"{name:18}{some:8,}{walls:8,}{in_street:8}{ahead:5}")
 fewest.compare(min(left, key=lambda name: left[name][0]),
                "Half of the points above the ground lie on house fronts. The box leaves them all "
                "out, and far ahead there are few points to keep.")

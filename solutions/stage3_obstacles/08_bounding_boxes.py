@@ -106,7 +106,7 @@ print(f"our lane is the grey strip: {len(circles_in_lane)} circles reach into it
 #
 # For a cluster $C$ the box is
 #
-# $$[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \times [\min_{p \in C} y_p,\ \max_{p \in C} y_p] \times [\min_{p \in C} z_p,\ \max_{p \in C} z_p].$$
+# $$\begin{aligned} &[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \\ \times\ &[\min_{p \in C} y_p,\ \max_{p \in C} y_p] \\ \times\ &[\min_{p \in C} z_p,\ \max_{p \in C} z_p]. \end{aligned}$$
 #
 # This is a box along the axes, *axis-aligned* in the language of programmers: its sides run along x, y and z, whatever the obstacle does. It is a **keep-out volume**: where a box is, the car may not be. That promise holds only if every point of the cluster is inside.
 #
