@@ -6,11 +6,12 @@ from utils import health
 from utils.lent import lend_answers
 from utils.showing import shell, show
 
-# A figure is dark on white. In a dark notebook it is turned round, and turned back in hue: blue
-# stays blue. JupyterLab, then VS Code.
+# A figure is dark on white, and so is a scene in space. In a dark notebook both are turned round,
+# and turned back in hue: blue stays blue. JupyterLab, then VS Code.
 DARK = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
-.vscode-dark .output img { filter: invert(0.9) hue-rotate(180deg); }
+[data-jp-theme-light="false"] iframe[srcdoc],
+.vscode-dark .output :is(img, iframe[srcdoc]) { filter: invert(0.9) hue-rotate(180deg); }
 </style>"""
 
 
