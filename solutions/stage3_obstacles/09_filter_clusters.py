@@ -452,9 +452,12 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # Libraries take the smallest size as a setting of the clustering itself:
 #
 # ```python
-# extraction.setMinClusterSize(100); extraction.setMaxClusterSize(25000);     // PCL, in C++
-# labels = sklearn.cluster.HDBSCAN(min_cluster_size=100).fit_predict(xyz)      # scikit-learn; noise is -1
-# labels = np.array(point_cloud.cluster_dbscan(eps=0.5, min_points=1))         # Open3D: filter afterwards
+# # PCL, in C++
+# extraction.setMinClusterSize(100); extraction.setMaxClusterSize(25000);
+# # scikit-learn; noise is -1
+# labels = sklearn.cluster.HDBSCAN(min_cluster_size=100).fit_predict(xyz)
+# # Open3D: filter afterwards
+# labels = np.array(point_cloud.cluster_dbscan(eps=0.5, min_points=1))
 # ```
 #
 # - The minimum should fall with the distance. $m(r) = m_{10} \cdot (10\,\mathrm{m} / r)^2$ asks for the same *area* everywhere. A cluster of three or four points says next to nothing.
