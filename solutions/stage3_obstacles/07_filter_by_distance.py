@@ -286,8 +286,8 @@ axes = plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
 for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
     axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     axes.text(stop + 0.6, 0.22, f"stops from\n{speed} km/h")
-    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie "
-          f"{1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
+    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie\n"
+          f"         {1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
           f"and {1 - some:.0%} of the road users")
 
 # %% [markdown]
