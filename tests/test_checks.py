@@ -265,7 +265,9 @@ def test_labels_and_arrays_say_what_was_expected():
     [
         (lambda: CLOUD[np.ones(2, dtype=bool)], "a mask fits"),
         (lambda: CLOUD[(CLOUD > 0).all(axis=0)], "axis=1"),
+        (lambda: CLOUD[CLOUD[0] > 0], "cloud[:, 0]"),
         (lambda: CLOUD[:, CLOUD[:, 0] > 0], "cloud[mask]"),
+        (lambda: np.zeros((8, 3)).__setitem__(0, np.ones(4)), "another shape"),
         (lambda: CLOUD[:2] - CLOUD[0, :3], "intensity"),
         (lambda: CLOUD - np.ones(2), "seen from the right"),
         (lambda: CLOUD[:2] / np.ones(2), "counts[:, None]"),
@@ -322,6 +324,14 @@ def test_a_tip_may_depend_on_the_line():
     call = "line_through() missing 1 required positional argument: 'q'"
     assert "first line" in tip_for("TypeError", call)
     assert "one value" in tip_for("TypeError", call, "`line = line_through(points[chosen])`")
+    with pytest.raises(IndexError) as caught:
+        np.ones((8, 4))[np.ones((8, 3), dtype=bool)]
+    for line, word in (
+        ("`return cloud[inside]`", ".all(axis=1)"),
+        ("`return cloud[(cloud[:, :3] >= low) & (cloud[:, :3] <= high)]`", ".all(axis=1)"),
+        ("`return cloud[:, inside]`", "rows: cloud[mask]"),
+    ):
+        assert word in tip_for("IndexError", str(caught.value), line)
     truth = "The truth value of an array with more than one element is ambiguous. Use a.any()"
     assert "parentheses of its own" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")

@@ -44,7 +44,7 @@ cloud = load_cloud("cloud.txt")
 low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
 print(f"{len(cloud):,} returns; x from {low[0]:.0f} to {high[0]:.0f} m, "
       f"y from {low[1]:.0f} to {high[1]:.0f} m, z from {low[2]:.1f} to {high[2]:.1f} m")
-plots.from_above(cloud, limits=((-80, 80), (-45, 45)), title="One scan, everything it reached");
+plots.from_above(cloud, limits=((-80, 80), (-80, 30)), title="One scan, everything it reached");
 
 # %% [markdown]
 # Draw a circle of 10 m around the sensor, in your mind. The sensor reaches 80 m, so this circle covers one part in sixty-four of the area, 1.6 %. Move the slider to your guess; your own function will answer.
@@ -277,7 +277,8 @@ radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
 points = np.array(points_within([*radii, *stops])) / upright.sum()
 road_users = np.array(users_within([*radii, *stops]))
 road_users = road_users / road_users[12]
-axes = plots.curves({"points, if spread evenly": (radii, (radii / 80) ** 2)},
+evenly = np.arange(4, 81)
+axes = plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
                     {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2),
                      "road users": (radii, road_users[:13])},
                     across="radius (m)", up="share that is left",
@@ -285,8 +286,8 @@ axes = plots.curves({"points, if spread evenly": (radii, (radii / 80) ** 2)},
 for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
     axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     axes.text(stop + 0.6, 0.22, f"stops from\n{speed} km/h")
-    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie "
-          f"{1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
+    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie\n"
+          f"         {1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
           f"and {1 - some:.0%} of the road users")
 
 # %% [markdown]
@@ -298,7 +299,7 @@ for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]
 #
 # A box is given by two corners: the smallest and the largest x, y and z. A point is inside when *all* of its coordinates lie between them:
 #
-# $$x_{\min} \le x_p \le x_{\max} \ \text{ and }\ y_{\min} \le y_p \le y_{\max} \ \text{ and }\ z_{\min} \le z_p \le z_{\max}.$$
+# $$\begin{aligned} x_{\min} \le x_p &\le x_{\max} \\ \text{and}\quad y_{\min} \le y_p &\le y_{\max} \\ \text{and}\quad z_{\min} \le z_p &\le z_{\max}. \end{aligned}$$
 #
 # NumPy compares a table of points with one corner column by column, and `.all(axis=1)` asks of each row whether it is `True` throughout:
 
@@ -404,9 +405,10 @@ def left_by(name):
 
 
 left = {name: left_by(name) for name in ("circle of 10 m", "circle of 30 m", "region of interest")}
-print(f"{'':20}  points   walls   road users ahead: in the street, and with the pavements")
+print("road users ahead: in the street, and all, with those on the pavements")
+print(f"{'':18}{'points':>8}{'walls':>8}{'street':>8}{'all':>5}")
 for name, (some, walls, in_street, ahead) in left.items():
-    print(f"{name:20} {some:7,} {walls:7,} {in_street:7} {ahead:7}")
+    print(f"{name:18}{some:8,}{walls:8,}{in_street:8}{ahead:5}")
 fewest.compare(min(left, key=lambda name: left[name][0]),
                "Half of the points above the ground lie on house fronts. The box leaves them all "
                "out, and far ahead there are few points to keep.")
@@ -460,7 +462,7 @@ axes.text(1.05, -2.3, "a child here?", va="center");
 #
 # ## Exercise 3 · `remove_ego_returns` (5 points)
 #
-# Keep the rows that are not inside the box.
+# Keep the rows that are not inside the box. A point on a face counts as inside, as in `crop_region`.
 
 # %% nbgrader={"grade": false, "grade_id": "remove_ego_returns", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def remove_ego_returns(cloud, minimum, maximum):
@@ -501,10 +503,10 @@ def remove_ego_returns(cloud, minimum, maximum):
 # Copy the line with `inside = ...` and return `cloud[~inside]`.
 # </details>
 #
-# **Five points first.** The first is a mirror of ours. The others share two coordinates with our car: a car ahead, one behind, a wall on the left, a child on the right. Only the first row may go.
+# **Five points first.** The first is our left mirror. The others share two coordinates with our car: a car ahead, one behind, a wall on the left, a child on the right. Only the first row may go.
 
 # %%
-five = np.array([[0.5, 0.0, -0.7, 0.4],
+five = np.array([[0.9, 1.0, -0.6, 0.4],
                  [9.0, 0.0, -0.7, 0.4],
                  [-4.0, 0.0, -0.7, 0.4],
                  [0.5, 6.0, -0.7, 0.4],

@@ -106,7 +106,7 @@ print(f"our lane is the grey strip: {len(circles_in_lane)} circles reach into it
 #
 # For a cluster $C$ the box is
 #
-# $$[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \times [\min_{p \in C} y_p,\ \max_{p \in C} y_p] \times [\min_{p \in C} z_p,\ \max_{p \in C} z_p].$$
+# $$\begin{aligned} &[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \\ \times\ &[\min_{p \in C} y_p,\ \max_{p \in C} y_p] \\ \times\ &[\min_{p \in C} z_p,\ \max_{p \in C} z_p]. \end{aligned}$$
 #
 # This is a box along the axes, *axis-aligned* in the language of programmers: its sides run along x, y and z, whatever the obstacle does. It is a **keep-out volume**: where a box is, the car may not be. That promise holds only if every point of the cluster is inside.
 #
@@ -436,7 +436,7 @@ from_zero = np.vstack([cloud, np.zeros((len(present), 4))])
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.6), layout="compressed")
 plots.boxes(get_bounding_boxes(from_zero, np.concatenate([labels, present])), limits=street,
             cloud=cloud[labels > 0], axes=left, title="low = high = 0 to start with")
-plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-80, 90), (-45, 45)),
+plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30)),
             cloud=cloud[::4], axes=right, title="label 0 boxed, too");
 
 # %% [markdown]

@@ -256,7 +256,7 @@ def lost_by(minimum):
 # Move the slider until the road is clear. What went with the spray?
 
 # %%
-@interact(minimum=IntSlider(value=100, min=5, max=600, step=5, description="min points",
+@interact(minimum=IntSlider(value=5, min=5, max=600, step=5, description="min points",
                             continuous_update=False))
 def show_minimum(minimum):
     puffs_left, kinds_gone = lost_by(minimum)
@@ -333,18 +333,18 @@ over = size[middling] / theory(distance[middling])
 print(f"of {middling.sum()} people 5 to 25 m away, {np.mean(over > 1):.0%} have more points than the "
       f"line says, the highest {over.max():.1f} times as many; {np.mean(over < 0.5):.0%} have less than half")
 reach_of_100.compare(np.sqrt(theory(1.0) / 100), "That is where the line crosses the dotted one. In "
-                     "theory a person has theory(1.0) points at 1 m, and a hundredth of that ten "
-                     "times as far away.")
+                     f"theory a person has {theory(1.0):,.0f} points at 1 m, and a hundredth of "
+                     "that ten times as far away.")
 
 # %% [markdown]
 # People in plain view lie near the line, some a little above it. Those far below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
 #
-# A person farther away than the crossing has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? A car at 50 km/h rolls on for a second before its driver brakes, and then brakes at about 7 m/s². And the bumper is 2.6 m ahead of the scanner, from which we measure.
+# A person farther away than the crossing has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? As in lesson 07, a car drives on for half a second while it thinks, then brakes with 7 m/s². Its bumper is 2.6 m ahead of the scanner, from which we measure.
 
 # %%
 speed = 50 / 3.6
-stopping = speed * 1.0 + speed ** 2 / (2 * 7.0) + 2.6
-print(f"a car at 50 km/h stops for what is {stopping:.0f} m away from its scanner, or farther")
+stopping = 2.6 + 0.5 * speed + speed ** 2 / 14
+print(f"from 50 km/h, a car comes to stand {stopping:.1f} m from where its scanner was")
 for minimum in (5, 10, 30, 100, 300):
     reach = np.sqrt(theory(1.0) / minimum)
     print(f"min_num_points = {minimum:3d}: people seen up to {reach:4.1f} m"
@@ -452,9 +452,12 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # Libraries take the smallest size as a setting of the clustering itself:
 #
 # ```python
-# extraction.setMinClusterSize(100); extraction.setMaxClusterSize(25000);     // PCL, in C++
-# labels = sklearn.cluster.HDBSCAN(min_cluster_size=100).fit_predict(xyz)      # scikit-learn; noise is -1
-# labels = np.array(point_cloud.cluster_dbscan(eps=0.5, min_points=1))         # Open3D: filter afterwards
+# # PCL, in C++
+# extraction.setMinClusterSize(100); extraction.setMaxClusterSize(25000);
+# # scikit-learn; noise is -1
+# labels = sklearn.cluster.HDBSCAN(min_cluster_size=100).fit_predict(xyz)
+# # Open3D: filter afterwards
+# labels = np.array(point_cloud.cluster_dbscan(eps=0.5, min_points=1))
 # ```
 #
 # - The minimum should fall with the distance. $m(r) = m_{10} \cdot (10\,\mathrm{m} / r)^2$ asks for the same *area* everywhere. A cluster of three or four points says next to nothing.

@@ -56,7 +56,7 @@ def test_the_tiny_cases_end_as_the_text_says():
     assert np.hypot(four[:, 0], four[:, 1])[[1, 2]] == pytest.approx([6.3, 5.0], abs=0.05)
     six = np.array([[-11.0, 2, -1], [31, 2, -1], [1, 2, -1], [1, -6, -1], [1, 7, -1], [1, 2, 1.5]])
     assert crop_region(six, *REGION).tolist() == [[1, 2, -1]]
-    five = np.array([[0.5, 0, -0.7], [9, 0, -0.7], [-4, 0, -0.7], [0.5, 6, -0.7], [0.5, -3, -0.7]])
+    five = np.array([[0.9, 1, -0.6], [9, 0, -0.7], [-4, 0, -0.7], [0.5, 6, -0.7], [0.5, -3, -0.7]])
     assert remove_ego_returns(five, *EGO_BOX).tolist() == five[1:].tolist()
     inside = (five >= EGO_BOX[0]) & (five <= EGO_BOX[1])
     assert inside.sum(axis=1).tolist() == [3, 2, 2, 2, 2]

@@ -26,13 +26,24 @@ def test_the_slider_reaches_the_default_and_clears_the_road():
     slider = find_lesson(NAME).source.read_text("utf-8").split("IntSlider(")[1].split(")")[0]
     settings = dict(part.strip().split("=") for part in slider.split(",")[:4])
     low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
-    assert value == 100 and (value - low) % step == 0
-    assert low < LESSON.size_of_puff.max() < high
+    assert (100 - low) % step == 0
+    assert value < LESSON.size_of_puff.max() < 100 < high, "not clear before the first move"
 
 
 def test_people_and_their_distance():
     assert LESSON.theory(20.0) == pytest.approx(LESSON.theory(10.0) / 4)
-    assert np.sqrt(LESSON.theory(1.0) / 100) == pytest.approx(15, abs=0.5)
+    reach = np.sqrt(LESSON.theory(1.0) / 100)
+    assert reach == pytest.approx(15, abs=0.5)
+    slow, fast = (2.6 + 0.5 * speed + speed**2 / 14 for speed in (30 / 3.6, 50 / 3.6))
+    assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "a car that drives slowly"
+
+
+def test_a_car_brakes_as_in_lesson_07():
+    ours, theirs = (
+        find_lesson(name).source.read_text("utf-8") for name in (NAME, "07_filter_by_distance")
+    )
+    assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in ours
+    assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in theirs
 
 
 def test_the_naive_loop_keeps_every_second_small_neighbour():

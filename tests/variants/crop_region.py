@@ -119,6 +119,13 @@ def crop_region(cloud, minimum, maximum):
     xyz = cloud[:, :3]
     return cloud[((xyz >= minimum) & (xyz <= maximum)).all(axis=0)]
 
+# %% wrong: the table itself for a mask
+# loses: keeps_what_is_inside, test_crop_streets
+# says: .all(axis=1) makes one of each row
+def crop_region(cloud, minimum, maximum):
+    inside = (cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)
+    return cloud[inside]
+
 # %% wrong: cuts off the intensity
 # loses only: crops_all_columns, test_crop_columns
 # says: does not have the columns of the cloud

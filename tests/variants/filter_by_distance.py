@@ -185,6 +185,12 @@ def filter_by_distance(cloud, distance=10.0):
 def filter_by_distance(cloud, distance=10.0):
     return np.hypot(cloud[:, 0], cloud[:, 1]) <= distance
 
+# %% wrong: rows for columns
+# loses: keeps_what_is_near, test_course_cloud
+# says: A column of the cloud is cloud[:, 0]
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[np.sqrt(cloud[0] ** 2 + cloud[1] ** 2) <= distance]
+
 # %% wrong: the mask where columns are chosen
 # loses: keeps_what_is_near, test_course_cloud
 # says: Points are rows: cloud[mask]

@@ -52,7 +52,8 @@ def assert_works(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=4,
     title="A box reaches from the smallest to the largest x, y and z of its points",
-    why="A corner too few centimetres out and the car scrapes along what it did not box.",
+    why="Where a side of the box lies a few centimetres too far in, the car scrapes along what "
+    "sticks out.",
     hint="points.min(axis=0) and points.max(axis=0) of the rows of one label give all six "
     "numbers; a corner takes, for each axis, one or the other.",
 )
@@ -223,7 +224,7 @@ def leaves_its_input(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     title="Corner k has the larger x if k & 1, the larger y if k & 2, the larger z if k & 4",
     why="Programs that draw a box join its corners by their numbers: in another order the edges "
-    "cross. The picture above the check shows your numbers.",
+    "cross. The picture of the box of seven points shows your numbers.",
 )
 def numbers_the_corners(get_bounding_boxes: Callable) -> None:
     box = as_array(get_bounding_boxes(_POINTS.copy(), np.ones(7, dtype=int)))[0]

@@ -152,7 +152,16 @@ _TIPS = (
         r"boolean index did not match indexed array along (axis|dimension) 0; "
         r"(size of axis|dimension) is \d+ but .* (is|dimension is) [34]$",
         "",
-        "This mask has one value for each column, not for each point: axis=1 goes along a row.",
+        "This mask has one value for each column, not for each point. A column of the cloud is "
+        "cloud[:, 0], while cloud[0] is a row; and axis=1 goes along a row.",
+    ),
+    (
+        "IndexError",
+        r"boolean index did not match indexed array along (axis|dimension) 1; "
+        r"(size of axis|dimension) is 4 but .* (is|dimension is) 3$",
+        r"^(?!.*\[:, *[^:\d ]).+",
+        "This mask is a table, with one value for each coordinate. A point needs one value: "
+        ".all(axis=1) makes one of each row, or .any(axis=1).",
     ),
     (
         "IndexError",
@@ -222,6 +231,13 @@ _TIPS = (
         "",
         "A product needs as many numbers on both sides: x, y, z of a point, [:, :3] of a cloud, "
         "and the first three numbers of a plane.",
+    ),
+    (
+        "ValueError",
+        r"could not broadcast input array",
+        "",
+        "What stands on the right of = has another shape than the place that it is written to. "
+        "The message names both, the right one first.",
     ),
     (
         "ValueError",
