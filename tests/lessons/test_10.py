@@ -13,6 +13,7 @@ from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
 from grader.lms.autograded import build_copy
 from utils import load_cloud
+from utils.checks.core import notes_of, run_check
 
 NAME = "10_accelerated_clustering"
 STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
@@ -107,6 +108,20 @@ def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obsta
     joined = LESSON.components(len(cells), pairs).max() + 1
     small, large = (LESSON.euclidean_clustering_accelerated(obstacles, one) for one in (0.85, 0.65))
     assert small.max() < joined < large.max()
+
+
+def test_an_order_taken_for_ranks_is_noted():
+    def clustering(cloud, threshold=0.5):
+        points = cloud[:, :3]
+        cells, first, cell_of_point = LESSON.points_in_cells(points, threshold)
+        pairs, label = LESSON.join_cheaply(points, cells, first, threshold)
+        label = LESSON.join_exactly(points, cell_of_point, pairs, label, threshold)
+        _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+        return np.argsort(start)[which] + 1
+
+    notes = notes_of("euclidean_clustering_accelerated")
+    failed = {one.name for one in notes if run_check(one, clustering).failure}
+    assert failed == {"numbers_by_appearance"}
 
 
 def test_a_partition_is_compared_both_ways():

@@ -43,6 +43,7 @@ from utils.checks.vocabulary import (
     as_labels,
     assert_partition,
     assert_untouched,
+    brief,
     needs,
 )
 
@@ -422,10 +423,16 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     title="Clusters are numbered as they first appear in the cloud",
     why="The docstring says so. With other numbers two answers cannot be compared label by "
-    "label: with lesson 05, or from one scan to the next.",
+    "label: with lesson 05, or from one scan to the next. np.argsort once gives an order; the "
+    "argsort of that gives the ranks.",
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)
+    # From near to far these begin at rows 1, 2, 0: an order that differs from its ranks.
+    cloud = np.outer([9.0, 1.0, 5.0], [1.0, 0.0, 0.0])
+    labels = as_labels(euclidean_clustering_accelerated(cloud.copy(), 1.0), 3)
+    if not np.array_equal(labels, in_order(labels)):
+        raise CheckFailed(f"Three points far apart have the labels {brief(labels)}, not [1, 2, 3].")
 
 
 @noted(
