@@ -106,7 +106,7 @@ waiting.compare(
 #
 # *Compiled code can find all pairs, and can join them. The list of pairs must fit somewhere.*
 #
-# Two functions of SciPy do in compiled code what our loops did: `query_pairs` lists all pairs of points within a distance, and `connected_components` numbers the [components](#Words-of-the-course) of a graph. Here both are wrapped up for pairs of nodes:
+# Two functions of SciPy do in compiled code what our loops did: `query_pairs` lists all pairs of points within a distance, and `connected_components` numbers the [components](#Words-of-the-course) of a graph. Here `components` wraps up the second for pairs of nodes, and `join_all_pairs` uses both:
 
 # %%
 def components(count, pairs):
@@ -129,7 +129,7 @@ from_pairs = join_all_pairs(xyz)
 seconds = perf_counter() - begin
 print(f"{len(xyz):,} points, {from_pairs.max() + 1} clusters, {seconds:.2f} s: "
       f"{seconds / 0.1:.0f} turns of the scanner")
-listing = seconds_of(cKDTree(xyz).query_pairs, 0.5, 2, 0, "ndarray")
+listing = seconds_of(lambda: cKDTree(xyz).query_pairs(0.5, output_type="ndarray"))
 print(f"listing the pairs alone: {listing:.2f} s")
 
 # %% [markdown]
@@ -150,7 +150,7 @@ for threshold in (0.25, 0.5, 1.0, 2.0):
                         "metre around it for neighbours.")
 
 # %% [markdown]
-# At half a metre, hundreds of neighbours for a point. Doubling the threshold makes the list two to three times longer, although there are *fewer* clusters to find. And twice as many points on the same street make *four* times as many pairs: ten turns of the scanner laid on top of each other, as map-makers do, would fill a hundred times this memory.
+# At half a metre, hundreds of neighbours for a point. Doubling the threshold makes the list two or three times as long, although there are *fewer* clusters to find. And twice as many points on the same street make *four* times as many pairs: ten turns of the scanner laid on top of each other, as map-makers do, would fill a hundred times this memory.
 #
 # ## Nearly all pairs say what is known already
 #
@@ -185,7 +185,7 @@ right.plot(*car[stand_in].T, "s", markersize=9, markerfacecolor="none", color="b
 right.set_xticks(np.arange(np.ceil(5 / side), 9.6 / side) * side, minor=True)
 right.set_yticks(np.arange(np.ceil(-4.2 / side), 0.3 / side) * side, minor=True)
 right.grid(False)
-right.grid(which="minor", color="black", linewidth=0.8)
+right.grid(which="minor", color="black", alpha=0.4, linewidth=0.8)  # behind the squares
 
 # %% [markdown]
 # Instead of points we now cluster *cells*, and there are far fewer. One point of each, its **representative** (squares), stands for the cell.
@@ -194,7 +194,7 @@ right.grid(which="minor", color="black", linewidth=0.8)
 #
 # *A cell is three whole numbers; nothing else of the grid is kept.*
 #
-# A point with coordinate 1.3 lies in the cell 4 along that axis if cells are 0.29 wide, since 1.3 / 0.29 is 4.48, and that is rounded down. Three such numbers name a cell. `np.unique` with `axis=0` then tells which different rows occur, and two more things on request:
+# At a threshold of 0.5 m, a cell in space is 0.5 / √3 = 0.29 m wide. A point with coordinate 1.3 then lies in cell 4 along that axis: 1.3 / 0.29 is 4.48, rounded down. Three such numbers name a cell. `np.unique` with `axis=0` then tells which different rows occur, and two more things on request:
 
 # %%
 rows = np.array([[4, 1], [0, 2], [4, 1], [4, 0]])
@@ -245,13 +245,14 @@ def points_in_cells(points, threshold):
 # %% tags=["folded"]
 # @title Seven points, and how they are drawn (you need not read this)
 seven = np.array([[0.1, 0.2, 0], [1.2, 0.9, 0], [2.7, 0.5, 0], [2.95, 0.3, 0], [4.6, 0.2, 0],
-                  [6.6, 0.7, 0], [-0.4, 2.6, 0]])
+                  [6.1, 0.7, 0], [-0.4, 2.6, 0]])
 
 
 def beside(name, yours, expected):
     """Print an answer, what is expected, and whether they agree."""
     verdict = "agrees" if yours == expected else "differs"
     print(f"{name:>18}: {yours}\n{'expected':>18}: {expected}   <- {verdict}")
+    return yours == expected
 
 
 def draw_seven(cells, first, joined=(), still_open=(), title=None):
@@ -297,12 +298,14 @@ blocks = np.array([[0, 0, 0], [1, 0, 0], [2, 2, 1], [4, 0, 0], [0, 0, 3]])
 print(cKDTree(blocks).query_pairs(2, p=np.inf, output_type="ndarray"))
 
 # %% [markdown]
-# Blocks 0, 1 and 2 are within two steps of each other. Block 3 is four steps from block 0, and two from block 2.
+# Blocks 0, 1 and 2 are within two steps of each other. Block 3 is four steps from block 0, and block 4 is three; both are two from block 2.
 #
 # Being neighbours does not yet mean belonging together: points in such cells may be nearly three cells apart along each axis. Now measure, in two steps:
 #
 # - **Cheap.** Are the two *representatives* closer than $r$? Then the cells belong together: join them. This is one distance for each pair of cells, all in one line of NumPy, and `components` does the rest. The cells that hang together are one **piece** (a component of the graph of cells).
 # - **Exact.** Two cells whose representatives are farther apart may still hold two points that are close. But if both cells are in the same piece by some detour, there is nothing left to find out. Only neighbouring cells **whose pieces differ** must be looked at point by point.
+#
+# Two such pairs of cells, at a threshold of 0.5 m and in the plane again:
 
 # %% tags=["folded"]
 # @title Two pairs of cells whose representatives are far apart (you need not read this)
@@ -372,11 +375,13 @@ def join_cheaply(points, cells, first, threshold):
 # %%
 pairs, label = join_cheaply(seven, cells, first, np.sqrt(3))
 differs = label[pairs[:, 0]] != label[pairs[:, 1]]
-beside("neighbouring cells", sorted(pairs.tolist()),
-       [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [3, 4], [4, 5]])
-beside("pieces", groups_of(label), [[0], [1, 2, 3], [4], [5]])
-puzzle.compare(differs.sum(), "Seven pairs of cells are neighbours. Two are joined, 1 with 2 and "
-               "2 with 3. That settles a third pair, 1 and 3, by a detour. Four are left.")
+pairs_agree = beside("neighbouring cells", sorted(pairs.tolist()),
+                     [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [3, 4], [4, 5]])
+pieces_agree = beside("pieces", groups_of(label), [[0], [1, 2, 3], [4, 5]])
+if pairs_agree and pieces_agree:
+    puzzle.compare(differs.sum(), "Seven pairs of cells are neighbours. Three are joined: 1 with "
+                   "2, 2 with 3, and 4 with 5. That settles a fourth pair, 1 and 3, by a detour. "
+                   "Three are left.")
 draw_seven(cells, first, pairs[~differs], pairs[differs],
            title="Lines: the same piece. Dots: still to be measured");
 
@@ -496,9 +501,9 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
 
 # %%
 exact = join_exactly(seven, cell_of_point, pairs, label, np.sqrt(3))
-beside("pieces", groups_of(exact), [[0], [1, 2, 3, 4], [5]])
+beside("pieces", groups_of(exact), [[0], [1, 2, 3, 4, 5]])
 draw_seven(cells, first, pairs[exact[pairs[:, 0]] == exact[pairs[:, 1]]],
-           title="Cell 4 has joined: point 3 is close to point 4, point 2 is not");
+           title="Point 3 is close to point 4: cells 4 and 5 have joined");
 
 # %% [markdown]
 # ## Exercise · `euclidean_clustering_accelerated` (30 points)
@@ -569,11 +574,11 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # </details>
 
 # %% [markdown]
-# **Look before you check.** First the seven points: five of them hang together. Then the street: things, not confetti.
+# **Look before you check.** First the seven points: six of them hang together. Then the street: things, not confetti.
 
 # %%
 print("seven points:", euclidean_clustering_accelerated(seven, np.sqrt(3)),
-      "  expected: [1 1 1 1 1 2 3]")
+      "  expected: [1 1 1 1 1 1 2]")
 begin = perf_counter()
 labels = euclidean_clustering_accelerated(obstacles)
 seconds = perf_counter() - begin
@@ -655,14 +660,14 @@ axes.text(0.99, 0.09, "one turn of the scanner", ha="right", va="top",
           transform=axes.get_yaxis_transform());
 
 # %%
-print(f"{'all obstacles':>24}{'time':>14}{'turns of the scanner':>24}")
+print(f"{'all obstacles':>22}{'time':>14}{'turns':>6}")
 for name, (n, seconds) in series.items():
     if n[-1] >= len(xyz):
         note, scaled = "", seconds[n.index(len(xyz))]
     else:  # go on as the line in the chart does
         slope = np.polyfit(np.log(n), np.log(seconds), 1)[0]
         note, scaled = "about", seconds[-1] * (len(xyz) / n[-1]) ** slope
-    print(f"{name:>24}{note:>6}{scaled:>6.1f} s{scaled / 0.1:>24.0f}")
+    print(f"{name:>22}{note:>6}{scaled:>6.1f} s{scaled / 0.1:>6.0f}")
 
 # %% [markdown]
 # The legend gives the exponents. Comparing with all heads for n². Asking a tree bends upwards, because each answer grows longer as the cloud grows denser: a tree saves *searching*, but not *listing*. The list of all pairs does the same in compiled code, several times faster, with the same end. Your line is the flattest, since a denser cloud puts more points into the same cells, and pairs inside a cell are not even looked at. For a few thousand points the list of all pairs wins: a short cut has costs of its own.
@@ -740,6 +745,9 @@ axes = plots.curves({}, {name: (thresholds, spent) for name, spent in times.item
                     across="threshold (m)", up="time (ms)",
                     title=f"{len(third):,} points at different thresholds")
 axes.set_yscale("log")
+axes.yaxis.set_major_locator(plt.LogLocator(subs=(1, 2, 5)))
+axes.yaxis.set_major_formatter("{x:g}")
+axes.minorticks_off()
 if "yours" in times:
     change = times["yours"][4] / times["yours"][2]
     wider.compare("longer" if change > 1.1 else "less long" if change < 0.9 else "about as long",
@@ -752,7 +760,7 @@ if "yours" in times:
 #
 # *Test the case that your short cut does not cover.*
 #
-# The exact step compares two cells point by point. Usually they hold a dozen points. But a wet wall just in front of the sensor, or two merged scans, can put thousands into one cell, and thousands times thousands is the old trouble again, in a corner that no street shows. So here are two heaps, a little *more* than the threshold apart, so that the exact test must go to the end, and then a little less.
+# The exact step compares two cells point by point. Usually they hold a handful of points. But a wet wall just in front of the sensor, or two merged scans, can put thousands into one cell, and thousands times thousands is the old trouble again, in a corner that no street shows. So here are two heaps, a little *more* than the threshold apart, so that the exact test must go to the end, and then a little less.
 #
 # **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. We begin with 1,000 and 3,000 points and look how the time grows: three times as many points should take three to four times as long, not nine times.
 
@@ -800,7 +808,7 @@ if is_written(euclidean_clustering_accelerated):
 # |---|---|
 # | side of a cell = threshold | here and there things run together that are up to 1.7 thresholds apart |
 # | neighbouring cells joined without measuring | things run together everywhere, as with a threshold half as large again |
-# | representatives only, no exact test | things are torn where points are sparse, elsewhere when the cloud moves by 10 cm |
+# | representatives only, no exact test | things are torn where points are sparse, and other things once the cloud moves by 10 cm |
 # | only the 26 cells around a cell | pairs two cells apart are missed: thin things tear |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
 # | `label[b] = label[a]` in the exact step | one cell changes sides, the rest of its piece stays behind |
@@ -833,6 +841,7 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
     plots.clusters(obstacles[seen], found[seen], like=right[seen], limits=((22, 44), (-8, 8)),
                    axes=axes)
     axes.get_legend().remove()
+    axes.set_xticks(range(25, 45, 5))
     axes.set_title(f"{title}: {found.max()} in all", loc="left", fontsize=11, fontweight="bold")
     ring_parts(axes, xyz[seen], right[seen], found[seen])  # what is torn
     ring_parts(axes, xyz[seen], found[seen], right[seen])  # what runs together

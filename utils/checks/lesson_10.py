@@ -43,6 +43,7 @@ from utils.checks.vocabulary import (
     as_labels,
     assert_partition,
     assert_untouched,
+    brief,
     needs,
 )
 
@@ -161,7 +162,8 @@ def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
     weight=3,
     title="The parameter threshold decides which points are close",
     why="The threshold decides what counts as one object, and it decides the size of a cell.",
-    hint="Everything scales with the parameter threshold: sides, neighbours and distances.",
+    hint="Everything scales with the parameter threshold: sides, neighbours and distances, also "
+    "in the exact step.",
 )
 def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     # Gaps of 0.1, 1 and 10 m: each threshold joins another number of points, by far.
@@ -174,6 +176,13 @@ def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     ):
         answer = euclidean_clustering_accelerated(cloud.copy(), threshold)
         assert_clusters(answer, np.array(labels), cloud, threshold)
+    # In neighbouring cells, so that the exact step decides: closer than 0.5 m, and yet apart.
+    pair = np.array([2.0, 1.0, 1.0]) + np.outer([0.0, 0.4], np.ones(3) / np.sqrt(3))
+    with needs("points in neighbouring cells that are not close stay apart"):
+        answer = euclidean_clustering_accelerated(pair / 0.6, 0.5)
+        assert_partition(answer, np.array([1, 2]), pair)
+    answer = euclidean_clustering_accelerated(pair.copy(), 0.3)
+    assert_clusters(answer, np.array([1, 2]), pair, 0.3)
 
 
 @visible(
@@ -414,10 +423,16 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     title="Clusters are numbered as they first appear in the cloud",
     why="The docstring says so. With other numbers two answers cannot be compared label by "
-    "label: with lesson 05, or from one scan to the next.",
+    "label: with lesson 05, or from one scan to the next. np.argsort once gives an order; the "
+    "argsort of that gives the ranks.",
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)
+    # From near to far these begin at rows 1, 2, 0: an order that differs from its ranks.
+    cloud = np.outer([9.0, 1.0, 5.0], [1.0, 0.0, 0.0])
+    labels = as_labels(euclidean_clustering_accelerated(cloud.copy(), 1.0), 3)
+    if not np.array_equal(labels, in_order(labels)):
+        raise CheckFailed(f"Three points far apart have the labels {brief(labels)}, not [1, 2, 3].")
 
 
 @noted(
