@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from types import CodeType, SimpleNamespace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,7 @@ from utils.checks.detections import (
 )
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.scans import own_car, rain, square, street, street_before, walk, with_invalid
+from utils.checks.using import functions_used
 from utils.checks.vocabulary import (
     CheckFailed,
     WrongForm,
@@ -221,6 +223,36 @@ def has_the_floor_first(detect_obstacles: Callable) -> None:
     for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
             raise CheckFailed("The first four corners are not at one height.", yours=brief(box))
+
+
+@noted(
+    "detect_obstacles",
+    title="Stands in this notebook, with all that it calls",
+    why="The judge sees this notebook only. There the detector would find nothing and earn "
+    "nothing: paste what it needs into the cells above it.",
+)
+def stands_alone(detect_obstacles: Callable) -> None:
+    if name := _from_elsewhere(detect_obstacles):
+        raise CheckFailed(f"The detector uses {name}, which brings functions of another notebook.")
+
+
+def _from_elsewhere(function: Callable) -> str | None:
+    """The name by which a function, or one that it calls, reaches into another notebook."""
+    parts = [function, *functions_used(function).values()]
+    waiting = [(part.__code__, part.__globals__) for part in parts if hasattr(part, "__code__")]
+    while waiting:
+        code, names = waiting.pop(0)
+        waiting += [(inner, names) for inner in code.co_consts if isinstance(inner, CodeType)]
+        for name in code.co_names:
+            value = names.get(name)
+            inside = vars(value).values() if isinstance(value, SimpleNamespace) else [value]
+            # `load_my_functions` gives the functions of a notebook its name for a module.
+            homes = {str(getattr(one, "__module__", "")) for one in inside}
+            if name == "load_my_functions" or any(
+                home.endswith(".ipynb") and home != function.__module__ for home in homes
+            ):
+                return name
+    return None
 
 
 # ---- match_boxes: each property is looked at where boxes are found again ------------------------
