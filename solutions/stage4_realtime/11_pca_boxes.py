@@ -155,7 +155,7 @@ print("svd:  variances", (singular**2 / len(people)).round(5), "axes in rows\n",
 # - **Sign.** If $u$ is an axis, so is $-u$. An axis has no front; nothing in the points says where the headlights are.
 # - **Handedness.** Three axes at right angles form a right-handed triple, like thumb, index and middle finger of the right hand, or a left-handed one. The determinant says which: $+1$ or $-1$. Only a right-handed triple is a *rotation*; the other kind is a mirror, and a mirrored car is another car.
 #
-# `np.cov` hides a fourth trap: by default it takes *rows* as variables. Without `rowvar=False` a cloud of 1,000 points gives a matrix of 1,000 x 1,000.
+# `np.cov` hides a fourth trap: by default it takes *rows* as variables. Without `rowvar=False` a cloud of 1,000 points gives a matrix of 1,000 x 1,000. (`bias=True` divides by $n$, as above, and not by $n - 1$.)
 
 # %% [markdown]
 # ## Exercise 1 · `principal_axes` (10 points)
