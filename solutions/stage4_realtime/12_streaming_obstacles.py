@@ -834,10 +834,13 @@ for name in names[-1][on(detected[-1], carriageway)].tolist():
 #
 # *A film shows at a glance what tables hide: flicker, jumps, boxes that come and go.*
 #
-# The next cell makes a film of every second frame; press play. In text: parked cars stream towards us on both sides and keep their names as they pass; boxes far ahead flicker, because they have hardly enough points; a name appears when a thing has been followed for a second. `film.save("city.gif", writer="pillow")` writes it to a file. `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes and names.
+# The next cell makes a film of every second frame. In text: parked cars stream towards us on both sides and keep their names as they pass; boxes far ahead flicker, because they have hardly enough points; a name appears when a thing has been followed for a second. `film.save("city.gif", writer="pillow")` keeps it as a file. `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes and names.
 
 # %%
-from IPython.display import HTML
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from IPython.display import Image
 from matplotlib.animation import FuncAnimation
 
 figure, axes = plt.subplots(figsize=(6, 3.4), dpi=80, layout="constrained")
@@ -850,9 +853,11 @@ def draw_frame(number):
 
 
 film = FuncAnimation(figure, draw_frame, frames=range(0, len(city), 2))
-page = film.to_jshtml(fps=4, default_mode="loop")
+with TemporaryDirectory() as folder:
+    film.save(Path(folder, "city.gif"), writer="pillow", fps=4)
+    moving = Path(folder, "city.gif").read_bytes()
 plt.close(figure)
-HTML(page)
+Image(moving, format="gif")
 
 # %% [markdown]
 # **A good place to stop.** The machine runs. What follows takes it to other roads, and asks you to report.
