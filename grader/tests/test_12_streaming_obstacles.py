@@ -322,6 +322,11 @@ def test_limit(student, seed):
         expected = partner if near else np.full(len(partner), -1)
         boxes = cubes(previous), cubes(current)
         assert_within(student.match_boxes(*boxes, limit), expected, *boxes, limit)
+    # Here the two pairs that are too far apart have the smaller sum.
+    start, angle = rng.uniform(-30, 30, 2), rng.uniform(0, 2 * np.pi)
+    along = [np.cos(angle), np.sin(angle)]
+    boxes = tuple(cubes(start + np.outer(ways, along)) for ways in ([0, 4], [3.2, 7.2]))
+    assert_within(student.match_boxes(*boxes, 2.0), [1, -1], *boxes, 2.0)
 
 
 @hidden(

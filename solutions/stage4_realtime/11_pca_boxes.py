@@ -13,7 +13,7 @@
 # %% [markdown]
 # # 11 · Boxes that turn
 #
-# ![A car that stands diagonally, seen from above, in two frames: a dashed one along the street, half of it empty, and the smallest rectangle around its points.](pictures/11_preview.png)
+# ![A car that stands diagonally, seen from above, in two rectangles: a dashed one along the street, half of it empty, and the smallest one around its points.](pictures/11_preview.png)
 #
 # A box along the street around a car across the street is mostly air. In this lesson you turn the box. There are two ways to find out how far, and you will measure how far each can be trusted.
 #
@@ -155,7 +155,7 @@ print("svd:  variances", (singular**2 / len(people)).round(5), "axes in rows\n",
 # - **Sign.** If $u$ is an axis, so is $-u$. An axis has no front; nothing in the points says where the headlights are.
 # - **Handedness.** Three axes at right angles form a right-handed triple, like thumb, index and middle finger of the right hand, or a left-handed one. The determinant says which: $+1$ or $-1$. Only a right-handed triple is a *rotation*; the other kind is a mirror, and a mirrored car is another car.
 #
-# `np.cov` hides a fourth trap: by default it takes *rows* as variables. Without `rowvar=False` a cloud of 1,000 points gives a matrix of 1,000 x 1,000.
+# `np.cov` hides a fourth trap: by default it takes *rows* as variables. Without `rowvar=False` a cloud of 1,000 points gives a matrix of 1,000 x 1,000. (`bias=True` divides by $n$, as above, and not by $n - 1$.)
 
 # %% [markdown]
 # ## Exercise 1 · `principal_axes` (10 points)
@@ -217,7 +217,7 @@ six = turned(np.array([[2, 0, 0], [-2, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 0.5]
 print(principal_axes(six).round(2) + 0.0)
 
 # %% [markdown]
-# **Look before you check.** Now a block of 600 points. The long arrow should run along the block, the short one across it, in both views. The determinant should be 1.
+# **Look before you check.** Now a block of 600 points. Seen from above, the solid line should run along the block and the dashed one across it. Seen from the side, the dotted one should stand upright. Each may point either way. The determinant should be 1.
 
 # %% tags=["folded"]
 # @title A picture of three axes (you need not read this)
@@ -234,7 +234,7 @@ def draw_axes(points, matrix):
             panel.plot(end[0], end[up], "o", color="black")
         panel.legend(*[part[1:] for part in panel.get_legend_handles_labels()])
         panel.set_title("from above" if view == "above" else "from the side", loc="left")
-        panel.set_aspect("equal")
+        panel.set(aspect="equal", ylabel="y, left (m)" if view == "above" else "z, up (m)")
 
 # %%
 sample = turned(block(4.2, 1.8, 1.4), np.radians(35)) + ahead
@@ -398,15 +398,15 @@ axes.legend();
 #
 # ## The smallest rectangle
 #
-# *Turn a frame round the car until it fits most snugly.*
+# *Turn a rectangle round the car until it fits most snugly.*
 #
-# Ask another question: not *where are the points spread most?* but *which rectangle around them is the smallest?* Think of a picture frame whose sides you can push together. Lay it round the car at some angle, push the sides up to the outermost points, and read off the area. Then turn the frame a little and push again.
+# Ask another question: not *where are the points spread most?* but *which rectangle around them is the smallest?* Think of four rulers that make a rectangle. Lay them round the car at some angle, push them up to the outermost points, and read off the area. Then turn the rectangle a little and push again.
 #
-# The area needs two lengths. Along the direction $u$ of the frame, the points reach from the smallest to the largest $u \cdot p$; across it, along $v$, from the smallest to the largest $v \cdot p$. For an array of angles, `u @ points[:, :2].T` has a row for each angle and a column for each point.
+# The area needs two lengths. Along the direction $u$ of the rectangle, the points reach from the smallest to the largest $u \cdot p$; across it, along $v$, from the smallest to the largest $v \cdot p$. For an array of angles, `u @ points[:, :2].T` has a row for each angle and a column for each point.
 
 # %%
 def floor_area_at(points, angle):
-    """Area (m²) of the frame around points (n, 3), seen from above, with sides along an angle.
+    """Area (m²) of the rectangle around points (n, 3), from above, with sides along an angle.
 
     The angle is in radians. An array of angles gives an array of areas.
     """
@@ -419,18 +419,18 @@ print(f"along the street:     {floor_area_at(car, 0.0):.1f} m²")
 print(f"along the first axis: {floor_area_at(car, axis_yaws[10]):.1f} m²")
 
 # %% tags=["folded"]
-# @title A picture of frames around points (you need not read this)
+# @title A picture of rectangles around points (you need not read this)
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D
 
 
-def draw_frames(points, frames, limits, title, axes=None, box=None):
-    """Points from above, with frames (angle, name) around them and perhaps their true box."""
+def draw_rectangles(points, rectangles, limits, title, axes=None, box=None):
+    """Points from above, with rectangles (angle, name) around them and perhaps their true box."""
     axes = plots.boxes([] if box is None else [box.corners], cloud=points, reference=True,
                        limits=limits, axes=axes)
     keys = {} if box is None else {"true box": Line2D([], [], color="#57606A", linestyle="--")}
-    for (angle, name), colour, style in zip(frames, ("#D55E00", "#0072B2"), ("-", "-.")):
+    for (angle, name), colour, style in zip(rectangles, ("#D55E00", "#0072B2"), ("-", "-.")):
         reach = [np.array([np.cos(angle + turn), np.sin(angle + turn)]) @ points[:, :2].T
                  for turn in (0, np.pi / 2)]
         axes.add_patch(Rectangle(
@@ -444,14 +444,15 @@ def draw_frames(points, frames, limits, title, axes=None, box=None):
     axes.set_title(title, loc="left", pad=24, fontsize=11, fontweight="bold")
 
 # %% [markdown]
-# Now turn the frame around the turning car by hand. At which angle is it smallest?
+# Now turn the rectangle around the turning car by hand. At which angle is it smallest?
 
 # %%
 @interact(degrees=IntSlider(value=0, min=0, max=90, step=1, description="angle (°)",
                             continuous_update=False))
-def turn_the_frame(degrees):
+def turn_the_rectangle(degrees):
     area = floor_area_at(car, np.radians(degrees))
-    draw_frames(car, [(np.radians(degrees), "your frame")], around_car, f"{degrees}°: {area:.2f} m²")
+    draw_rectangles(car, [(np.radians(degrees), "your rectangle")], around_car,
+                    f"{degrees}°: {area:.2f} m²")
     plt.show()
 
 # %% [markdown]
@@ -464,17 +465,17 @@ for label in (9, 10):
     points = cloud[labels == label]
     curves[f"car {label}"] = trials, floor_area_at(points, np.radians(trials))
     least = trials[curves[f"car {label}"][1].argmin()]
-    print(f"car {label}: the smallest frame is at {least}°")
+    print(f"car {label}: the smallest rectangle is at {least}°")
     for name, degrees in (("truth", np.degrees(true_boxes[label].yaw)), ("smallest", least),
                           ("first axis", np.degrees(axis_yaws[label]))):
         shown = (degrees + 20) % 90 - 20
         marks[name][0].append(shown)
         marks[name][1].append(floor_area_at(points, np.radians(shown)))
-plots.curves(curves, marks, across="angle of the frame (°)", up="area (m²)",
-             title="Area of the frame around two cars");
+plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)",
+             title="Area of the rectangle around two cars");
 
 # %% [markdown]
-# The valley of car 9 has a sharp bottom, and the truth stands there. The reason: turn a frame away from a full rectangle of sides $L$ and $W$ by a small angle $\delta$ (in radians), and its area grows by $(L^2 + W^2)\,\delta$ at once; for a car that is about 0.36 m² for each degree. (On the right the slope is gentler, because the far corner of the car was out of sight.) So the bottom is found precisely. And it depends on the outline of the points alone: whether they lie thick or thin does not matter.
+# The valley of car 9 has a sharp bottom, and the truth stands there. The reason: turn a rectangle away from a full outline of sides $L$ and $W$ by a small angle $\delta$ (in radians), and its area grows by $(L^2 + W^2)\,\delta$ at once; for a car that is about 0.36 m² for each degree. (On the right the slope is gentler, because the far corner of the car was out of sight.) So the bottom is found precisely. And it depends on the outline of the points alone: whether they lie thick or thin does not matter.
 #
 # The valley of car 10 is wide, and its bottom lies beside the truth: much of its far half is out of sight. How does it go for all nine?
 
@@ -495,15 +496,15 @@ for name, yaws in (("first axis", axis_yaws), ("smallest rectangle", rectangle_y
 figure, panels = plt.subplots(2, 2, figsize=(8.5, 7.6), layout="compressed")
 for label, axes in zip((9, 4, 10, 7), panels.flat):
     (x, y, _), half = true_boxes[label].centre, 0.85 * true_boxes[label].size[0]
-    draw_frames(cloud[labels == label],
-                [(rectangle_yaws[label], "smallest"), (axis_yaws[label], "first axis")],
-                ((x - half, x + half), (y - 0.8 * half, y + 0.8 * half)),
-                f"{kinds[label]} {label}", axes, box=true_boxes[label])
+    draw_rectangles(cloud[labels == label],
+                    [(rectangle_yaws[label], "smallest"), (axis_yaws[label], "first axis")],
+                    ((x - half, x + half), (y - 0.8 * half, y + 0.8 * half)),
+                    f"{kinds[label]} {label}", axes, box=true_boxes[label])
 
 # %% [markdown]
 # - Of **car 9** the scanner saw two whole sides, and the bonnet and the roof between them. The smallest rectangle lies on the true box.
-# - Of **car 4** it saw a good half. The smallest rectangle ends where the points end, but its sides run along the car. The first axis is close to the diagonal.
-# - Of **car 10** neither frame can know what nobody has seen.
+# - Of **car 4** it saw a good half. The smallest rectangle ends where the points end, but its sides run along the car. The first axis is close to the diagonal of what was seen.
+# - Of **car 10** neither rectangle can know what nobody has seen.
 # - **Lorry 7** (its class is called `truck`) is higher than the scanner, so there is no roof between its two sides: the points are a thin L. Of a thin L without anything inside, the rectangle along its legs and the one along the line between its ends have the *same* area, as the next cell shows. The search may end anywhere between.
 
 # %%
@@ -656,7 +657,7 @@ def first_axis(points):
     return np.linalg.eigh(np.cov(points[:, :2], rowvar=False))[1][:, 1]
 
 
-def smallest_frame(points):
+def smallest_rectangle(points):
     return floor_area_at(points, angles).argmin()
 
 
@@ -671,7 +672,7 @@ def microseconds(compute, points):
 
 # %%
 for name, points in (("wall", cloud[labels == 30]), ("car", car)):
-    took = [microseconds(compute, points) for compute in (first_axis, smallest_frame)]
+    took = [microseconds(compute, points) for compute in (first_axis, smallest_rectangle)]
     print(f"{name} of {len(points):,} points: PCA {took[0]:.0f} µs, "
           f"smallest rectangle {took[1]:.0f} µs")
 times_as_long = took[1] / took[0]
@@ -709,8 +710,9 @@ print(f"third axis of {len(ground):,} returns of the ground: "
 
 # %% [markdown]
 # - **Cars and lorries**: the smallest rectangle.
-# - **Cyclists**: principal axes. Seen from above they are long, thin and pointed. Such a shape is alike on both sides of its middle line, so nothing pulls the axis over; but a frame leans on the few points that stick out.
-# - **Pedestrians and poles**: neither. From above they are nearly round.
+# - **Cyclists**: principal axes. Seen from above they are long, thin and pointed. Such a shape is alike on both sides of its middle line, so nothing pulls the axis over; but a rectangle leans on the few points that stick out.
+# - **Pedestrians, poles and tree trunks**: neither. From above they are nearly round.
+# - **Walls**: either, if straight. The corner of a house is a thin L, like the lorry: there the first axis leans, and the smallest rectangle may.
 # - **Planes**: principal axes, in space. The third axis of the ground is its normal, as in lesson 03, and a cluster with one large variance and two tiny ones is a pole or a wire.
 #
 # ## From frame to frame

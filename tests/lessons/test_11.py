@@ -134,7 +134,7 @@ def lean(short, long):
     return abs((np.degrees(axis_yaw(legs)) + 45) % 90 - 45)
 
 
-def test_area_grows_at_once_and_a_thin_l_has_two_smallest_frames():
+def test_area_grows_at_once_and_a_thin_l_has_two_smallest_rectangles():
     length, width = 4.2, 1.7
     rim = np.array([[x, y, 0] for x in (0, length) for y in (0, width)])
     step = LESSON.floor_area_at(rim, np.radians(1.0)) - LESSON.floor_area_at(rim, 0.0)
@@ -147,17 +147,28 @@ def test_area_grows_at_once_and_a_thin_l_has_two_smallest_frames():
 
 
 def test_which_one_when(street):
-    kinds = {}
+    kinds, sizes = {}, {}
     for label in np.unique(street.labels[street.labels > 0]).tolist():
         box, points = street.boxes[label], points_of(street, label)
         pair = off(axis_yaw(points), box), off(rectangle_yaw(points), box)
         kinds.setdefault(box.kind, []).append(pair)
+        sizes.setdefault(box.kind, []).append(np.ptp(points[:, :2], axis=0).min())
     middle = {kind: np.median(pairs, axis=0) for kind, pairs in kinds.items()}
     assert middle["car"][0] > 15 and middle["car"][1] < 1
     assert middle["truck"][1] < middle["truck"][0]
     assert middle["cyclist"][0] < 5 < middle["cyclist"][1]
     for kind in ("pedestrian", "pole"):
         assert min(middle[kind]) > 10
+    green = zip(kinds["foliage"], sizes["foliage"], strict=True)
+    trunks = [pair for pair, size in green if size < 0.5]
+    assert len(trunks) == 4 and min(map(min, trunks)) > 8
+    # Of a straight wall one front is seen, at the corner of a house two.
+    seen = list(zip(kinds["wall"], sizes["wall"], strict=True))
+    straight = [pair for pair, size in seen if size < 0.2]
+    assert len(straight) == 3 and max(map(max, straight)) < 2
+    corners = [pair for pair, size in seen if size > 0.4]
+    assert len(corners) == 5 and min(lean for lean, _ in corners) > 4
+    assert {left < 1 for _, left in corners} == {True, False}
     normal = LESSON.principal_axes(street.ground)[:, 2]
     assert np.degrees(np.arccos(abs(normal[2]))) < 2
 

@@ -110,6 +110,20 @@ def match_boxes(previous, current, max_distance):
         table[row], table[:, column] = np.inf, np.inf
     return partner
 
+# %% wrong: the best sum first, max_distance afterwards
+# loses only: ends_at_the_limit, test_limit
+# says: that is its partner
+# claims: The best sum is sought among all pairs
+from scipy.optimize import linear_sum_assignment
+
+def match_boxes(previous, current, max_distance):
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
+    partner = np.full(len(current), -1)
+    for row, column in zip(*linear_sum_assignment(table)):
+        if table[row, column] <= max_distance:
+            partner[row] = column
+    return partner
+
 # %% wrong: the other way round
 # loses: finds_again, test_many_boxes, test_lengths
 # says: was previous box

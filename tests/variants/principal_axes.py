@@ -141,6 +141,18 @@ def principal_axes(points):
     q = points[:, :3] - points[:, :3].mean(axis=0)
     return np.linalg.eigh(q.T @ q)[1][:, ::-1]
 
+# %% wrong: the sign of the determinant before the order of the columns
+# loses only: stays_right_handed, test_handed
+# says: turning the order of three columns round changes the sign
+def principal_axes(points):
+    if len(points) == 0:
+        return np.eye(3)
+    q = points[:, :3] - points[:, :3].mean(axis=0)
+    axes = np.linalg.eigh(q.T @ q)[1]
+    if np.linalg.det(axes) < 0:
+        axes[:, 2] = -axes[:, 2]
+    return axes[:, ::-1]
+
 # %% wrong: axes in the rows
 # loses: finds_the_directions, takes_few_points, test_any_turn
 # says: No column runs along

@@ -224,7 +224,8 @@ def orders_by_spread(principal_axes: Callable) -> None:
     weight=2,
     title="The axes are right-handed for every heading",
     why="A left-handed triple is a reflection. Read as a rotation it gives nonsense angles.",
-    hint="Where np.linalg.det(axes) is negative, flip the sign of one column.",
+    hint="Where np.linalg.det(axes) is negative, flip the sign of one column. Ask that last: "
+    "turning the order of three columns round changes the sign of the determinant, too.",
 )
 def stays_right_handed(principal_axes: Callable) -> None:
     assert_finds_axes(principal_axes)

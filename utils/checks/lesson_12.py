@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from types import CodeType, SimpleNamespace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,7 @@ from utils.checks.detections import (
 )
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.scans import own_car, rain, square, street, street_before, walk, with_invalid
+from utils.checks.using import functions_used
 from utils.checks.vocabulary import (
     CheckFailed,
     WrongForm,
@@ -221,6 +223,36 @@ def has_the_floor_first(detect_obstacles: Callable) -> None:
     for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
             raise CheckFailed("The first four corners are not at one height.", yours=brief(box))
+
+
+@noted(
+    "detect_obstacles",
+    title="Stands in this notebook, with all that it calls",
+    why="The judge sees this notebook only. There the detector would find nothing and earn "
+    "nothing: paste what it needs into the cells above it.",
+)
+def stands_alone(detect_obstacles: Callable) -> None:
+    if name := _from_elsewhere(detect_obstacles):
+        raise CheckFailed(f"The detector uses {name}, which brings functions of another notebook.")
+
+
+def _from_elsewhere(function: Callable) -> str | None:
+    """The name by which a function, or one that it calls, reaches into another notebook."""
+    parts = [function, *functions_used(function).values()]
+    waiting = [(part.__code__, part.__globals__) for part in parts if hasattr(part, "__code__")]
+    while waiting:
+        code, names = waiting.pop(0)
+        waiting += [(inner, names) for inner in code.co_consts if isinstance(inner, CodeType)]
+        for name in code.co_names:
+            value = names.get(name)
+            inside = vars(value).values() if isinstance(value, SimpleNamespace) else [value]
+            # `load_my_functions` gives the functions of a notebook its name for a module.
+            homes = {str(getattr(one, "__module__", "")) for one in inside}
+            if name == "load_my_functions" or any(
+                home.endswith(".ipynb") and home != function.__module__ for home in homes
+            ):
+                return name
+    return None
 
 
 # ---- match_boxes: each property is looked at where boxes are found again ------------------------
@@ -468,6 +500,11 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
     ):
         answer = match_boxes(previous.copy(), current.copy(), limit)
         assert_within(answer, expected, previous, current, limit)
+    # The two pairs that are too far apart have the smaller sum.
+    previous, current = cubes([[0, 0], [4, 0]]), cubes([[3.2, 0], [7.2, 0]])
+    assert_within(
+        match_boxes(previous.copy(), current.copy(), 2.0), [1, -1], previous, current, 2.0
+    )
 
 
 @visible(
@@ -580,7 +617,7 @@ def has_whole_indices(match_boxes: Callable) -> None:
         raise CheckFailed(f"The indices are of type {kind}.")
 
 
-# Eight small calls that tell the usual mistakes apart, each with a max_distance of its own, by
+# Ten small calls that tell the usual mistakes apart, each with a max_distance of its own, by
 # which it is known: where (x, y) the boxes were and are, and who is whose partner. In "far" and
 # "near" boxes are large, and their corners start elsewhere in the second frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
@@ -593,6 +630,8 @@ _CALLS = {
     "far": (3.0, _ROW, ((20, 2.5), (0, 0.8), (10, 6)), (2, 0, -1)),
     "small": (0.5, _ROW, ((0, 0.6), (20, 0.3), (10, 0.45)), (-1, 2, 1)),
     "near": (1.3, _ROW[:2], ((10, 1.2), (0, 1.2)), (1, 0)),
+    "chain": (1.8, ((0, 0), (4, 0)), ((3.2, 0), (7.2, 0)), (1, -1)),
+    "gap": (2.5, ((0, 0), (4, 0), (20, 0)), ((7, 0), (3.1, 0)), (-1, 1)),
 }
 
 
@@ -628,20 +667,33 @@ mistakes(
     ),
     Mistake(
         "max_distance is not looked at: pairs are made as long as there are boxes on both sides.",
-        _but(rivals=(0, 1, 2, -1), far=(2, 0, 1), small=(0, 2, 1)),
+        _but(rivals=(0, 1, 2, -1), far=(2, 0, 1), small=(0, 2, 1), chain=(1, 0), gap=(0, 1)),
         "Stop at the first pair that is farther apart than max_distance.",
     ),
     Mistake(
         "Each current box takes the nearest previous one, however far it is and whoever else has "
         "it.",
-        _but(rivals=(1, 1, 2, 2), crowd=(0, 0, 0), far=(2, 0, 1), small=(0, 2, 1)),
+        _but(
+            rivals=(1, 1, 2, 2),
+            crowd=(0, 0, 0),
+            far=(2, 0, 1),
+            small=(0, 2, 1),
+            chain=(1, 1),
+            gap=(1, 1),
+        ),
         "Compare with max_distance, and strike out the row and the column of each pair.",
     ),
     Mistake(
         "Each previous box takes the nearest current one, however far it is: max_distance is not "
         "looked at.",
-        _but(merge=(2,), between=(1, 2), far=(2, 0, 1), small=(0, 2, 1)),
+        _but(merge=(2,), between=(1, 2), far=(2, 0, 1), small=(0, 2, 1), gap=(2, 1)),
         "Accept a pair only if it is not farther apart than max_distance.",
+    ),
+    Mistake(
+        "The best sum is sought among all pairs, and those too far apart are dropped only then: "
+        "one of them may have taken the place of one that is near enough.",
+        _but(chain=(-1, -1), gap=(-1, -1)),
+        "Before linear_sum_assignment write a huge number where a distance is too large.",
     ),
     Mistake(
         "A box that has its partner gets another, farther one later: its row is not struck out.",
@@ -669,6 +721,8 @@ mistakes(
             between=(0, -1, 1),
             far=(1, -1, 0),
             small=(-1, 2, 1),
+            chain=(-1, 0),
+            gap=(-1, 1, -1),
         ),
         "One entry for each current box; the entries are rows of previous.",
     ),

@@ -313,6 +313,13 @@ _TIPS = (
         "0 has no logarithm, and no negative number has one: look at that case first.",
     ),
     (
+        "LinAlgError",
+        r"did not converge",
+        "",
+        "There is a NaN in this matrix. The mean of no points is one, and so is np.cov of a single "
+        "point: look at these cases first.",
+    ),
+    (
         "ZeroDivisionError",
         r"",
         r"\blog",
