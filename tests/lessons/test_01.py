@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.lessons.told import tell
+from tests.lessons.taught import tell
 from utils.scenes import simple_highway
 from utils.simulator import scenes
 from utils.simulator.scanner import CLASSES

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.lessons.told import tell
+from tests.lessons.taught import tell
 from utils import load_cloud
 from utils.datasets import DATA
 

@@ -1,20 +1,17 @@
 """What lesson 04 says is so, for who follows its hints to the letter."""
 
 import functools
-import json
 import math
 
 import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
+from tests.lessons.taught import names_of
 from utils.datasets import DATA
-from utils.notebooks import slicing
 from utils.visits import depth_of, fates, nodes_of, place_of, told, watched
 
 LESSON = find_lesson("04_kd_tree")
-TAUGHT = "the hints followed to the letter"
 NAMES = (
     "Node", "KdTree", "insert", "search", "median_order", "grow", "trace", "levels", "cost_of",
     "search_the_scan", "first_of", "eight", "seven", "better", "target", "radius", "looked_at",
@@ -25,18 +22,7 @@ NAMES = (
 
 def notebook_with(**answers):
     """What the student's notebook defines, with answers by the names of variants."""
-    names = dict.fromkeys(("insert", "search", "median_order"), TAUGHT) | answers
-    sources = {
-        exercise: next(one.source for one in variants_of(exercise) if one.name == name)
-        for exercise, name in names.items()
-    }
-    cells = json.loads(fill_in(LESSON, sources))["cells"]
-    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    statements, _ = slicing.parse_notebook(code)
-    space = {"__name__": "lesson"}
-    for statement in slicing.slice_for(NAMES, statements):
-        exec(slicing.compile_statement(statement, "lesson 04"), space)
-    return space
+    return names_of(LESSON.name, *NAMES, **answers)
 
 
 @functools.cache

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
 
-from tests.lesson_names import names_of, taught
+from tests.lessons.taught import names_of, taught
 
 LESSON = "05_euclidean_clustering"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.lesson_names import names_of, taught
+from tests.lessons.taught import names_of, taught
 
 LESSON = "06_filter_ground"
 

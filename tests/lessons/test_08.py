@@ -7,27 +7,15 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.course.variants import variants_of
 from grader.pictures import lesson_08
+from tests.lessons.taught import FOLLOWED, source_of, taught
 from utils import load_cloud
 from utils.datasets import DATA
 
-
-def source_of(name):
-    return next(one.source for one in variants_of("get_bounding_boxes") if one.name == name)
-
-
-HINTS = "the hints followed to the letter"
 LOOPS = "the corners from three nested loops, as the text offers"
 
 
-def taught(name):
-    namespace = {"np": np}
-    exec(source_of(name), namespace)
-    return namespace["get_bounding_boxes"]
-
-
-get_bounding_boxes = taught(HINTS)
+get_bounding_boxes = taught("get_bounding_boxes")
 
 CLOUD = load_cloud("cloud.txt")
 TRUTH = np.load(DATA / "cloud_truth.npz")
@@ -59,7 +47,7 @@ def test_the_promised_length_is_that_of_the_hints():
     promise = int(
         re.search(r"roughly (\d+) lines", find_lesson("08_bounding_boxes").source.read_text())[1]
     )
-    lines = source_of(HINTS).replace(",\n", ", ").strip().splitlines()[1:]
+    lines = source_of("get_bounding_boxes").replace(",\n", ", ").strip().splitlines()[1:]
     assert len(lines) == promise
 
 
@@ -80,12 +68,12 @@ def test_one_box_is_as_the_text_says():
     assert box[0, [0, 7]].tolist() == [[-2, -1.5, -1.2], [3, 2.5, 0.8]]
 
 
-@pytest.mark.parametrize("name", [HINTS, LOOPS])
+@pytest.mark.parametrize("name", [FOLLOWED, LOOPS])
 def test_the_table_of_corners(name):
     """The rows of the table in the text, read from the lesson itself."""
     text = find_lesson("08_bounding_boxes").source.read_text()
     corner = np.array([[1.0, 2, 3], [4, 5, 6]])
-    box = taught(name)(corner, np.array([1, 1]))[0]
+    box = taught("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
     for axis, letter in enumerate("xyz"):
         row = re.search(rf"^# \| {letter} \|(.+)\|$", text, re.M)[1].replace("*", "").split("|")
         expected = [corner[int(word.strip() == "max"), axis] for word in row]
