@@ -6,7 +6,6 @@ import base64
 import html
 import io
 import os
-import sys
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ import numpy as np
 
 from utils.scene3d import opengl
 from utils.scene3d.cameras import Camera, as_camera
+from utils.showing import shell
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -167,9 +167,7 @@ def describe(scene: Scene, camera: str | Camera) -> str:
 
 def in_notebook() -> bool:
     """Whether a notebook's kernel runs this code."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython else None
-    return shell is not None and hasattr(shell, "kernel")
+    return hasattr(shell(), "kernel")
 
 
 def _as_size(size: tuple[int, int]) -> tuple[int, int]:
