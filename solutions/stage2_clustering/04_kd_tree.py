@@ -595,7 +595,7 @@ def median_order(points):
 
 # %%
 four = np.array([[1, 8], [2, 5], [6, 3], [9, 6]])
-print(f"your order: {list(median_order(four))}")
+print(f"your order: {np.asarray(median_order(four)).tolist()}")
 print("expected:   [1, 0, 2, 3]; as good are [1, 2, 0, 3] and [1, 2, 3, 0]")
 
 # %% [markdown]
@@ -713,7 +713,7 @@ else:
     print("Nothing to measure yet: this cell needs your own insert, search and median_order.")
 
 # %% [markdown]
-# NumPy's time grows with the number of points, yours hardly does. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed below the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
+# NumPy's time grows with the number of points, yours hardly does. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
 #
 # ### The lamp post again
 #
