@@ -276,7 +276,7 @@ def one_round(rng):
     return three, attempt, point_plane_distance(street, attempt) <= 0.2
 
 # %% [markdown]
-# Four rounds, four pictures. Black squares are the sample, blue points the inliers. How to read the line: a plane has no edge that one could draw from the side, so we cut it open at y = 0, straight ahead of the sensor, and draw the cut. A plane that also leans sideways is higher or lower to the left and right of this cut. So blue points and black squares may lie far from the line: they are near the plane, at another y.
+# Four rounds, four pictures. Squares are the sample, dots the inliers, crosses all others. How to read the line: a plane has no edge that one could draw from the side, so we cut it open at y = 0, straight ahead of the sensor, and draw the cut. A plane that also leans sideways is higher or lower to the left and right of this cut. So dots and squares may lie far from the line: they are near the plane, at another y.
 
 # %% tags=["folded"]
 # @title Draws four rounds (you need not read this)
