@@ -288,7 +288,9 @@ check(KdTree, exercise="insert")
 #
 # Given a target $t$ and a radius $r$ (the parameter `tolerance`), we want all points with a distance of at most $r$. Look at a node that cuts along some axis at the coordinate $s$. On that axis the circle reaches from $t - r$ to $t + r$. These are the ends of a **box** around it, drawn dotted below. Now ask two separate questions:
 #
-# $$\text{search the left branch, if } t - r < s \qquad\qquad \text{search the right branch, if } t + r \ge s$$
+# $$\text{search the left branch, if } t - r < s$$
+#
+# $$\text{search the right branch, if } t + r \ge s$$
 #
 # If the box does not reach a side, no point there can be near. The whole branch with all its nodes is left out: it is *pruned*. If the box lies across the cut, both sides must be searched.
 #
