@@ -105,7 +105,10 @@ def predict(
 
     prediction = Prediction(question, tuple(choices), unit, digits)
     if choices:
-        entry = ipywidgets.RadioButtons(options=list(choices), value=prediction.guess)
+        # As wide as its longest answer: one that wraps would lie over the next.
+        entry = ipywidgets.RadioButtons(
+            options=list(choices), value=prediction.guess, layout={"width": "max-content"}
+        )
     elif between:
         low, high = between
         entry = ipywidgets.FloatSlider(

@@ -251,12 +251,12 @@ four = np.array([[5.0, 2.0, -1.7, 0.3], [6.0, 4.0, -1.57, 0.3], [9.0, 0.0, -0.2,
 print(np.round(point_plane_distance(four, (0.0, 0.0, 1.0, 1.7)), 2))
 
 # %% [markdown]
-# **Look before you check.** Colour is the distance from the plane that you drew above. The road should be dark along its whole length, though it climbs.
+# **Look before you check.** Colour is the distance from the plane that you drew above. The road should have the colour of 0 m along its whole length, though it climbs.
 
 # %%
 distances = point_plane_distance(street, plane)
 plots.from_side(street, values=distances, label="distance from the plane (m)", limits=side, span=(0, 1.5),
-                title="The road is dark, what stands on it is bright");
+                title="The road has the colour of 0 m, what stands on it has not");
 
 # %% nbgrader={"grade": true, "grade_id": "test_point_plane_distance", "locked": true, "points": 10, "schema_version": 3, "solution": false, "task": false}
 check(point_plane_distance)
@@ -276,7 +276,7 @@ def one_round(rng):
     return three, attempt, point_plane_distance(street, attempt) <= 0.2
 
 # %% [markdown]
-# Four rounds, four pictures. Black squares are the sample, blue points the inliers. How to read the line: a plane has no edge that one could draw from the side, so we cut it open at y = 0, straight ahead of the sensor, and draw the cut. A plane that also leans sideways is higher or lower to the left and right of this cut. So blue points and black squares may lie far from the line: they are near the plane, at another y.
+# Four rounds, four pictures. Squares are the sample, dots the inliers, crosses all others. How to read the line: a plane has no edge that one could draw from the side, so we cut it open at y = 0, straight ahead of the sensor, and draw the cut. A plane that also leans sideways is higher or lower to the left and right of this cut. So dots and squares may lie far from the line: they are near the plane, at another y.
 
 # %% tags=["folded"]
 # @title Draws four rounds (you need not read this)
@@ -480,10 +480,10 @@ plots.plane_model(beside, ground, near, 0.2, limits=((-2, 14), (-2.6, 1.2)),
 # The street was built with a slope of 2.2 %. In a moment you run your RANSAC with thirty different seeds and measure the slope of each plane, before and after a least-squares fit to its inliers.
 
 # %%
-calmer = predict("What does the fit to all inliers do to the thirty slopes?",
-                 choices=["they scatter less, around the true slope",
-                          "they scatter less, but to one side of the true slope",
-                          "they scatter as much as before"])
+calmer = predict("After the fit to all inliers, how do the thirty slopes scatter?",
+                 choices=["less, and around the true slope",
+                          "less, but to one side of it",
+                          "as much as before"])
 
 # %% [markdown]
 # ## The plane with the smallest squares
@@ -638,9 +638,9 @@ panels[1].get_legend().remove()
 
 fitted, before = slopes["all inliers"], slopes["three points"]
 off = abs(np.mean(fitted) - BUILT) > 3 * np.std(fitted) / len(fitted) ** 0.5
-answer = ("they scatter as much as before" if np.std(fitted) > 0.5 * np.std(before)
-          else "they scatter less, but to one side of the true slope" if off
-          else "they scatter less, around the true slope")
+answer = ("as much as before" if np.std(fitted) > 0.5 * np.std(before)
+          else "less, but to one side of it" if off
+          else "less, and around the true slope")
 calmer.compare(answer, "Averaging removes what differs from run to run. What is the same in every run stays: here wheels and bumpers that lie within the threshold. Most of them are behind us and lift the plane there, so that it climbs less.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_fit_plane", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}

@@ -288,7 +288,9 @@ check(KdTree, exercise="insert")
 #
 # Given a target $t$ and a radius $r$ (the parameter `tolerance`), we want all points with a distance of at most $r$. Look at a node that cuts along some axis at the coordinate $s$. On that axis the circle reaches from $t - r$ to $t + r$. These are the ends of a **box** around it, drawn dotted below. Now ask two separate questions:
 #
-# $$\text{search the left branch, if } t - r < s \qquad\qquad \text{search the right branch, if } t + r \ge s$$
+# $$\text{search the left branch, if } t - r < s$$
+#
+# $$\text{search the right branch, if } t + r \ge s$$
 #
 # If the box does not reach a side, no point there can be near. The whole branch with all its nodes is left out: it is *pruned*. If the box lies across the cut, both sides must be searched.
 #
@@ -595,7 +597,7 @@ def median_order(points):
 
 # %%
 four = np.array([[1, 8], [2, 5], [6, 3], [9, 6]])
-print(f"your order: {list(median_order(four))}")
+print(f"your order: {np.asarray(median_order(four)).tolist()}")
 print("expected:   [1, 0, 2, 3]; as good are [1, 2, 0, 3] and [1, 2, 3, 0]")
 
 # %% [markdown]
@@ -713,7 +715,7 @@ else:
     print("Nothing to measure yet: this cell needs your own insert, search and median_order.")
 
 # %% [markdown]
-# NumPy's time grows with the number of points, yours hardly does. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed below the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
+# NumPy's time grows with the number of points, yours hardly does. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
 #
 # ### The lamp post again
 #
