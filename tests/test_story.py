@@ -300,11 +300,11 @@ def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function)
     assert "[passed] one" in shown and "[waiting] three" in shown
 
 
-def test_a_check_may_know_what_takes_so_long(exercise, capsys, monkeypatch):
+def test_a_check_may_ask_what_takes_so_long(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
-    declared("one", slow="everybody is asked twice.")(lambda double: double(0))
+    declared("one", slow="is everybody asked twice?")(lambda double: double(0))
     shown = shown_by(endless, capsys)
-    assert "after 1 s: everybody is asked twice." in shown and "never ends" not in shown
+    assert "after 1 s: is everybody asked twice? If" in shown and "never ends" not in shown
 
 
 def test_whoever_presses_stop_is_heard():

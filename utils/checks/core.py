@@ -48,8 +48,8 @@ class Check:
     run : callable
         Takes the function; raises `CheckFailed` where the property does not hold.
     slow : str
-        What somebody does whose function does not come back in this check, where that is no loop
-        without an end.
+        What to ask of a function that does not come back in this check, where that is rarely a
+        loop without an end.
     """
 
     exercise: str
@@ -192,9 +192,9 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
     except CheckFailed as failure:
         return Outcome(one_check, failure)
     except TimeUp:
-        guess = one_check.slow or "is there a loop that never ends?"
+        question = one_check.slow or "is there a loop that never ends?"
         sentence = (
-            f"{one_check.exercise} did not come back after {SECONDS} s: {guess} If a cell of "
+            f"{one_check.exercise} did not come back after {SECONDS} s: {question} If a cell of "
             "yours hangs, press the stop button ■ above."
         )
         return Outcome(one_check, Stopped(sentence))
