@@ -114,7 +114,7 @@ plots.ring(axes, 29, 1.2, radius=2.1, text="bare road");
 # |---|---|---|---|
 # | drop [invalid returns](#Words-of-the-course) | 01 | NaN and (0, 0, 0) | errors, or a cluster inside the sensor, unless a later step happens to catch them |
 # | keep the region of interest | 07 | whatever we cannot hit | time for house fronts, and boxes around them |
-# | remove our [own car](#Words-of-the-course) | 07 | returns from our bonnet and roof | full braking, for ever, as soon as enough of it is seen |
+# | remove our [own car](#Words-of-the-course) | 07 | returns from mirrors, aerial, bonnet or roof | full braking, for ever, as soon as enough of it is seen |
 # | remove the road | 03 | a third of all returns | rings of road tie cars and pavements together |
 # | thin with a [voxel](#Words-of-the-course) grid | 06 | nine of ten points that are left | more than ten times as many points to cluster, most of them on the nearest things |
 # | cluster | 10 or 05 | nothing: it adds labels | points, but no things |
