@@ -286,8 +286,8 @@ def test_fresh_lines(student, seed):
     "ransac_line",
     weight=3,
     title="The mask belongs to the line, also of a rough wall",
-    hint="Replace line and mask together. What is compared with distance_tolerance are metres: from a "
-    "unit normal, and not squared.",
+    hint="Replace line and mask together. What is compared with distance_tolerance are metres: "
+    "from a unit normal, and not squared.",
 )
 def test_own_inliers(student, seed):
     assert_works(student.ransac_line)
