@@ -249,6 +249,9 @@ def test_minutes_are_computed(toy):
     assert minutes.in_all(cells) == 10
     cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
     assert minutes.sections(cells)["Long"] == pytest.approx(12 + 5 + 16 + 0.2, abs=0.05)
+    pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
+    cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
+    assert minutes.sections(cells)["Long"] == pytest.approx(33.2 + 2 * 2, abs=0.05)
 
 
 def test_no_sitting_is_longer_than_ninety_minutes(lesson):

@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from grader.course import earlier
+
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
@@ -16,6 +18,7 @@ PLACE = "(time)"
 WORDS_A_MINUTE = 100
 LINES_A_MINUTE = 10  # of code that is there to be read
 MINUTES_AN_EXERCISE, MINUTES_A_LINE = 5, 1.6  # of code that is to be written
+MINUTES_A_NOTEBOOK = 2  # to find one's functions in it, with all they call, and paste them
 WITHOUT_A_STOP = 90  # minutes
 STOP = "**A good place to stop.**"
 
@@ -54,7 +57,8 @@ def _minutes_of_code(cell: NotebookNode) -> float:
     lines = sum(1 for line in text.splitlines() if line.strip())
     own = re.search(r"# roughly (\d+) lines?", text)
     writing = MINUTES_AN_EXERCISE + MINUTES_A_LINE * int(own[1]) if own else 0
-    return lines / LINES_A_MINUTE + writing
+    pasting = MINUTES_A_NOTEBOOK * len(earlier.LINE.findall(cell.source))
+    return lines / LINES_A_MINUTE + writing + pasting
 
 
 def tell(notebook: NotebookNode) -> None:
