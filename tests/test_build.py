@@ -31,10 +31,12 @@ def source_of(cell):
     return "".join(cell["source"])
 
 
+@pytest.mark.slow
 def test_nothing_is_stale_and_nothing_leaks():
     assert build.check() == []
 
 
+@pytest.mark.slow
 def test_same_bytes_each_time(built):
     assert build.build_all() == built
 
@@ -173,6 +175,7 @@ def test_students_get_no_function_of_an_earlier_lesson(built):
         assert build.leaks(built[lesson.solved], json.dumps(notebook).encode(), others) == found
 
 
+@pytest.mark.slow
 def test_stale_files_are_named(monkeypatch):
     lesson = all_lessons()[0]
     real = build.build_all()

@@ -123,6 +123,7 @@ def check_bytes(reader: str, data: bytes) -> None:
         assert cloud.dtype in (np.float32, np.float64) and cloud.flags.writeable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
 def test_files_of_any_content(reader):
     @settings(max_examples=250, deadline=None)

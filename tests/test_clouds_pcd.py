@@ -231,6 +231,7 @@ class TestLzf:
         assert len(lzf.compress(block[:8000] * 2)) < 8600
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not REAL.is_dir(), reason="REAL_CLOUDS is not set")
 def test_real_frames_survive_every_encoding():
     cloud = read_cloud(REAL / "data_1" / "0000000005.pcd")

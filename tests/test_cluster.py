@@ -357,6 +357,7 @@ def test_what_travels_is_what_judging_reads():
     assert len(packed) < 5e6
 
 
+@pytest.mark.slow
 def test_only_so_many_notebooks_are_read_ahead(course, sandbox, monkeypatch):
     """And what has been judged is written before the next is read."""
     monkeypatch.setattr(Inline, "room", 1, raising=False)

@@ -220,6 +220,7 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert files(course.root / "notebooks") == released
 
 
+@pytest.mark.slow
 def test_a_deleted_gradebook_is_written_again(course, sandbox):
     assert grade(course, sandbox) == commands.GOOD
     before = rows(course)
@@ -228,6 +229,7 @@ def test_a_deleted_gradebook_is_written_again(course, sandbox):
     assert rows(course) == before
 
 
+@pytest.mark.slow
 def test_what_is_withdrawn_goes_but_no_mark_of_a_person(course, sandbox, capsys):
     hand_in(course, "erin", WRITTEN, with_report(REPORT))
     assert grade(course, sandbox) == commands.GOOD
@@ -242,6 +244,7 @@ def test_what_is_withdrawn_goes_but_no_mark_of_a_person(course, sandbox, capsys)
     assert mark_of(course, "erin") == (8, False)
 
 
+@pytest.mark.slow
 def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monkeypatch, capsys):
     assert grade(course, sandbox) == commands.GOOD
     before = rows(course)
@@ -335,6 +338,7 @@ def test_nothing_half_done_stays(course, sandbox):
     assert not list(course.root.rglob("*.part")) and not list(course.root.rglob("*.old"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("writes", [0, 1, 2, 3, 4, 5])
 def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeypatch, capsys):
     """Full after so many files: verdicts, fingerprints of answers, the report."""
@@ -357,6 +361,7 @@ def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeyp
     assert not list(course.root.rglob("*.part"))
 
 
+@pytest.mark.slow
 def test_students_may_be_called_anything(course, sandbox):
     for name in ("[red]", "s*", "a b", "Ünal", "x'y", "..."):
         hand_in(course, name, LESSON, answer())

@@ -73,6 +73,7 @@ def graded(course, sandbox, open_executor=Inline, workers=1):
     return {submission.student: verdict for submission, verdict in judged}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("deaths", "status", "score"), [(1, JUDGED, 30), (2, FAILED, 0)])
 def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, status, score):
     Deadly.left = deaths
@@ -98,6 +99,7 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     assert {one.score for one in graded(course, sandbox).values()} == {30}
 
 
+@pytest.mark.slow
 def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
     right = judging.run_tests
@@ -165,6 +167,7 @@ def test_who_waits_instead_of_working_is_given_up_and_called_starved(sandbox):
             assert student.starved is starved
 
 
+@pytest.mark.slow
 def test_a_folder_whose_name_is_no_text_stops_nobody(course, sandbox, capsys):
     from grader.classroom.report import write_report
     from grader.console import print_class

@@ -28,6 +28,7 @@ def judged(answers, sandbox, tmp_path):
     return {one.name: one for one in judge(path, 7, sandbox).exercises}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "helper, name",
     [

@@ -122,6 +122,7 @@ def nbgrader(course, *words):
     )
 
 
+@pytest.mark.slow
 def test_scores_reach_the_gradebook(course, sandbox):
     judged = judge_it(course, sandbox)
     gradebook.enter(course, judged, [LESSON.stage], quiet)
@@ -222,6 +223,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
     assert entered(course)["writer", lesson.stage, lesson.name] == 9
 
 
+@pytest.mark.slow
 def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
     judge_it(course, sandbox)
     before = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
@@ -235,6 +237,7 @@ def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
     assert scores_by_verdict(judged)["untouched", LESSON.stage, LESSON.name] == 30
 
 
+@pytest.mark.slow
 def test_gradebook_follows_a_new_submission(course, sandbox):
     gradebook.enter(course, judge_it(course, sandbox), [LESSON.stage], quiet)
     path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
@@ -244,6 +247,7 @@ def test_gradebook_follows_a_new_submission(course, sandbox):
     assert entered(course) == scores_by_verdict(judged)
 
 
+@pytest.mark.slow
 def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox):
     path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     notebook = json.loads(path.read_text())
@@ -289,6 +293,7 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
     assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
 
 
+@pytest.mark.slow
 def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
     """Without our plugin the graded cells are ordinary nbgrader tests."""
     import nbclient
@@ -324,6 +329,7 @@ def test_submissions_are_found_and_others_ignored(course):
     assert grade.find_submissions(course, ["stage1_ransac"]) == []
 
 
+@pytest.mark.slow
 def test_odd_files_and_names_do_not_stop_the_class(course, sandbox, capsys):
     from grader.console import print_class
 
@@ -351,6 +357,7 @@ def test_a_failing_judge_stops_nobody_and_tries_again(course, sandbox, monkeypat
     assert grade.stored_verdict(course, submission, SEED) is None
 
 
+@pytest.mark.slow
 def test_a_problem_is_text_and_not_markup(course, sandbox):
     import nbformat
 
@@ -366,6 +373,7 @@ def test_a_problem_is_text_and_not_markup(course, sandbox):
     assert text.startswith("<div>") and "\n" not in text and "<script>" not in text
 
 
+@pytest.mark.slow
 def test_report_tells_and_escapes(course, sandbox):
     path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(

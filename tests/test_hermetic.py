@@ -58,6 +58,7 @@ def plain(half, sandbox):
     return verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
     [
@@ -80,6 +81,7 @@ def test_no_variable_changes_a_verdict(environment, half, plain, sandbox):
     assert judged(half, sandbox, **environment) == plain
 
 
+@pytest.mark.slow
 def test_no_conftest_and_no_settings_above_the_course_change_a_verdict(
     half, plain, sandbox, tmp_path
 ):
@@ -98,6 +100,7 @@ def test_no_conftest_and_no_settings_above_the_course_change_a_verdict(
     assert judged(there, sandbox) == plain
 
 
+@pytest.mark.slow
 def test_python_may_be_called_by_a_relative_path(half, plain, sandbox, tmp_path):
     """And from a folder from which it is far up and down again."""
     python = os.path.relpath(sys.executable, tmp_path)
@@ -105,6 +108,7 @@ def test_python_may_be_called_by_a_relative_path(half, plain, sandbox, tmp_path)
     assert judged(half, sandbox, folder=tmp_path, python=python) == plain
 
 
+@pytest.mark.slow
 def test_the_folder_of_the_grader_decides_nothing(half, plain, sandbox, tmp_path):
     odd = tmp_path / "ein Ordner mit \N{LATIN SMALL LETTER U WITH DIAERESIS} [red] $(x) %s"
     odd.mkdir()
@@ -131,6 +135,7 @@ def test_attacks_without_a_wall_fail_where_it_is_required(required, outcome, tmp
     assert (done.returncode != 0) == bool(required)
 
 
+@pytest.mark.slow
 def test_there_are_at_least_a_hundred_attacks_and_each_says_what_it_tries():
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-n0", "--collect-only", "-m", ""]

@@ -44,6 +44,7 @@ def test_what_draws_nothing_loads_nothing_heavy(module):
     assert not loaded_with(module) & HEAVY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", WITH_PICTURES)
 def test_what_draws_loads_matplotlib_and_nothing_else_heavy(module):
     assert loaded_with(module) & HEAVY == {"matplotlib"}

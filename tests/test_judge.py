@@ -182,7 +182,7 @@ def test_right_variants_earn_everything_on_five_seeds(chosen, variants, sandbox,
     assert faults_on_other_seeds(path, chosen, sandbox) == []
 
 
-@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, everyday=2)))
+@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, everyday=1)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path):
     path = tmp_path / f"{chosen.name}.ipynb"
     answers = {variant.exercise: variant.source for variant in variants}
@@ -335,6 +335,7 @@ def command(*arguments):
     )
 
 
+@pytest.mark.slow
 def test_command_line_prints_one_json_object(sandbox):
     lesson = find_lesson("06_filter_ground")
     done = command("judge", lesson.solved, "--json", "--seed", 5, "--sandbox", sandbox.name)
@@ -363,6 +364,7 @@ def test_command_line_prints_one_json_object(sandbox):
     }
 
 
+@pytest.mark.slow
 def test_command_line_says_what_is_wrong_with_a_call(tmp_path):
     assert command("judge", tmp_path / "nothing.ipynb").returncode == 2
     assert "There is no file" in command("judge", tmp_path / "nothing.ipynb").stderr

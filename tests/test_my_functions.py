@@ -300,6 +300,7 @@ def test_the_old_format_is_read(here):
     assert load_my_functions("a.ipynb").f() == 1
 
 
+@pytest.mark.slow
 def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
     figures = plt.get_fignums()
     mine = load_my_functions(lesson.solved)

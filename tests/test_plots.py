@@ -189,6 +189,7 @@ def texts(axes):
     return [text.get_text() for text in axes.texts]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", ON_CLOUDS)
 @pytest.mark.parametrize("cloud", CLOUDS)
 def test_clouds_of_every_size_are_drawn(figure, cloud, capfd):
@@ -199,6 +200,7 @@ def test_clouds_of_every_size_are_drawn(figure, cloud, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", [*ON_CLOUDS, *SMALL])
 def test_draws_into_given_axes_and_returns_them(figure, capfd):
     _, (axes, other) = plt.subplots(1, 2, figsize=(8.5, 4))
@@ -215,6 +217,7 @@ def test_draws_into_given_axes_and_returns_them(figure, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", SMALL)
 def test_small_figures_open_one_new_figure(figure):
     axes = SMALL[figure]()
@@ -467,6 +470,7 @@ def test_worst_accepts_other_numbers_for_the_same_clusters():
     assert "differ: 3" in legend(panels[0])
 
 
+@pytest.mark.slow
 def test_dark_styles_change_nothing():
     def picture(draw):
         picture = png(draw())

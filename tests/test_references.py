@@ -77,6 +77,7 @@ def test_clustering_of_points_that_are_not_a_number(cluster):
     assert cluster(cloud, 0.5).tolist() == [1, 2, 1, 3]
 
 
+@pytest.mark.slow
 def test_real_frame_goes_through_the_references(real_clouds, ground, cluster):
     cloud = read_cloud(real_clouds / "kitti_000008.bin")
     begin = time.perf_counter()

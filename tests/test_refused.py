@@ -98,6 +98,7 @@ def test_what_does_the_exercise_is_refused_in_10(way, sandbox, tmp_path, capsys)
     assert score == 0 and "not allowed in this lesson" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", BY_A_GRAPH)
 def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
     """They list all pairs, and lose what that costs, but nobody refuses them."""

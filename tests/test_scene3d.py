@@ -433,6 +433,7 @@ def test_importing_utils_stays_light():
     assert run(program).stdout.split() == ["[]", "[]"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("screen", ["", ":99"])
 def test_nothing_is_written_to_standard_error_and_the_environment_stays(screen):
     if opengl.obstacle():
@@ -449,6 +450,7 @@ def test_without_pyvista_matplotlib_draws_and_says_so_once():
     assert done.stdout.splitlines() == [opengl.NOT_INSTALLED, "(64, 64, 3) (64, 64, 3)"]
 
 
+@pytest.mark.slow
 def test_without_opengl_matplotlib_draws_instead_of_a_crash(monkeypatch):
     before = """
 from utils.scene3d import opengl

@@ -172,6 +172,7 @@ def test_the_city_has_parked_and_moving_cars_and_all_else():
     assert min(speeds) == 0.0 and max(speeds) > 3.0
 
 
+@pytest.mark.slow
 def test_random_streets_fill_up_with_the_difficulty():
     counts = [
         np.mean([len(random_street(seed, level, CHEAP).boxes) for seed in range(4)])
@@ -189,11 +190,13 @@ def test_random_streets_take_any_sensor_and_differ_by_seed():
     assert cheap.boxes == again.boxes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
 def test_no_random_street_lets_things_stand_in_each_other(seed):
     assert_nothing_overlaps(random_street(seed, 1.0, CHEAP))
 
 
+@pytest.mark.slow
 def test_nothing_but_the_ego_car_is_in_its_space_on_a_random_street():
     for seed in range(20):
         frame = random_street(seed, seed % 3 / 2, CHEAP)
@@ -203,6 +206,7 @@ def test_nothing_but_the_ego_car_is_in_its_space_on_a_random_street():
         assert set(kinds) <= {"invalid", "ego", "ground"}
 
 
+@pytest.mark.slow
 def test_nothing_collides_while_a_stream_runs():
     for stream in (city_block(seed=1)[::7], cyclist(frames=100)[::9], highway()[::7]):
         for frame in stream:

@@ -47,6 +47,7 @@ def unpacked(notebook):
         }
 
 
+@pytest.mark.slow
 def test_one_small_notebook_a_lesson(written):
     assert [path.stem for path in sorted(written.iterdir())] == [
         lesson.name for lesson in all_lessons()
@@ -56,6 +57,7 @@ def test_one_small_notebook_a_lesson(written):
         nbformat.validate(nbformat.read(path, as_version=4))
 
 
+@pytest.mark.slow
 def test_the_same_bytes_again(written, tmp_path):
     standalone.setup_cell.cache_clear()
     standalone.write_standalone(tmp_path, [LESSON.stage])
@@ -138,6 +140,7 @@ def test_handed_in_it_is_judged_like_any_other(sandbox):
     assert max(len(cell.source) for cell in copy.cells) < 10_000  # no wall of letters
 
 
+@pytest.mark.slow
 def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
     here = tmp_path / "downloads"
     here.mkdir()

@@ -279,6 +279,7 @@ def deaf(x):
                 raise
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", [endless, deaf])
 def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function):
     monkeypatch.setattr(core, "SECONDS", 1)

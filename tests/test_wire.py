@@ -101,6 +101,7 @@ def test_arrays_of_any_layout_come_back_writable(array):
     assert np.array_equal(back, np.asarray(array), equal_nan=True)
 
 
+@pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
     """Time grows with the number of arrays, not with its square (which would be minutes)."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
@@ -187,6 +188,7 @@ def test_any_bytes(tree, blob):
     decodes_or_refuses(tree, blob)
 
 
+@pytest.mark.slow
 @given(JSON, st.binary(max_size=100))
 @settings(max_examples=200)
 def test_any_json(tree, blob):

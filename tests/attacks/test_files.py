@@ -366,6 +366,7 @@ NAMES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
 def test_calls_itself_something_strange(name, course, filtering, capsys):
     from grader.classroom.report import write_report

@@ -2,6 +2,8 @@
 
 import ast
 
+import pytest
+
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
 from grader.judging.judge import judge
@@ -66,6 +68,7 @@ def test_what_comes_later_helps_nobody_who_comes_before(tmp_path):
     assert results["line_through"].score < results["line_through"].max_score / 5
 
 
+@pytest.mark.slow
 def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
     answers = {"ransac_line": RANSAC}
     results, verdict = judged(LINE, tmp_path, **answers)

@@ -33,6 +33,7 @@ def share(verdict, exercise):
 # ---- Answers that lie around ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @tried(
     "exercise, source",
     {
@@ -438,6 +439,7 @@ def test_forges_metadata_outputs_and_keys(hand_in, filtering):
     assert verdict.score == 0 and verdict.max_score == 30
 
 
+@pytest.mark.slow
 @tried(
     "source",
     {

@@ -55,6 +55,7 @@ def shown(tmp_path, capsys):
     return shown
 
 
+@pytest.mark.slow
 @tried(
     "body",
     {
@@ -140,6 +141,7 @@ def test_tells_in_other_lessons(name, hand_in):
         assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
 
 
+@pytest.mark.slow
 def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
     """Answers that are nearly right make the judge talk about rows and values."""
     answers = {

@@ -167,6 +167,7 @@ def test_the_lamp_post_again():
     assert levels > 16 == int(np.log2(len(space["obstacles"]))) + 1
 
 
+@pytest.mark.slow
 def test_common_mistakes_find_what_is_drawn():
     wrong = {
         "the box decides": "the box decides",

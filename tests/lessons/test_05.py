@@ -141,6 +141,7 @@ def test_no_threshold_is_right_for_both(street):
     assert apart.any() and whole.any() and not (apart & whole).any()
 
 
+@pytest.mark.slow
 def test_nowhere_are_both_errors_zero(street):
     torn, joined = street["two_errors"](np.array([0.2, 0.25, 0.5, 0.7, 2.0]))
     assert (torn + joined > 0).all()

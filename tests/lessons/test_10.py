@@ -64,6 +64,7 @@ def test_no_gap_of_the_seven_points_is_close_to_the_threshold():
     assert np.abs(gaps[gaps > 0] - np.sqrt(3)).min() > 0.05
 
 
+@pytest.mark.slow
 def test_the_cheap_step_settles_nearly_all(obstacles, right):
     labels, cells, pairs, still_open = LESSON.after_two_steps(obstacles)
     assert len(obstacles) > 50_000 and cells < len(obstacles) / 5

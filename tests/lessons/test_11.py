@@ -227,6 +227,7 @@ def test_points_and_lines_have_boxes():
         assert np.ptp(box, axis=0) == pytest.approx(np.ptp(points, axis=0), abs=0.05)
 
 
+@pytest.mark.slow
 def test_headings_of_the_stream_jump_and_can_be_followed():
     truth, found = [], {"axis": [], "rectangle": []}
     for frame in cyclist(seed=0)[::2]:
