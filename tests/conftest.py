@@ -38,6 +38,14 @@ def no_figures_of_others():
         pyplot.close("all")
 
 
+@pytest.fixture(autouse=True)
+def recursion_limit_of_its_own():
+    """A variant that is run in this process may raise the limit; the next test starts as Python."""
+    before = sys.getrecursionlimit()
+    yield
+    sys.setrecursionlimit(before)
+
+
 # What takes longest comes first, so that no processor waits for another in the end.
 LONGEST = ("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_judge", "test_cheap")
 

@@ -1,7 +1,6 @@
 """Cutting a notebook down to what its exercise functions need."""
 
 import builtins
-import sys
 import textwrap
 
 import pytest
@@ -22,13 +21,6 @@ def sliced(text, *names):
         exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), namespace)
     source = "\n".join(slicing.ast.unparse(statement.node) for statement in kept)
     return namespace, source, problems
-
-
-@pytest.fixture(autouse=True)
-def recursion_limit():
-    before = sys.getrecursionlimit()
-    yield
-    sys.setrecursionlimit(before)
 
 
 class Agreeable:

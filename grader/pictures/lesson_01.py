@@ -10,7 +10,7 @@ from utils.plots.style import COLOURS
 
 # Azimuth of the label in the upper picture; the thing on the map, and how far from it the label is.
 LABELLED = {
-    "cyclist": (37.2, (3.4, 2.0), (-12, 32)),
+    "cyclist": (41, (3.4, 2.0), (-12, 32)),
     "turning car": (20.5, (7.0, 3.4), (24, 32)),
     "pedestrian": (-2, (8.9, -0.3), (34, 20)),
     "parked car": (-24, (6.8, -2.4), (20, -34)),

@@ -12,6 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from grader.classroom.demo import CONFIGURATION
 from grader.classroom.grade import judge_one
 from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
@@ -23,23 +24,13 @@ from tests.postgresql import NotInstalled, server
 
 SEED = 1
 STAGE = stages()[0]
-CONFIGURATION = """\
-import sys
-sys.path.insert(0, {project!r})
-from pathlib import Path
-from grader.course.nbgrader_settings import configure
-configure(get_config(), Path({root!r}))
-{database}
-"""
 
 
 def make_course(root, database):
     """A course with nobody in it yet."""
     shutil.copytree(PROJECT / "notebooks" / STAGE, root / "notebooks" / STAGE)
-    line = f"get_config().CourseDirectory.db_url = {database!r}" if database else ""
-    (root / "nbgrader_config.py").write_text(
-        CONFIGURATION.format(project=str(PROJECT), root=str(root), database=line)
-    )
+    line = f"get_config().CourseDirectory.db_url = {database!r}\n" if database else ""
+    (root / "nbgrader_config.py").write_text(CONFIGURATION.format(project=str(PROJECT)) + line)
     return Course(root)
 
 

@@ -43,17 +43,14 @@ def once(assertion: Callable[[Callable], None]) -> Callable[[Callable], None]:
             assertion(function)
             return
         if key not in known:
-            known[key] = None
             try:
                 assertion(function)
+            except FarTooMuch:  # of such answers each is counted
+                raise
             except CheckFailed as failure:
                 known[key] = failure
-                if isinstance(failure, FarTooMuch):
-                    del known[key]  # of such answers each is counted
-                    raise
-            except BaseException:
-                del known[key]
-                raise
+            else:
+                known[key] = None
         if known[key] is not None:
             raise known[key].with_traceback(None)
 

@@ -316,8 +316,8 @@ _TIPS = (
         "LinAlgError",
         r"did not converge",
         "",
-        "There is a NaN in this matrix. The mean of no points is one, and so is np.cov of a single "
-        "point: look at these cases first.",
+        "There is a NaN in this matrix, or an infinite number. The mean of no points is NaN, and "
+        "so is np.cov of a single point: look at these cases first.",
     ),
     (
         "ZeroDivisionError",

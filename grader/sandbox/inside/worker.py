@@ -31,6 +31,7 @@ import wire  # noqa: E402
 from utils.notebooks import slicing  # noqa: E402
 
 LONGEST_TEXT = 400
+# What comes along with an attribute at most: a handful of nodes, each with a few small values.
 MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 8, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are not there because the lesson does not allow what they are imported from.
