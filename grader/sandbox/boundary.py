@@ -59,6 +59,8 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
         # Its `files` would say the same in ten times the time.
         record = (package.read_text("RECORD") or "").splitlines()
         tops = {re.split("[/,]", line, maxsplit=1)[0] for line in record} - {"..", "__pycache__"}
+        # What pip notes about a package is of no use inside, and each window costs time.
+        tops = {top for top in tops if not top.endswith(".dist-info")}
         found += [Path(os.path.abspath(package.locate_file(top))) for top in sorted(tops)]
         waiting += [
             re.match(r"[\w.-]+", requirement)[0]

@@ -77,7 +77,7 @@ class Bubblewrap:
         windows = _windows(packages, forbidden)
         walls = [*_walls(limits), *windows, "--remount-ro", "/"]
         if _can_go_behind_walls():
-            warm = nursery(preloaded(packages, forbidden))
+            warm = nursery(preloaded(packages), forbidden)
             return launch(walls, "/tmp", rules, limits, warm)
         return launch([*walls, "--"], "/tmp", rules, limits)
 
@@ -112,10 +112,9 @@ def _can_go_behind_walls() -> bool:
         "limits": Limits().resources(),
         "forbidden": [],
     }
-    warm = nursery(())
     walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
     try:
-        launch(walls, "/tmp", rules, Limits(), warm).stop()
+        launch(walls, "/tmp", rules, Limits(), nursery()).stop()
     except SandboxUnavailable:
         return False
     return True

@@ -39,11 +39,14 @@ _SETGID, _SETUID = 6, 7
 _LIBC = ctypes.CDLL(None, use_errno=True)
 
 
-def main(requests: socket.socket, preloaded: list[str]) -> None:
+def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) -> None:
     """Serve until whoever asks is gone."""
+    # What is in memory cannot be hidden: nothing that is forbidden comes along with the rest.
+    sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
     for name in preloaded:
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
+    del sys.meta_path[0]
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     # Whoever watches over many workers is not ended for what one of them does.
     while True:
@@ -184,4 +187,4 @@ def give_up_privileges(*, keep_user_changes: bool) -> None:
 
 
 if __name__ == "__main__":
-    main(socket.socket(fileno=int(sys.argv[1])), json.loads(sys.argv[2]))
+    main(socket.socket(fileno=int(sys.argv[1])), **json.loads(sys.argv[2]))

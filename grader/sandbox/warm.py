@@ -41,11 +41,14 @@ class Nursery:
     ----------
     preloaded : tuple of str
         Modules that its workers have imported already.
+    forbidden : tuple of str
+        Modules that come into no memory.
     environment : dict of str to str
         Of its workers.
     """
 
     preloaded: tuple[str, ...]
+    forbidden: tuple[str, ...]
     environment: dict[str, str]
     _requests: socket.socket | None = None
     _turn: threading.Lock = field(default_factory=threading.Lock)
@@ -99,9 +102,10 @@ class Nursery:
     def _start(self) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
+            settings = {"preloaded": self.preloaded, "forbidden": self.forbidden}
             command = [PYTHON, "-I", "-B", str(PROGRAM), str(theirs.fileno())]
             subprocess.Popen(
-                [*command, json.dumps(self.preloaded)],
+                [*command, json.dumps(settings)],
                 pass_fds=(theirs.fileno(),),
                 env=self.environment,
                 stdin=subprocess.DEVNULL,
@@ -152,15 +156,12 @@ def _line(report: int, seconds: float) -> str:
     return text.decode(errors="replace").strip()
 
 
-def preloaded(packages: Sequence[str], forbidden: Sequence[str]) -> tuple[str, ...]:
-    """Modules that workers of a lesson may have imported before its notebook asks for them.
-
-    Nothing where anything is forbidden: what is in memory cannot be hidden.
-    """
-    return SLOW_TO_IMPORT if "scipy" in packages and not forbidden else ()
+def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
+    """What is slow to import and most notebooks ask for, of the packages that a lesson allows."""
+    return SLOW_TO_IMPORT if "scipy" in packages else ()
 
 
 @functools.cache
-def nursery(modules: tuple[str, ...]) -> Nursery:
-    """The nursery of this process whose workers have imported some modules."""
-    return Nursery(modules, ENVIRONMENT)
+def nursery(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> Nursery:
+    """The nursery of this process whose workers have imported some modules, and none of others."""
+    return Nursery(modules, forbidden, ENVIRONMENT)

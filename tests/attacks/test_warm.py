@@ -9,10 +9,10 @@ import time
 
 import pytest
 
+from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, warm
 from grader.sandbox.processes import tree
-from grader.sandbox.program import PACKAGES
 from grader.sandbox.student import StudentStopped
 from tests.attacks.attacking import WALLS, attack, function, outcome_of
 from tests.demands import not_here
@@ -105,17 +105,36 @@ def test_workers_do_not_draw_the_same_numbers():
     assert len({number for pair in drawn for number in pair}) == 6
 
 
-def test_what_is_forbidden_is_not_in_memory_either():
-    """Preloaded for one lesson, it would be at hand in another."""
-    body = "import sys\nreturn sorted(name for name in sys.modules if name.startswith('scipy'))"
-    assert "scipy.spatial" in outcome_of(function(body))
-    assert outcome_of(function(body), forbidden=("scipy.spatial",)) == []
-    assert outcome_of(function(body), packages=("numpy",)) == []
+SCIPY_IN_MEMORY = """
+import gc, sys, types
+kinds = type, types.FunctionType, types.BuiltinFunctionType
+homes = {one.__module__ for one in gc.get_objects() if isinstance(one, kinds)}
+names = homes | set(sys.modules)
+return sorted(name for name in names if isinstance(name, str) and name.startswith("scipy"))
+"""
 
 
-@pytest.mark.parametrize("forbidden", [(), ("scipy.spatial",), ("sklearn",)])
-def test_nothing_is_preloaded_where_anything_is_forbidden(forbidden):
-    assert bool(warm.preloaded(PACKAGES, forbidden)) is (not forbidden)
+def test_nothing_is_preloaded_that_the_lesson_does_not_show():
+    assert "scipy.spatial" in outcome_of(function(SCIPY_IN_MEMORY))
+    assert outcome_of(function(SCIPY_IN_MEMORY), packages=("numpy",)) == []
+
+
+@pytest.mark.parametrize(
+    "forbidden, preloaded",
+    [
+        (("scipy",), None),
+        (("scipy.spatial",), None),
+        (("scipy.sparse.csgraph",), None),
+        (("sklearn.cluster", "scipy.cluster"), "scipy.spatial"),
+        *((lesson.header.forbidden, None) for lesson in all_lessons() if lesson.header.forbidden),
+    ],
+)
+def test_what_is_forbidden_is_not_in_memory_either(forbidden, preloaded):
+    """Preloaded for one lesson, or by what is preloaded, it would be at hand in another."""
+    names = outcome_of(function(SCIPY_IN_MEMORY), forbidden=forbidden)
+    inside = tuple(f"{name}." for name in forbidden)
+    assert not [name for name in names if f"{name}.".startswith(inside)]
+    assert preloaded is None or preloaded in names
 
 
 def test_one_that_ends_takes_its_children_and_nobody_else():

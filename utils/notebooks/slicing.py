@@ -122,9 +122,23 @@ def _end_of_exercise(name: str, statements: list[Statement]) -> int:
         default=0,
     )
     for position, statement in enumerate(statements[last:], start=last):
-        if ast.unparse(statement.node).startswith((f"check({name})", f"check({name},")):
+        if _is_check(statement.node, name):
             return position
     return len(statements)
+
+
+def _is_check(node: ast.stmt, name: str) -> bool:
+    """Whether a statement is ``check(name)``, with or without more arguments."""
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and _names(node.value.func, "check")
+        and any(_names(argument, name) for argument in node.value.args[:1])
+    )
+
+
+def _names(node: ast.expr, name: str) -> bool:
+    return isinstance(node, ast.Name) and node.id == name
 
 
 def compile_statement(statement: Statement, filename: str) -> CodeType:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import copy
 import symtable
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -52,7 +51,8 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     -------
     Statement
     """
-    table = symtable.symtable(_source(node), "<cell>", "exec")
+    inside = _without_functions(node)
+    table = symtable.symtable(_source(node, inside), "<cell>", "exec")
     symbols = table.get_symbols()
     uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
     binds = {
@@ -60,11 +60,8 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     }
     for inner in _inner_tables(table):
         uses |= {symbol.get_name() for symbol in inner.get_symbols() if symbol.is_global()}
-    binds |= {
-        inner.target.id
-        for inner in _walk_without_functions(node)
-        if isinstance(inner, ast.NamedExpr)
-    }  # one in a comprehension binds outside of it
+    # One in a comprehension binds outside of it.
+    binds |= {inner.target.id for inner in inside if isinstance(inner, ast.NamedExpr)}
     if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
         binds.add("sys")  # it may bind anything, so it always stays
     return Statement(
@@ -72,18 +69,20 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
         node,
         frozenset(binds),
         frozenset(uses),
-        frozenset(_changed_names(node)),
-        frozenset(_called_names(node)),
+        frozenset(_changed_names(inside)),
+        frozenset(_called_names(inside)),
         future,
     )
 
 
-def _source(node: ast.stmt) -> str:
+def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
     """Text of a statement in which the names of comprehensions are their own."""
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
-    if any(isinstance(inner, comprehensions) for inner in _walk_without_functions(node)):
-        node = _Generators().visit(copy.deepcopy(node))
-    return ast.unparse(node)
+    source = ast.unparse(node)
+    if any(isinstance(inner, comprehensions) for inner in inside):
+        # The node itself stays as it is; to read its text anew is quicker than to copy it.
+        source = ast.unparse(_Generators().visit(ast.parse(source)))
+    return source
 
 
 class _Generators(ast.NodeTransformer):
@@ -106,13 +105,13 @@ def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]
         yield from _inner_tables(child)
 
 
-def _changed_names(node: ast.stmt) -> Iterator[str]:
-    """Names whose objects a statement changes.
+def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
+    """Names whose objects a statement changes, given its nodes.
 
     ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
     ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
     """
-    for inner in _walk_without_functions(node):
+    for inner in inside:
         if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
             inner.ctx, (ast.Store, ast.Del)
         ):
@@ -128,11 +127,9 @@ def _changed_names(node: ast.stmt) -> Iterator[str]:
             yield _root(inner.value.func)
 
 
-def _called_names(node: ast.stmt) -> Iterator[str]:
+def _called_names(inside: list[ast.AST]) -> Iterator[str]:
     """Names of which a statement calls a method and drops the result: ``a.append(b)``."""
-    return (
-        _root(inner.value.func) for inner in _walk_without_functions(node) if _is_bare_call(inner)
-    )
+    return (_root(inner.value.func) for inner in inside if _is_bare_call(inner))
 
 
 def _is_bare_call(node: ast.AST) -> bool:
@@ -143,10 +140,10 @@ def _is_bare_call(node: ast.AST) -> bool:
     )
 
 
-def _walk_without_functions(node: ast.stmt) -> Iterator[ast.AST]:
+def _without_functions(node: ast.stmt) -> list[ast.AST]:
     """The nodes of a statement, less definitions: those change nothing until they are called."""
-    if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-        yield from ast.walk(node)
+    definition = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+    return [] if definition else list(ast.walk(node))
 
 
 def _root(node: ast.expr) -> str:
