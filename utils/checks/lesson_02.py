@@ -748,12 +748,16 @@ def assert_finds(
     tolerance : float
         In metres.
     """
-    missed = []
-    answers = _answers(ransac_line, runs, max_iterations, tolerance)
-    for (points, on_line), (line, mask) in zip(runs, answers, strict=True):
+    answers, missed, found = [], [], 0
+    for seed, (points, on_line) in enumerate(runs):
+        line, mask = _answer(ransac_line, points, max_iterations, tolerance, seed)
+        answers.append((line, mask))
         if not is_found(line, points[on_line], tolerance):
             missed.append((points, line, mask))
-    found = len(runs) - len(missed)
+            continue
+        found += 1
+        if found == needed:  # the other runs would change nothing, and rounds take time
+            break
     if found < needed:
         none = sum(line is None for _, line, _ in missed)
         raise CheckFailed(
@@ -768,17 +772,12 @@ def assert_finds(
         )
 
 
-def _answers(
-    ransac_line: Callable, runs: Sequence[tuple], max_iterations: int, tolerance: float
-) -> list[tuple[np.ndarray | None, np.ndarray]]:
-    """Of each run, with its own seed, the line and the mask."""
-    return [
-        as_result(
-            ransac_line(points.copy(), max_iterations, tolerance, np.random.default_rng(seed)),
-            len(points),
-        )
-        for seed, (points, _) in enumerate(runs)
-    ]
+def _answer(
+    ransac_line: Callable, points: np.ndarray, max_iterations: int, tolerance: float, seed: int
+) -> tuple[np.ndarray | None, np.ndarray]:
+    """The line and the mask of a run with its own seed."""
+    rng = np.random.default_rng(seed)
+    return as_result(ransac_line(points.copy(), max_iterations, tolerance, rng), len(points))
 
 
 def _noticed(
@@ -793,10 +792,15 @@ def _noticed(
         return ""
     if not any(mask.any() for _, mask in answers):
         return " Each run returned a line, and not one inlier."
-    few = _answers(ransac_line, runs, 1, tolerance)
+    few, half = (
+        [
+            _answer(ransac_line, points, rounds, tolerance, seed)
+            for seed, (points, _) in enumerate(runs)
+        ]
+        for rounds in (1, max_iterations // 2)
+    )
     if all(_same(one[0], other[0]) for one, other in zip(few, answers, strict=True)):
         return f" With 1 round instead of {max_iterations} the answers are the same."
-    half = _answers(ransac_line, runs, max_iterations // 2, tolerance)
     fewer = sum(
         after.sum() < before.sum() for (_, before), (_, after) in zip(half, answers, strict=True)
     )

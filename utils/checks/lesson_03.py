@@ -1125,7 +1125,8 @@ def finds_the_plane(ransac_plane: Callable) -> None:
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(seed, 60, 30, noise=0.02)
         rng = np.random.default_rng(seed)
-        assert_finds(ransac_plane(points.copy(), 150, 0.2, rng), points, 0.2, belongs)
+        # More than one sample in five is good: 0.77^90 < 1e-10.
+        assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
 
 
 @visible(
@@ -1305,7 +1306,7 @@ def searches_without_intensity(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
     points, belongs = scattered_plane(51, 50, 20, columns=4)
     rng = np.random.default_rng(10)
-    assert_finds(ransac_plane(points.copy(), 150, 0.2, rng), points, 0.2, belongs)
+    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
 
 
 @visible(
@@ -1319,7 +1320,7 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
     points, belongs = scattered_plane(52, 50, 20, plane=(0.6, 0.8, 0.0, -4.0))
     rng = np.random.default_rng(11)
-    assert_finds(ransac_plane(points.copy(), 150, 0.2, rng), points, 0.2, belongs)
+    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
 
 
 @visible(
@@ -1393,7 +1394,7 @@ def takes_a_seed(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(70 + seed, 60, 30)
-        assert_finds(ransac_plane(points.copy(), 150, 0.2, seed), points, 0.2, belongs)
+        assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, belongs)
     generators, seeds = (
         [_plane_or_none(ransac_plane(points.copy(), 1, 0.2, rng)) for rng in pair]
         for pair in ((np.random.default_rng(3), np.random.default_rng(3)), (3, 3))
@@ -1420,7 +1421,7 @@ def keeps_the_names_of_ransac(ransac_plane: Callable) -> None:
     points, belongs = scattered_plane(1, 60, 30, noise=0.02)
     answer = ransac_plane(
         points=points.copy(),
-        max_iterations=150,
+        max_iterations=90,
         distance_tolerance=0.2,
         rng=np.random.default_rng(1),
     )
