@@ -42,17 +42,28 @@ def assert_nothing_overlaps(frame):
             assert first.intersection(second).area < 1e-9, (box, other)
 
 
-def any_frames():
-    yield "highway", simple_highway(3)
-    yield "highway stream", highway()[12]
-    yield "lesson", lesson_street()
-    yield "city", city_block()[5]
-    yield "cyclist", cyclist()[20]
-    for difficulty in (0.0, 0.5, 1.0):
-        yield f"random {difficulty}", random_street(11, difficulty)
+ANY_FRAMES = {
+    "highway": lambda: simple_highway(3),
+    "highway stream": lambda: highway()[12],
+    "lesson": lesson_street,
+    "city": lambda: city_block()[5],
+    "cyclist": lambda: cyclist()[20],
+    "random 0.0": lambda: random_street(11, 0.0),
+    "random 0.5": lambda: random_street(11, 0.5),
+    "random 1.0": lambda: random_street(11, 1.0),
+}
 
 
-@pytest.mark.parametrize(("name", "frame"), [pytest.param(*c, id=c[0]) for c in any_frames()])
+@pytest.fixture(scope="module", params=ANY_FRAMES)
+def name(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def frame(name):
+    return ANY_FRAMES[name]()
+
+
 class TestTruth:
     """What the truth of every scene must satisfy."""
 
