@@ -225,7 +225,6 @@ def _grade_alone(
     from grader.classroom.grade import RehearsalFailed, judge_class
     from grader.classroom.report import write_report
     from grader.classroom.submissions import unaccounted_files
-    from grader.lms.gradebook import GradebookTrouble, address, enter
 
     warning = warning or sandbox.warning
     begin = time.perf_counter()
@@ -252,6 +251,9 @@ def _grade_alone(
             file=sys.stderr,
         )
         return WRONG_CALL
+    # nbgrader takes a second to import; by now the verdicts are there.
+    from grader.lms.gradebook import GradebookTrouble, address, enter
+
     status = GOOD
     with console.progress_bar("Entering into the gradebook") as advance:
         try:

@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
-    """A progress bar on stderr; yields a function (done, total, what)."""
+    """A progress bar on stderr; yields a function (done, total, what).
+
+    Where nothing can be counted for a while, `what` is a sentence about that.
+    """
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -32,7 +35,12 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     )
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task(title, total=None)
-        yield lambda done, total, what: progress.update(task, completed=done, total=total)
+
+        def advance(done: int, total: int, what: object) -> None:
+            text = f"{title}: {what}" if isinstance(what, str) else title
+            progress.update(task, completed=done, total=total, description=text)
+
+        yield advance
 
 
 def plain(text: object) -> str:

@@ -65,11 +65,9 @@ def course(tmp_path):
     return made
 
 
-def graded(course, sandbox, open_executor=Inline, workers=1):
+def graded(course, sandbox, open_executor=Inline, workers=1, progress=lambda *news: None):
     """Verdict of each student."""
-    judged = grade.judge_class(
-        course, (), SEED, sandbox, open_executor, workers, lambda *news: None
-    )
+    judged = grade.judge_class(course, (), SEED, sandbox, open_executor, workers, progress)
     return {submission.student: verdict for submission, verdict in judged}
 
 
@@ -130,10 +128,13 @@ def test_nobody_is_graded_by_a_test_that_fails_the_solution(course, sandbox, mon
 
 
 def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
-    graded(course, sandbox)
+    told = []
+    graded(course, sandbox, progress=lambda done, total, what: told.append((done, what)))
+    assert told[:2] == [(0, None), (0, f"the course's own {LESSON.name} first")]
     monkeypatch.setattr(grade, "complaints_about_reference", lambda *about: ("never asked",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
-    assert graded(course, sandbox)["ada"].score == 30
+    again = graded(course, sandbox, progress=lambda *news: told.append(news))
+    assert again["ada"].score == 30 and not isinstance(told[-1][2], str)
 
 
 def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):

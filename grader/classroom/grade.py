@@ -123,7 +123,8 @@ def judge_class(
         One of `grader.classroom.executors`; takes the number of workers.
     workers : int
     progress : callable
-        Called with (done, total, submission) after each notebook.
+        Called with (done, total, submission) after each notebook, and with a sentence in its place
+        when something else takes long.
 
     Returns
     -------
@@ -149,12 +150,15 @@ def judge_class(
         verdicts[submission] = verdict
         progress(done, len(submissions), submission)
 
+    def tell(lesson: Lesson) -> None:
+        progress(done, len(submissions), f"the course's own {lesson.name} first")
+
     def job(submission: Submission) -> tuple:
         return _job(course, submission, seed, sandbox)
 
     if waiting:
         with open_executor(workers) as executor:
-            rehearse(course, {one.lesson for one in waiting}, seed, sandbox, executor)
+            rehearse(course, {one.lesson for one in waiting}, seed, sandbox, executor, tell)
             waiting = _judge_all(waiting, job, executor, note, suspects)
     while waiting:  # a process died, and the executor with it
         with open_executor(workers) as executor:
@@ -204,11 +208,17 @@ def _judge_all(
 
 
 def rehearse(
-    course: Course, lessons: Iterable[Lesson], seed: int, sandbox: Sandbox, executor: Executor
+    course: Course,
+    lessons: Iterable[Lesson],
+    seed: int,
+    sandbox: Sandbox,
+    executor: Executor,
+    tell: Callable[[Lesson], object] = lambda lesson: None,
 ) -> None:
     """Let every lesson's own solution be judged on the course's seed; it must earn everything.
 
-    What has been seen is remembered until the solution or a rule changes.
+    What has been seen is remembered until the solution or a rule changes. Each lesson that is
+    waited for is told.
 
     Raises
     ------
@@ -223,6 +233,7 @@ def rehearse(
             running[future] = (lesson, path, key)
     failed = []
     for future, (lesson, path, key) in running.items():
+        tell(lesson)
         try:
             complaints = future.result()
         except BrokenExecutor:
