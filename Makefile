@@ -5,13 +5,14 @@ BIN := .venv/bin
 # Jupyter refuses to run as root, which is who you are in most containers.
 AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 
-.PHONY: help lab demo grade test colab bench build check pictures clean
+.PHONY: help lab demo grade test proof colab bench build check pictures clean
 
 help:
 	@echo "make lab      open the notebooks in JupyterLab"
 	@echo "make demo     grade a pretend class, end to end, in demo/"
 	@echo "make grade    grade the class in submitted/"
-	@echo "make test     run all tests"
+	@echo "make test     run the tests"
+	@echo "make proof    run all of them, with every seed, answer and attack"
 	@echo "make colab    run the notebooks with Colab's versions"
 	@echo "make bench    measure speed and memory against other libraries"
 	@echo "make build    write the notebooks from their sources"
@@ -39,6 +40,9 @@ grade: .venv/ready
 	$(BIN)/python -m grader grade
 
 test: .venv/ready
+	$(BIN)/python -m pytest -m "not proof and not colab"
+
+proof: .venv/ready
 	$(BIN)/python -m pytest -m "not colab"
 
 # Installs half a gigabyte of Colab's versions, once.

@@ -46,13 +46,39 @@ def recursion_limit_of_its_own():
     sys.setrecursionlimit(before)
 
 
+# Of what is tried many times over, `make test` runs those whose parameters begin like this, and
+# `make proof` all. What is not in the table runs in both.
+A_FEW_OF_MANY = {
+    "test_right_variants_earn_everything_on_four_more_seeds": (),
+    "test_solution_earns_everything_on_four_more_seeds": ("01", "06"),
+    "test_hands_in_everything_that_is_shown_as_the_answer_to_everything": ("01", "08", "09"),
+    "test_claims_more_than_any_answer_has": ("a hundred thousand", "a million", "three thousand"),
+    "test_no_cheap_answer_earns_more_than_a_tenth": ("01", "02", "03", "05", "08", "09", "11"),
+    "test_a_huge_claim_is_refused_at_once": ("a dict", "a la", "boxes", "dig", "dim", "many", "ne"),
+    "test_killed_at_many_moments_the_same_command_ends_the_same": ("ten",),
+    "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k", "LANG=C", "HOME"),
+    "test_connected_components_are_allowed_in_10": ("connected components, with",),
+    "test_demo_grades_its_class": ("stage1", "stage2"),
+    "test_solved_notebook_runs_to_its_end_and_gives_what_is_lent": ("01", "06"),
+    "test_untouched_notebook_runs_to_its_end": ("01", "06"),
+}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_itemcollected(item):
+    """Mark what only `make proof` runs, before marks are looked at."""
+    begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
+    if begins is not None and not item.name.partition("[")[2].startswith(begins):
+        item.add_marker(pytest.mark.proof)
+
+
 # What takes longest comes first, so that no processor waits for another in the end.
 LONGEST = ("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_judge", "test_cheap")
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Sort the tests by length, and keep those on one lesson's judge in one process.
+    """Sort the tests by length, and keep those on one lesson, or its judge, in one process.
 
     Its scenes and right answers are made once in a process.
     """
@@ -60,6 +86,8 @@ def pytest_collection_modifyitems(items):
         lesson = getattr(item, "callspec", None) and _lesson_in(item.callspec.params.values())
         if item.path.stem == "test_judge" and lesson:
             item.add_marker(pytest.mark.xdist_group(lesson))
+        if item.path.parent.name == "lessons":
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))
     names = [item.path.stem for item in items]
     order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}
     # Later lessons work on larger clouds.

@@ -38,3 +38,15 @@ def test_sandboxes_are_objects_and_not_names():
             if isinstance(node, ast.Compare):
                 values = [getattr(part, "value", None) for part in (node.left, *node.comparators)]
                 assert not set(SANDBOXES) & {value for value in values if isinstance(value, str)}
+
+
+def test_what_only_proof_runs_is_there(request):
+    """A test that was renamed would silently run everywhere, or nowhere."""
+    conftest = next(
+        plugin
+        for plugin in request.config.pluginmanager.get_plugins()
+        if getattr(plugin, "A_FEW_OF_MANY", None)
+    )
+    source = "\n".join(path.read_text("utf-8") for path in (PROJECT / "tests").rglob("test_*.py"))
+    for name in conftest.A_FEW_OF_MANY:
+        assert source.count(f"def {name}(") == 1, name
