@@ -313,6 +313,18 @@ def test_renamed_file_is_recognised(tmp_path, sandbox):
         judge(path, 1, sandbox)
 
 
+def test_what_verdicts_have_in_common_is_in_memory_once(sandbox, tmp_path):
+    """Most checks end alike for most of ten thousand students."""
+    lesson = find_lesson("06_filter_ground")
+    verdict = judge(lesson.released, 1, sandbox)
+    write_verdict(verdict, tmp_path / "verdict.json")
+    one, other = read_verdict(tmp_path / "verdict.json"), read_verdict(tmp_path / "verdict.json")
+    assert one == other == verdict == verdict.compact()
+    assert all(
+        first is second for first, second in zip(one.exercises, other.exercises, strict=True)
+    )
+
+
 def test_verdict_survives_the_disk(sandbox, tmp_path):
     lesson = find_lesson("06_filter_ground")
     verdict = judge(lesson.released, 1, sandbox)

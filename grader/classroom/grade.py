@@ -259,7 +259,7 @@ def _read(path: Path) -> object:
 def _result(future: Future, submission: Submission) -> Verdict:
     """The verdict of a future; one that says so where the judge itself failed."""
     try:
-        return future.result()
+        return future.result().compact()
     except (SandboxUnavailable, ExecutorLost):
         raise
     except Exception as error:  # one submission must not stop the others

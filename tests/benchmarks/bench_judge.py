@@ -1,14 +1,20 @@
 """Notebooks per minute: our judge against nbgrader's own autograde, on the same submissions.
 
-Both grade copies of each lesson's solved notebook on the same cores. nbgrader executes a
-notebook in a kernel, one after another; ours judges in parallel, sandbox included, and then
-enters the scores into a gradebook, which is timed too.
+Both grade copies of each lesson's solved notebook on the same cores, a stage at a time. nbgrader
+executes a notebook in a kernel, one after another; ours judges in parallel, sandbox and the
+course's own solutions included, and then enters the scores into a gradebook. What a class of 200
+takes in all lessons is reckoned from that. Give it a machine that does nothing else:
+
+    python tests/benchmarks/bench_judge.py [STAGE ...]
 """
 
 import os
+import resource
 import shutil
+import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from nbgrader.converters import Autograde
@@ -16,15 +22,27 @@ from nbgrader.preprocessors import AssignLatePenalties, Execute, LimitOutput, Sa
 
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.grade import judge_class
-from grader.course.lessons import all_lessons
+from grader.course.lessons import all_lessons, stages
 from grader.course.nbgrader_settings import converter
 from grader.course.paths import PROJECT, Course
 from grader.lms.gradebook import enter, open_gradebook, register
 from grader.sandbox import choose_sandbox
 
-STUDENTS = 6
+STUDENTS = 20
 STUDENTS_OF_NBGRADER = 2
+CLASS = 200
 SEED = 1
+
+
+@dataclass(frozen=True)
+class Times:
+    """Seconds of a stage, and megabytes of this process, which reads and writes."""
+
+    first: float
+    judging: float
+    entering: float
+    notebooks: int
+    memory: tuple
 
 
 def make_course(root, students, lessons):
@@ -47,16 +65,31 @@ def make_course(root, students, lessons):
     return course
 
 
+def megabytes():
+    """The most memory that this process has had so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
 def time_ours(lessons, folder):
-    """(seconds of judging, seconds of entering, notebooks)."""
-    course = make_course(folder / "ours", STUDENTS, lessons)
+    """`Times` of our judge, started cold."""
+    course, seen, memory = make_course(folder / "ours", STUDENTS, lessons), [], []
     sandbox = choose_sandbox()
+
+    def progress(done, total, what):
+        if done:
+            seen.append(time.perf_counter())
+        if done == total // 4:
+            memory.append(megabytes())
+
     begin = time.perf_counter()
     processes, count = EXECUTORS["processes"], os.cpu_count()
-    judged = judge_class(course, (), SEED, sandbox, processes, count, lambda *news: None)
+    judged = judge_class(course, (), SEED, sandbox, processes, count, progress)
+    memory.append(megabytes())
     middle = time.perf_counter()
+    assert all(verdict.score == verdict.max_score for _, verdict in judged)
     enter(course, judged, stages_of(lessons), lambda *news: None)
-    return middle - begin, time.perf_counter() - middle, len(judged)
+    end = time.perf_counter()
+    return Times(seen[0] - begin, middle - begin, end - middle, len(judged), tuple(memory))
 
 
 def stages_of(lessons):
@@ -83,19 +116,36 @@ def time_nbgrader(lessons, folder):
     return time.perf_counter() - begin, STUDENTS_OF_NBGRADER * len(lessons)
 
 
-def main():
+def main(wanted):
     """Measure and print."""
-    lessons = all_lessons()
-    with tempfile.TemporaryDirectory() as folder:
-        folder = Path(folder).resolve()
-        judging, entering, ours = time_ours(lessons, folder)
-        seconds, theirs = time_nbgrader(lessons, folder)
-    per_minute = 60 * theirs / seconds
-    print(f"nbgrader autograde        {per_minute:8.1f} notebooks per minute")
-    for name, mine in (("judging", judging), ("judging and gradebook", judging + entering)):
-        rate = 60 * ours / mine
-        print(f"{name:25} {rate:8.1f} notebooks per minute, {rate / per_minute:5.1f} x")
+    whole, reckoned = [], 0.0
+    for stage in wanted or stages():
+        lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
+        with tempfile.TemporaryDirectory() as folder:
+            folder = Path(folder).resolve()
+            ours = time_ours(lessons, folder)
+            seconds, notebooks = time_nbgrader(lessons, folder)
+        theirs, mine = seconds / notebooks, (ours.judging + ours.entering) / ours.notebooks
+        whole.append((theirs, mine, len(lessons)))
+        # What is made once, scenes and right answers, is in the time to the first verdict.
+        each = (ours.judging - ours.first + ours.entering) / (ours.notebooks - 1)
+        reckoned += ours.first + CLASS * len(lessons) * each
+        print(
+            f"{stage}: nbgrader autograde {60 / theirs:.1f} notebooks per minute; ours "
+            f"{60 / mine:.1f}, gradebook included, {theirs / mine:.1f} x "
+            f"({theirs * ours.notebooks / ours.judging:.1f} x without)"
+        )
+        print(
+            f"  {ours.notebooks} notebooks: the first after {ours.first:.1f} s, all judged after "
+            f"{ours.judging:.1f} s, entered in {ours.entering:.1f} s; memory "
+            f"{ours.memory[0]:.0f} MB after a quarter of them, {ours.memory[-1]:.0f} MB after all",
+            flush=True,
+        )
+    lessons = sum(count for *_, count in whole)
+    theirs, mine = (sum(one[which] * one[2] for one in whole) / lessons for which in (0, 1))
+    print(f"{lessons} lessons: {theirs / mine:.1f} x nbgrader autograde")
+    print(f"{CLASS} students x {lessons} lessons, at this rate: {reckoned / 60:.0f} min")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
