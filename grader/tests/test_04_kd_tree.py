@@ -5,8 +5,6 @@ crosses the pipe in one message. Apart from the tests that are about them, searc
 of 1 (whose square is the same), nobody in the corners of the box around it and nobody on its rim.
 """
 
-import copy
-
 import numpy as np
 import pytest
 
@@ -32,7 +30,14 @@ from utils.checks.lesson_04 import (
     planted,
     regions_of,
 )
-from utils.checks.vocabulary import assert_left_alone, assert_untouched, frozen, needs, observe
+from utils.checks.vocabulary import (
+    assert_left_alone,
+    assert_untouched,
+    call_each,
+    frozen,
+    needs,
+    observe,
+)
 
 
 @visible_checks("insert", "search", "median_order")
@@ -66,8 +71,7 @@ def balanced(points):
 def inserted(student, points, indices=None):
     assert_root(student.KdTree)
     tree = student.KdTree()
-    for index, point in zip(indices or range(len(points)), points, strict=True):
-        tree.insert(copy.copy(point), index)
+    call_each(tree.insert, zip(points, indices or range(len(points)), strict=True))
     return tree
 
 

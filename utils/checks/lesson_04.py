@@ -21,6 +21,7 @@ from utils.checks.vocabulary import (
     assert_left_alone,
     assert_untouched,
     brief,
+    call_each,
     frozen,
     needs,
     observe,
@@ -181,8 +182,7 @@ def planted(KdTree: Callable, root: _Node | None, as_lists: bool = False) -> obj
     if plant:
         plant(points, left, right, indices)
         return tree
-    for point, index in zip(points, indices, strict=True):
-        tree.insert(point, index)
+    call_each(tree.insert, zip(points, indices, strict=True))
     return tree
 
 
@@ -814,8 +814,8 @@ _DIAGONAL = frozen(along_the_diagonal([4, 2, 6, 1, 3, 5, 7]))
 def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
     assert_root(KdTree)
     tree = KdTree()
-    for index, point in zip(indices or range(len(points)), np.array(points), strict=True):
-        tree.insert(point, index)
+    indices = indices or range(len(points))
+    call_each(tree.insert, zip(np.array(points), indices, strict=True))
     return tree
 
 
@@ -956,8 +956,8 @@ def takes_any_notation(KdTree: Callable) -> None:
     assert_root(KdTree)
     for kind in (list, tuple):
         tree = KdTree()
-        for index, point in enumerate(_DIAGONAL.tolist()):
-            tree.insert(kind(point), index)
+        points = map(kind, _DIAGONAL.tolist())
+        call_each(tree.insert, zip(points, range(len(_DIAGONAL)), strict=True))
         assert_tree(tree, _DIAGONAL, either_way=True)
 
 

@@ -10,7 +10,7 @@ is slow to import and the judge has no use for it.
 
 import contextlib
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -557,6 +557,18 @@ def observe(function: Callable, *arguments: object) -> Observed:
         and np.shares_memory(value, result)
     }
     return Observed(result, copies, frozenset(shared))
+
+
+def call_each(function: Callable, calls: Iterable[tuple]) -> None:
+    """Call a function on copies of each of these arguments; what it returns is not looked at.
+
+    One that lives elsewhere gets them all in one message.
+    """
+    if hasattr(function, "each"):
+        function.each(list(calls))
+        return
+    for arguments in calls:
+        function(*copy.deepcopy(arguments))
 
 
 def assert_untouched(function: Callable, *arguments: object) -> None:
