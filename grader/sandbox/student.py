@@ -116,6 +116,10 @@ class RemoteObject:
             raise AttributeError(name)
         return self._student._ask(name, held=self._held, call=False)
 
+    def reach(self, names: Sequence[str]) -> object:
+        """Return where a way along attributes leads; see `utils.checks.vocabulary`."""
+        return self._student._ask(".".join(names), held=self._held, call=False)
+
 
 class Student:
     """Proxy for the functions of one notebook.

@@ -10,8 +10,9 @@ is slow to import and the judge has no use for it.
 
 import contextlib
 import copy
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -569,6 +570,11 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> None:
         return
     for arguments in calls:
         function(*copy.deepcopy(arguments))
+
+
+def reach(value: object, names: Sequence[str]) -> object:
+    """Where a way along attributes leads, as `value.first.second`; elsewhere in one message."""
+    return value.reach(names) if hasattr(value, "reach") else attrgetter(".".join(names))(value)
 
 
 def assert_untouched(function: Callable, *arguments: object) -> None:

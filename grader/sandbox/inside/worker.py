@@ -11,6 +11,7 @@ import ast
 import builtins
 import contextlib
 import dataclasses
+import operator
 import os
 import resource
 import sys
@@ -197,14 +198,15 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[str]:
 def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Do what a request asks for; the result, or what went wrong.
 
-    A request names a function of the notebook, or a method or an attribute of an object that
-    an earlier answer left here under a number. Of several calls the last one is answered.
+    A request names a function of the notebook, or a method or an attribute (with dots, an
+    attribute's) of an object that an earlier answer left here under a number. Of several calls the
+    last one is answered.
     """
     try:
         if request["object"] is None:
             wanted = namespace[request["name"]]
         else:
-            wanted = getattr(objects[request["object"]], request["name"])
+            wanted = operator.attrgetter(request["name"])(objects[request["object"]])
         result = wanted
         for arguments in request["calls"]:
             result = wanted(*arguments, **request["keywords"])
