@@ -232,8 +232,8 @@ class Student:
         else:
             result = self._object(reply["object"], reply.get("type"))
             for method in _texts(reply.get("methods")):
-                held = result._held
-                self._methods[held.number, method] = RemoteFunction(self, method, held)
+                function = RemoteFunction(self, method, result._held)
+                self._methods[result._held.number, method] = function
         self._remember(reply.get("beside"))
         if not call:
             result = self._known.get((held.number, name), result)
