@@ -29,12 +29,12 @@ def assert_clusters(student, cloud, threshold=1.0):
 def objects(seed):
     """Twelve wandering chains of points, steps below 0.2 m, far from each other; their labels."""
     rng = np.random.default_rng(seed)
-    steps = rng.normal(size=(12, 15, 3))
-    steps *= rng.uniform(0.1, 0.2, (12, 15, 1)) / np.linalg.norm(steps, axis=2, keepdims=True)
+    steps = rng.normal(size=(12, 25, 3))
+    steps *= rng.uniform(0.1, 0.2, (12, 25, 1)) / np.linalg.norm(steps, axis=2, keepdims=True)
     places = np.stack(np.meshgrid([-18, -6, 6, 18], [-12, 0, 12], [0]), axis=-1).reshape(12, 1, 3)
-    order = rng.permutation(180)
+    order = rng.permutation(300)
     cloud = (np.cumsum(steps, axis=1) + places).reshape(-1, 3)
-    return cloud[order], np.repeat(np.arange(12), 15)[order]
+    return cloud[order], np.repeat(np.arange(12), 25)[order]
 
 
 @hidden(
@@ -67,7 +67,7 @@ def test_fresh_streets(student, seed):
     hint="Is it the distance that is compared with the threshold, or its square?",
 )
 def test_other_thresholds(student, seed):
-    cloud = samples.obstacles_of_street(seed, 250)[:, :3]
+    cloud = samples.obstacles_of_street(seed, 350)[:, :3]
     for threshold in np.random.default_rng(seed).uniform(0.2, 2.0, 3):
         assert_clusters(student, cloud, float(threshold))
 
@@ -110,7 +110,7 @@ def test_deep_chain(student, seed):
 )
 def test_order(student, seed):
     cloud, labels = objects(seed)
-    for order in (np.random.default_rng(seed).permutation(180), np.argsort(cloud[:, 1])):
+    for order in (np.random.default_rng(seed).permutation(300), np.argsort(cloud[:, 1])):
         answer = student.euclidean_clustering(cloud[order], 1.0)
         assert_partition(answer, labels[order], cloud[order])
 
@@ -138,7 +138,7 @@ def test_place_and_turn(student, seed):
 def test_intensity(student, seed):
     cloud, labels = objects(seed)
     for largest in (1, 255):
-        bright = np.random.default_rng(seed).uniform(0, largest, (180, 1))
+        bright = np.random.default_rng(seed).uniform(0, largest, (300, 1))
         bright = np.hstack([cloud, bright])
         assert_partition(student.euclidean_clustering(bright.copy(), 1.0), labels, bright)
 
