@@ -822,6 +822,7 @@ def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None
     return tree
 
 
+@once
 def assert_root(KdTree: Callable) -> None:
     """The first point becomes the root; where not, a walk down the tree may never end.
 
