@@ -6,6 +6,7 @@ import pytest
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student, StudentError, StudentStopped
+from utils.checks.vocabulary import call_each, reach
 
 TREE = """
 import numpy as np
@@ -104,6 +105,53 @@ def test_a_walk_through_a_tree_is_few_questions(student):
         node = node.left
     assert seen == [(number, [number, 0.0], None) for number in reversed(range(30))]
     assert student._calls - asked <= len(seen) // 5
+
+
+def test_many_calls_are_one_question_and_end_at_the_first_that_fails(student):
+    tree, points = student.KdTree(), np.arange(8.0).reshape(4, 2)
+    asked = student._calls
+    call_each(tree.insert, [(point, row) for row, point in enumerate(points)])
+    assert student._calls == asked + 1
+    assert (tree.count, tree.root.index) == (4, 3)
+    assert tree.root.left.point.tolist() == [4.0, 5.0]
+    with pytest.raises(StudentError, match="missing 1 required positional argument"):
+        call_each(tree.insert, [(points[0], 4), (points[1],), (points[2], 6)])
+    assert tree.count == 5
+
+
+def test_methods_of_a_new_object_are_known_and_looked_up_when_called(student):
+    tree = student.KdTree()
+    asked = student._calls
+    search, _, root = tree.search, tree.insert, tree.root
+    assert (student._calls, root) == (asked, None)
+    assert search([0, 0], 1.0) == []
+    assert student._calls == asked + 1
+
+
+def test_a_way_along_attributes_is_one_question(student):
+    tree = student.KdTree()
+    call_each(tree.insert, [([row, 0.0], row) for row in range(300)])
+    asked = student._calls
+    assert reach(tree, ["root", *["left"] * 299]).index == 0
+    assert reach(tree, ["root", *["left"] * 300]) is None
+    with pytest.raises(StudentError, match="AttributeError"):
+        reach(tree, ["root", *["left"] * 301])
+    assert student._calls <= asked + 4
+
+
+def test_outside_calls_and_ways_are_pythons_own():
+    class Local:
+        def __init__(self):
+            self.seen = []
+
+        def note(self, point, index):
+            self.seen.append((point, index))
+            point[0] = 9
+
+    points, local = np.zeros((2, 2)), Local()
+    call_each(local.note, zip(points, [3, 4], strict=True))
+    assert [index for _, index in local.seen] == [3, 4] and not points.any()
+    assert reach(local, ["note", "__func__", "__name__"]) == "note"
 
 
 def test_a_walk_in_a_circle_is_the_walkers_own(sandbox):

@@ -101,6 +101,24 @@ def test_arrays_of_any_layout_come_back_writable(array):
     assert np.array_equal(back, np.asarray(array), equal_nan=True)
 
 
+@pytest.mark.parametrize(
+    "value",
+    [
+        [1.5, math.inf],
+        (2**63 - 1, -(2**63)),
+        [1, True],
+        [1.0, 2],
+        ["a", "\ud800"],
+        [np.float64(2.5), 1.0],
+        [],
+        [2**63, 1],
+    ],
+)
+def test_lists_of_one_kind_and_of_others_cross_alike(value):
+    """Some are looked through as one: nothing passes by it that would not pass alone."""
+    assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
+
+
 @pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
     """Time grows with the number of arrays, not with its square (which would be minutes)."""

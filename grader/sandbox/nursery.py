@@ -13,6 +13,7 @@ import array
 import contextlib
 import ctypes
 import fcntl
+import gc
 import importlib
 import json
 import os
@@ -47,6 +48,9 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     del sys.meta_path[0]
+    # A worker need not look through all that for garbage, and copy the pages that it lies in.
+    gc.collect()
+    gc.freeze()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     # Whoever watches over many workers is not ended for what one of them does.
     while True:

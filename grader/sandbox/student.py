@@ -10,7 +10,7 @@ from __future__ import annotations
 import builtins
 import select
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
@@ -87,11 +87,15 @@ class RemoteFunction:
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Return what it returns."""
-        return self._student._ask(self.__name__, arguments, keywords, self._held)
+        return self._student._ask(self.__name__, [arguments], keywords, self._held)
 
     def observe(self, *arguments: object) -> Observed:
         """Call it, and look at what became of the arguments; see `utils.checks.vocabulary`."""
-        return self._student._ask(self.__name__, arguments, held=self._held, observe=True)
+        return self._student._ask(self.__name__, [arguments], held=self._held, observe=True)
+
+    def each(self, calls: Sequence[Sequence]) -> None:
+        """Call it with each of these arguments, in one message; they share the time of a call."""
+        self._student._ask(self.__name__, calls, held=self._held)
 
 
 class RemoteObject:
@@ -111,6 +115,10 @@ class RemoteObject:
         if name.startswith("_"):
             raise AttributeError(name)
         return self._student._ask(name, held=self._held, call=False)
+
+    def reach(self, names: Sequence[str]) -> object:
+        """Return where a way along attributes leads; see `utils.checks.vocabulary`."""
+        return self._student._ask(".".join(names), held=self._held, call=False)
 
 
 class Student:
@@ -139,8 +147,9 @@ class Student:
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
         # Attributes that came with another one, of the same object and of those that it leads to;
-        # until something is called.
+        # until something is called. Methods stay.
         self._known: dict[tuple[int, str], object] = {}
+        self._methods: dict[tuple[int, str], RemoteFunction] = {}
         self._stops: dict[str, list[str]] = {}
         self._time_left = self._limits.total_seconds
         self._run_whole, self._told = True, False
@@ -167,13 +176,16 @@ class Student:
     def _ask(
         self,
         name: str,
-        arguments: Sequence = (),
+        calls: Sequence[Sequence] = (),
         keywords: dict | None = None,
         held: _Held | None = None,
         call: bool = True,
         observe: bool = False,
     ) -> object:
-        """Call a function, or a method or an attribute of an object that is held inside."""
+        """Call a function or a method of an object that is held inside, or ask for an attribute.
+
+        Of several calls the last one's answer comes back, or the first exception.
+        """
         if held is not None and held.worker is not self._worker:
             raise StudentStopped(
                 "The notebook's process was stopped, and what it had built is gone."
@@ -187,15 +199,16 @@ class Student:
             )
         if call:
             self._known.clear()
-        elif (held.number, name) in self._known:
-            return self._known[held.number, name]
+        else:
+            for known in (self._methods, self._known):
+                if (held.number, name) in known:
+                    return known[held.number, name]
         self._calls += 1
         request = {
             "id": self._calls,
             "name": name,
-            "arguments": list(arguments),
+            "calls": [list(arguments) for arguments in calls],
             "keywords": keywords or {},
-            "call": call,
             "object": held and held.number,
             "observe": observe,
         }
@@ -217,31 +230,31 @@ class Student:
         elif reply.get("callable") is True and not call:
             result = RemoteFunction(self, name, held)
         else:
-            result = self._object(reply)
+            result = self._object(reply["object"], reply.get("type"))
+            for method in _texts(reply.get("methods")):
+                function = RemoteFunction(self, method, result._held)
+                self._methods[result._held.number, method] = function
+        self._remember(reply.get("beside"))
         if not call:
-            self._remember(reply.get("beside"))
             result = self._known.get((held.number, name), result)
         if not observe:
             return result
         after, shared = reply.get("arguments"), reply.get("shared")
-        if not isinstance(after, list) or len(after) != len(arguments):
+        if not isinstance(after, list) or len(after) != len(calls[0]):
             self._stop(f"{name} did not answer the question that was asked")
         return Observed(result, tuple(after), frozenset(_positions(shared)))
 
-    def _object(self, reply: dict) -> RemoteObject:
-        held = _Held(reply["object"], self._worker)
-        return RemoteObject(self, held, wire.known_type(reply.get("type")))
+    def _object(self, number: int, kind: object) -> RemoteObject:
+        return RemoteObject(self, _Held(number, self._worker), wire.known_type(kind))
 
     def _remember(self, beside: object) -> None:
         """Keep what came with an attribute: whoever asks for one walks the whole tree."""
-        for one in beside if isinstance(beside, list) else ():
-            number, said = one if isinstance(one, list) and len(one) == 2 else (None, None)
-            if type(number) is not int or not isinstance(said, dict):
-                continue
-            for name, value in said.items():
-                if isinstance(name, str) and isinstance(value, dict) and _is_number(value):
-                    known = self._object(value) if "object" in value else value.get("result")
-                    self._known[number, name] = known
+        plain, others = beside if isinstance(beside, list) and len(beside) == 2 else ((), ())
+        for number, name, value in _rows(plain, 3):
+            self._known[number, name] = value
+        for number, name, other, kind in _rows(others, 4):
+            if type(other) is int:
+                self._known[number, name] = self._object(other, kind)
 
     def _error(self, name: str, error: object) -> StudentError:
         if not isinstance(error, dict):
@@ -270,6 +283,7 @@ class Student:
             )
         program = self._program
         self._known.clear()
+        self._methods.clear()
         self._worker = self._sandbox.start(self._limits, program.forbidden, program.packages)
         found = self._start(
             {
@@ -384,6 +398,15 @@ def _readable(value: object) -> str:
     """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
     text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def _rows(columns: object, width: int) -> Iterator[tuple]:
+    """Rows of a stranger's table that begin with a number and a name."""
+    if not isinstance(columns, list) or [*map(type, columns)] != [list] * width:
+        return
+    for row in zip(*columns, strict=False):
+        if type(row[0]) is int and type(row[1]) is str:
+            yield row
 
 
 def _is_number(told: dict) -> bool:

@@ -5,7 +5,7 @@ crosses the pipe in one message. Apart from the tests that are about them, searc
 of 1 (whose square is the same), nobody in the corners of the box around it and nobody on its rim.
 """
 
-import copy
+import functools
 
 import numpy as np
 import pytest
@@ -32,7 +32,14 @@ from utils.checks.lesson_04 import (
     planted,
     regions_of,
 )
-from utils.checks.vocabulary import assert_left_alone, assert_untouched, frozen, needs, observe
+from utils.checks.vocabulary import (
+    assert_left_alone,
+    assert_untouched,
+    call_each,
+    frozen,
+    needs,
+    observe,
+)
 
 
 @visible_checks("insert", "search", "median_order")
@@ -66,8 +73,7 @@ def balanced(points):
 def inserted(student, points, indices=None):
     assert_root(student.KdTree)
     tree = student.KdTree()
-    for index, point in zip(indices or range(len(points)), points, strict=True):
-        tree.insert(copy.copy(point), index)
+    call_each(tree.insert, zip(points, indices or range(len(points)), strict=True))
     return tree
 
 
@@ -182,7 +188,7 @@ def clear(rng, points, number):
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
     for target in targets:
-        points = points[[off_the_corners(point - target) for point in points]]
+        points = points[off_the_corners(points - target)]
     return points, targets
 
 
@@ -200,10 +206,15 @@ def assert_searches(student, targets, root):
     "node was it cut off?",
 )
 def test_search_plane(student, seed):
+    for targets, root in planes(seed):
+        assert_searches(student, targets, root)
+
+
+@functools.cache
+def planes(seed):
     rng = np.random.default_rng(seed)
-    for width in (4, 12):
-        points, targets = clear(rng, rng.uniform(-width, width, (250, 2)), 8)
-        assert_searches(student, targets, balanced(points))
+    scenes = [clear(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
+    return [(targets, balanced(points)) for points, targets in scenes]
 
 
 @hidden(
@@ -213,11 +224,16 @@ def test_search_plane(student, seed):
     hint="The axis at a node is depth % len(target).",
 )
 def test_search_street(student, seed):
+    for targets, root in streets(seed):
+        assert_searches(student, targets, root)
+
+
+@functools.cache
+def streets(seed):
     rng = np.random.default_rng(seed)
     street = samples.obstacles_of_street(seed, 300)[:, :3].astype(float)
-    for scale in (1.0, 0.4):
-        points, targets = clear(rng, street * scale, 8)
-        assert_searches(student, targets, balanced(points))
+    scenes = [clear(rng, street * scale, 8) for scale in (1.0, 0.4)]
+    return [(targets, balanced(points)) for points, targets in scenes]
 
 
 @hidden(
@@ -307,9 +323,16 @@ def test_search_split(student, seed):
     hint="Both children need a condition of their own before they are looked at.",
 )
 def test_search_prunes(student, seed):
+    for question in traps_and_decoys(seed):
+        assert_pruned(student.KdTree, *question, as_given=True)
+
+
+@functools.cache
+def traps_and_decoys(seed):
+    """What `assert_pruned` takes: trees, targets, tolerances, traps, decoys and their places."""
     rng = np.random.default_rng(seed)
-    tried = 0
-    while tried < 6:
+    questions = []
+    while len(questions) < 6:
         root = balanced(rng.uniform(-10, 10, (50, 2)))
         regions = {leaf: np.clip(region, -12, 12) for leaf, region in leaves_of(root).items()}
         decoy = sorted(regions)[rng.integers(len(regions))]
@@ -323,12 +346,14 @@ def test_search_prunes(student, seed):
         place[axis] = high[axis] + 0.3
         # Only what stands to its left, or only what stands to its right, hides the trap.
         hidden_by = hidden_leaves(root, target, 1.2)
-        traps = [leaf for leaf, letters in hidden_by.items() if letters == {"lr"[tried % 2]}]
+        traps = [
+            leaf for leaf, letters in hidden_by.items() if letters == {"lr"[len(questions) % 2]}
+        ]
         if not traps:
             continue
         trap = traps[rng.integers(len(traps))]
-        assert_pruned(student.KdTree, root, target, 1.0, trap, decoy, place, as_given=True)
-        tried += 1
+        questions.append((root, target, 1.0, trap, decoy, place))
+    return questions
 
 
 def hidden_leaves(root, target, margin):

@@ -4,6 +4,8 @@ Each looks at one property. Where it is not the subject, no first point of a clu
 smallest or largest, the labels rise from 1 without gaps, and there is neither noise nor intensity.
 """
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from grader.judging import samples
 from grader.judging.marks import hidden, visible_checks
 from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.lesson_08 import assert_works
+from utils.checks.vocabulary import frozen
 
 
 @visible_checks("get_bounding_boxes")
@@ -56,17 +59,19 @@ def middles_first(cloud, labels):
     return np.vstack([middles, cloud]), np.concatenate([np.arange(len(names)), place]) + 1
 
 
+@functools.lru_cache(maxsize=64)
 def course_clusters(seed):
     """Thinned obstacles of the course's own scan and their labels."""
     cloud = samples.patch_of_course_cloud(seed, 2500)
     cloud = cloud[cloud[:, 2] > -1.1, :3]
-    return middles_first(cloud, without_small(samples.cluster_labels(cloud, 0.7), 4))
+    return frozen(middles_first(cloud, without_small(samples.cluster_labels(cloud, 0.7), 4)))
 
 
+@functools.lru_cache(maxsize=64)
 def street_clusters(seed):
     """The same of a street that nobody has seen."""
     cloud = samples.obstacles_of_street(seed, 1500)[:, :3]
-    return middles_first(cloud, without_small(samples.cluster_labels(cloud, 0.8), 4))
+    return frozen(middles_first(cloud, without_small(samples.cluster_labels(cloud, 0.8), 4)))
 
 
 def clusters_around_the_origin(rng, count=12, each=20):

@@ -107,6 +107,7 @@ def test_workers_do_not_draw_the_same_numbers():
 
 SCIPY_IN_MEMORY = """
 import gc, sys, types
+gc.unfreeze()  # shows what the nursery keeps from the collector
 kinds = type, types.FunctionType, types.BuiltinFunctionType
 homes = {one.__module__ for one in gc.get_objects() if isinstance(one, kinds)}
 names = homes | set(sys.modules)

@@ -239,7 +239,7 @@ def leaves_its_input(euclidean_clustering: Callable) -> None:
 def takes_a_long_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
     # Python allows 1000 nested calls, and 3000 where something in the notebook has asked for more.
-    n = min(sys.getrecursionlimit(), 3000) + 200
+    n = min(sys.getrecursionlimit(), 3000) + 100
     wall = row_of_points([-n * _STEP / 2, 5.0, 0.0], _STEP, n)
     assert_clusters(euclidean_clustering(wall.copy(), _REACH), np.ones(n, int), wall, _REACH)
 

@@ -10,8 +10,9 @@ is slow to import and the judge has no use for it.
 
 import contextlib
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -557,6 +558,23 @@ def observe(function: Callable, *arguments: object) -> Observed:
         and np.shares_memory(value, result)
     }
     return Observed(result, copies, frozenset(shared))
+
+
+def call_each(function: Callable, calls: Iterable[tuple]) -> None:
+    """Call a function on copies of each of these arguments; what it returns is not looked at.
+
+    One that lives elsewhere gets them all in one message.
+    """
+    if hasattr(function, "each"):
+        function.each(list(calls))
+        return
+    for arguments in calls:
+        function(*copy.deepcopy(arguments))
+
+
+def reach(value: object, names: Sequence[str]) -> object:
+    """Where a way along attributes leads, as `value.first.second`; elsewhere in one message."""
+    return value.reach(names) if hasattr(value, "reach") else attrgetter(".".join(names))(value)
 
 
 def assert_untouched(function: Callable, *arguments: object) -> None:

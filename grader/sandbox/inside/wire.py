@@ -141,11 +141,10 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
     if isinstance(value, float):
         return float(value)
     if isinstance(value, (list, tuple)):
-        return {
-            "list" if isinstance(value, list) else "tuple": [
-                _to_tree(item, blob, depth + 1) for item in value
-            ]
-        }
+        kind = "list" if isinstance(value, list) else "tuple"
+        if _is_flat(value) or set(map(type, value)) == {str}:
+            return {kind: list(value)}
+        return {kind: [_to_tree(item, blob, depth + 1) for item in value]}
     if isinstance(value, (set, frozenset, dict)):
         return _keyed_to_tree(value, blob, depth)
     if _is_generator(value):
@@ -213,7 +212,8 @@ def _from_tree(tree: object, blob: _Blob, depth: int) -> object:
         raise WireError("unknown node")
     ((kind, content),) = tree.items()
     if kind in ("list", "tuple"):
-        items = [_from_tree(item, blob, depth + 1) for item in content]
+        flat = type(content) is list and _is_flat(content)
+        items = content if flat else [_from_tree(item, blob, depth + 1) for item in content]
         return items if kind == "list" else tuple(items)
     if kind == "set":
         return {_key_from_tree(item, blob, depth) for item in content}
@@ -287,6 +287,17 @@ def _is_possible(shape: Sequence[int]) -> bool:
 
 def _is_small(value: object) -> bool:
     return isinstance(value, int) and -(2**63) <= value < 2**63
+
+
+def _is_flat(values: Sequence) -> bool:
+    """Whether these are nothing but floats, or small integers: each crosses as it is.
+
+    Most lists are such, and looking at their items one by one takes ten times as long.
+    """
+    kinds = set(map(type, values))
+    if kinds == {int}:
+        return _is_small(min(values)) and _is_small(max(values))
+    return kinds == {float}
 
 
 def _writable_text(text: str) -> str:

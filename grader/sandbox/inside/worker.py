@@ -11,11 +11,11 @@ import ast
 import builtins
 import contextlib
 import dataclasses
+import operator
 import os
 import resource
 import sys
 import types
-from collections import deque
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -31,8 +31,8 @@ import wire  # noqa: E402
 from utils.notebooks import slicing  # noqa: E402
 
 LONGEST_TEXT = 400
-# What comes along with an attribute at most: a handful of nodes, each with a few small values.
-MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 8, 12, 12
+# What comes along with an attribute at most: a small tree, whose nodes have a few small values.
+MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are not there because the lesson does not allow what they are imported from.
 _REFUSED: dict[str, str] = {}
@@ -198,24 +198,29 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[str]:
 def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Do what a request asks for; the result, or what went wrong.
 
-    A request names a function of the notebook, or a method or an attribute of an object that
-    an earlier answer left here under a number.
+    A request names a function of the notebook, or a method or an attribute (with dots, an
+    attribute's) of an object that an earlier answer left here under a number. Of several calls the
+    last one is answered.
     """
-    arguments, keywords = request["arguments"], request["keywords"]
     try:
         if request["object"] is None:
             wanted = namespace[request["name"]]
         else:
-            wanted = getattr(objects[request["object"]], request["name"])
-        result = wanted(*arguments, **keywords) if request["call"] else wanted
+            wanted = operator.attrgetter(request["name"])(objects[request["object"]])
+        result = wanted
+        for arguments in request["calls"]:
+            result = wanted(*arguments, **request["keywords"])
     except BaseException as error:
         return {"error": describe(error)}
-    seen = observed(result, arguments) if request["observe"] else {}
-    if not request["call"] and not callable(result):
+    seen = observed(result, request["calls"][-1]) if request["observe"] else {}
+    if not request["calls"] and not callable(result):
         seen["beside"] = beside(request["object"], objects)
     if wire.is_plain(result):
         return {"result": result, **seen}
-    return {**held(result, objects), "callable": callable(result), **seen}
+    kept = held(result, objects)
+    if request["calls"]:
+        seen |= {"beside": beside(kept["object"], objects), "methods": methods(result)}
+    return {**kept, "callable": callable(result), **seen}
 
 
 def held(value: object, objects: dict[int, object]) -> dict:
@@ -227,24 +232,43 @@ def held(value: object, objects: dict[int, object]) -> dict:
 def beside(number: int, objects: dict[int, object]) -> list:
     """The attributes of an object, and of those that it leads to: who asks for one walks a tree.
 
-    Each as the object's number and what its attributes hold.
+    Two tables, as lists of columns: whose attribute, its name and its value, of plain ones; whose
+    attribute, its name, the number and the type of the object that it holds, of the others.
     """
-    known, waiting = [], deque([number])
-    while waiting and len(known) < MOST_OBJECTS:
-        number = waiting.popleft()
+    plain, others = [[], [], []], [[], [], [], []]
+    waiting = [number]
+    for number in waiting:  # grows while it is walked
         attributes = getattr(objects[number], "__dict__", None)
         if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
             continue
-        said = {}
         for name, value in attributes.items():
-            small = type(value) is np.ndarray and value.size <= MOST_NUMBERS
-            if isinstance(value, SCALARS) or small:
-                said[str(name)] = {"result": value}
-            elif not wire.is_plain(value) and not callable(value):
-                said[str(name)] = held(value, objects)
-                waiting.append(said[str(name)]["object"])
-        known.append([number, said])
-    return known
+            if is_small(value):
+                row, table = (number, str(name), value), plain
+            elif wire.is_plain(value) or callable(value):
+                continue
+            else:
+                kept = held(value, objects)
+                row, table = (number, str(name), *kept.values()), others
+                if len(waiting) < MOST_OBJECTS:
+                    waiting.append(kept["object"])
+            for column, content in zip(table, row, strict=True):
+                column.append(content)
+    return [plain, others]
+
+
+def is_small(value: object) -> bool:
+    """Whether a value is a number, or a few of them."""
+    if type(value) is np.ndarray:
+        return value.size <= MOST_NUMBERS
+    if type(value) in (list, tuple):
+        return len(value) <= MOST_NUMBERS and all(isinstance(one, SCALARS) for one in value)
+    return isinstance(value, SCALARS)
+
+
+def methods(value: object) -> list[str]:
+    """Names of the methods of an object's class; what is called is looked up only then."""
+    names = [name for name, member in vars(type(value)).items() if callable(member)]
+    return [name for name in names if not name.startswith("_")][:MOST_ATTRIBUTES]
 
 
 def observed(result: object, arguments: list) -> dict:
