@@ -3,6 +3,7 @@
 Each looks at one property. A box is drawn with the points of its cluster.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 
@@ -346,10 +347,9 @@ def footprint(box: np.ndarray) -> np.ndarray | None:
 
 def _crookedness(corners: np.ndarray) -> float:
     """How far four corners (4, 2) going round are from a rectangle, in metres."""
-    first, second, third, fourth = corners
-    middles_apart = np.linalg.norm(first + third - second - fourth) / 2
-    diagonals = np.linalg.norm(third - first), np.linalg.norm(fourth - second)
-    return max(middles_apart, abs(diagonals[0] - diagonals[1]))
+    first, second, third, fourth = corners.tolist()
+    middles_apart = math.hypot(*(corners[0] + corners[2] - corners[1] - corners[3])) / 2
+    return max(middles_apart, abs(math.dist(third, first) - math.dist(fourth, second)))
 
 
 def _pairs(box: np.ndarray) -> np.ndarray:
@@ -359,11 +359,11 @@ def _pairs(box: np.ndarray) -> np.ndarray:
         floor, roof = order[:4].tolist(), order[4:].tolist()
     else:  # flat: floor and roof coincide
         floor, roof = list(range(8)), list(range(8))
-    pairs = []
+    pairs, places = [], box[:, :2].tolist()
     while floor:
         row = floor.pop(0)
         others = [other for other in roof if other != row]
-        partner = min(others, key=lambda other: np.linalg.norm(box[other, :2] - box[row, :2]))
+        partner = min(others, key=lambda other: math.dist(places[other], places[row]))
         roof = [other for other in others if other != partner]
         floor = [other for other in floor if other != partner]
         pairs.append((row, partner))
