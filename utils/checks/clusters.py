@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
@@ -61,6 +62,7 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
 GROUPS, LABELS = frozen(_three_groups())
 
 
+@once
 def assert_works(euclidean_clustering: Callable) -> None:
     """Groups far apart are told apart; where not, no other property can be looked at."""
     with needs("groups of points far apart are clusters of their own"):
