@@ -79,9 +79,6 @@ def street_before() -> Frame:
 def square(seed: int) -> Frame:
     """Three cars around the sensor, anywhere and turned in any way, between two rows of houses.
 
-    Most of what a detector is asked is asked here, and a quarter of the azimuths shows it: of each
-    car there are still hundreds of returns, a few centimetres apart.
-
     Parameters
     ----------
     seed : int
@@ -89,13 +86,9 @@ def square(seed: int) -> Frame:
     Returns
     -------
     utils.simulator.frames.Frame
-        Its boxes count the returns of all azimuths of `half_sensor`.
     """
     frames = (_some_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
-    frame = next(frame for frame in frames if len(clear_cars(frame)) == 3)
-    sensor = half_sensor()
-    azimuths = np.rint(frame.scan.times * sensor.firings * sensor.rotation_rate)
-    return _with_rows(frame, azimuths % 2 == 0)
+    return next(frame for frame in frames if len(clear_cars(frame)) == 3)
 
 
 @functools.lru_cache(maxsize=64)
@@ -216,18 +209,16 @@ def without(car: Box, frame: Frame) -> Frame:
     -------
     utils.simulator.frames.Frame
     """
+    left = frame.scan.objects != car.identity
+    scan = dataclasses.replace(
+        frame.scan,
+        **{
+            field.name: getattr(frame.scan, field.name)[left]
+            for field in dataclasses.fields(frame.scan)
+        },
+    )
     boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
-    left = _with_rows(frame, frame.scan.objects != car.identity)
-    return dataclasses.replace(left, boxes=boxes)
-
-
-def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
-    """A frame of which some returns (a mask) are left, with the boxes that it had."""
-    columns = {
-        field.name: getattr(frame.scan, field.name)[rows]
-        for field in dataclasses.fields(frame.scan)
-    }
-    return dataclasses.replace(frame, scan=dataclasses.replace(frame.scan, **columns))
+    return dataclasses.replace(frame, scan=scan, boxes=boxes)
 
 
 def own_car(seed: int) -> np.ndarray:
