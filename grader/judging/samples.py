@@ -84,6 +84,7 @@ def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
+@remembered
 def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
     """Rows of a cloud of which no two are at the threshold, give or take `margin` metres.
 

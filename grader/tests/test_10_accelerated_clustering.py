@@ -13,7 +13,7 @@ from grader.judging.marks import hidden, visible_checks
 from grader.sandbox.student import StudentStopped
 from utils.checks.clusters import assert_works
 from utils.checks.lesson_10 import assert_in_clusters
-from utils.checks.vocabulary import CheckFailed, assert_partition
+from utils.checks.vocabulary import CheckFailed, assert_partition, frozen
 
 NAME = "euclidean_clustering_accelerated"
 
@@ -91,11 +91,7 @@ def test_crowded_cells(student, seed):
 )
 def test_hardly_apart(student, seed):
     assert_works(student.euclidean_clustering_accelerated)
-    # Too large a cell holds few such pairs: it must be one that lies well, along its diagonal.
-    rng = np.random.default_rng(seed)
-    grid = np.stack(np.meshgrid(np.arange(60), np.arange(50), [0]), axis=-1).reshape(-1, 3)
-    low = 5.0 * grid + rng.uniform(0, 0.7, grid.shape) - [150, 125, 0]
-    cloud = np.stack([low, low + 1.002 / np.sqrt(3)], axis=1).reshape(-1, 3)
+    cloud = _pairs_of_all_phases(np.random.default_rng(seed))
     answer = student.euclidean_clustering_accelerated(cloud.copy(), 1.0)
     assert_partition(answer, np.arange(len(cloud)), cloud)
 
@@ -240,15 +236,11 @@ def test_whole_scan(student, seed):
     "more cell: work with cells instead of pairs of points.",
 )
 def test_dense_walls(student, seed):
-    rng = np.random.default_rng(seed)
-    walls = rng.uniform(0, 1, (12, 5000, 3)) * [1.2, 0.0, 1.0]
-    walls += np.array([[5.0 * (i % 4), 5.0 * (i // 4), 0.0] for i in range(12)])[:, None]
-    turn, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(60_000)
-    cloud = (walls.reshape(-1, 3) @ turn.T + rng.uniform(-5, 5, 3))[order]
+    cloud, labels = _walls(seed)
     answer = answer_in_time(
         student, cloud.copy(), 0.5, "Dense walls must not be compared pair by pair."
     )
-    assert_in_clusters(answer, np.repeat(np.arange(12), 5000)[order], cloud)
+    assert_in_clusters(answer, labels, cloud)
 
 
 @hidden(
@@ -259,7 +251,7 @@ def test_dense_walls(student, seed):
     "of its points. Points that share a cell need no pair.",
 )
 def test_heaps(student, seed):
-    cloud, labels = _heaps(np.random.default_rng(seed), [0.0, 6.0])
+    cloud, labels = _heaps(seed)
     answer = answer_in_time(
         student,
         cloud.copy(),
@@ -278,28 +270,70 @@ def test_heaps(student, seed):
     "other.",
 )
 def test_touching_heaps(student, seed):
-    # 0.52 m lie between two heaps; one point of either stands out, in the first two.
-    cloud, labels = _heaps(np.random.default_rng(seed), [0.0, 0.6, 6.0, 6.6], stands_out=0.015)
+    cloud, labels = _heaps_end_to_end(seed)
     answer = answer_in_time(
         student,
         cloud.copy(),
         0.5,
         "Two heaps must not be compared pair by pair: their closest pair is enough.",
     )
-    assert_partition(answer, np.where(labels == 1, 0, labels), cloud)
+    assert_partition(answer, labels, cloud)
 
 
-def _heaps(rng, places, stands_out=0.0):
-    """Heaps of 20 000 points within 0.08 m, along a way; their labels.
+def _pairs_of_all_phases(rng):
+    """Points (2000, 3) in pairs along the diagonals of cells, 1.002 m apart.
 
-    Of the first two, one point each stands out so far (m) towards the other heap.
+    Too large a cell holds few such pairs: one must lie well in it, to a fifth of its side along
+    each axis where the side is 1 / sqrt(2). So pairs begin at each tenth of that side along each
+    axis: wherever such cells begin, one holds a pair, and of larger cells many do.
     """
-    heaps = rng.uniform(0, 0.08, (len(places), 20_000, 3))
-    heaps[0, 0], heaps[1, 0] = [0.08 + stands_out, 0.04, 0.04], [-stands_out, 0.04, 0.04]
-    heaps += np.outer(places, [1, 0, 0])[:, None]
-    turn, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(len(places) * 20_000)
-    cloud = (heaps.reshape(-1, 3) @ turn.T + rng.uniform(-5, 5, 3))[order]
-    return cloud, np.repeat(np.arange(len(places)), 20_000)[order]
+    side = 1 / np.sqrt(2)
+    tenths = np.stack(np.meshgrid(*[np.arange(10)] * 3), axis=-1).reshape(-1, 3) / 10
+    places = 7 * np.stack(np.meshgrid(np.arange(40), np.arange(25), [0]), axis=-1).reshape(-1, 3)
+    low = side * (places + rng.permutation(tenths)) + rng.uniform(-80, -60, 3)
+    return np.stack([low, low + 1.002 / np.sqrt(3)], axis=1).reshape(-1, 3)
+
+
+@functools.lru_cache(maxsize=16)
+def _walls(seed):
+    """Twelve walls of 5000 points, and their labels. Read-only."""
+    rng = np.random.default_rng(seed)
+    walls = rng.uniform(0, 1, (12, 5000, 3)) * [1.2, 0.0, 1.0]
+    walls += np.array([[5.0 * (i % 4), 5.0 * (i // 4), 0.0] for i in range(12)])[:, None]
+    return _mixed(rng, walls, range(12))
+
+
+@functools.lru_cache(maxsize=16)
+def _heaps(seed):
+    """Two heaps of 20 000 points within 0.08 m, and their labels. Read-only."""
+    rng = np.random.default_rng(seed)
+    heaps = rng.uniform(0, 0.08, (2, 20_000, 3))
+    heaps[1] += [6.0, 0.0, 0.0]
+    return _mixed(rng, heaps, range(2))
+
+
+@functools.lru_cache(maxsize=16)
+def _heaps_end_to_end(seed):
+    """Two small heaps that a pair of points joins, two large ones apart; their labels. Read-only.
+
+    0.502 m lie between the ends of two, so that all of the large ones has to be looked at; a point
+    stands out of either of the small ones, towards the other. They are so thin that the nearest
+    point lies at an end, where a KD-tree finds it ten times as quickly as in a cube; and so short
+    that borders of cells rarely cut one, and never into pieces of which a table would be small.
+    """
+    rng = np.random.default_rng(seed)
+    heaps = [rng.uniform(0, [0.04, 0.002, 0.002], (n, 3)) for n in (2000, 2000, 28_000, 28_000)]
+    heaps[0][0], heaps[1][0] = [0.0415, 0.001, 0.001], [-0.0015, 0.001, 0.001]
+    for heap, x in zip(heaps, (0.0, 0.542, 6.0, 6.542), strict=True):
+        heap[:, 0] += x
+    return _mixed(rng, heaps, (0, 0, 1, 2))
+
+
+def _mixed(rng, parts, labels):
+    """All points of some parts, turned, moved and mixed; of each the label of its part."""
+    cloud, labels = np.vstack(parts), np.repeat(labels, [len(part) for part in parts])
+    turn, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(len(cloud))
+    return frozen((cloud @ turn.T + rng.uniform(-5, 5, 3))[order]), frozen(labels[order])
 
 
 def _boxes_of_points(seed):

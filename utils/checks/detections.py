@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 import utils
 from utils.boxes import Box, distance_outside
 from utils.checks.boxes import footprint
+from utils.checks.remembering import answer_to, once
 from utils.checks.scans import OWN_CAR, clear_cars, clear_people
 from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs, point_text
 
@@ -25,6 +26,21 @@ MOST_BOXES = 1000  # to look at; comparing more takes long, and none of them is 
 UNTURNED = 1.33
 LARGEST_OF_A_PERSON = 3.0  # square metres
 SEEN = "cars that stand free near the sensor have boxes of their own"
+
+
+def detected(detect_obstacles: Callable, frame: Frame) -> object:
+    """What a detector says about a frame as it is; in one run it is asked once.
+
+    Parameters
+    ----------
+    detect_obstacles : callable
+    frame : utils.simulator.frames.Frame
+
+    Returns
+    -------
+    object
+    """
+    return answer_to(detect_obstacles, frame, frame.cloud)
 
 
 def as_boxes(answer: object) -> np.ndarray:
@@ -91,16 +107,12 @@ def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
         int(number): _within(returns, boxes[number], 0.2).mean()
         for number in _covering(boxes, thing.centre, 4.0)
     }
-    if any(share >= 0.9 and not _fits(boxes[number], thing) for number, share in holding.items()):
+    fitting = {
+        number: _fits(boxes[number], thing) for number, share in holding.items() if share >= HELD
+    }
+    if any(holding[number] >= 0.9 and not fits for number, fits in fitting.items()):
         return None
-    return next(
-        (
-            number
-            for number, share in holding.items()
-            if share >= HELD and _fits(boxes[number], thing)
-        ),
-        None,
-    )
+    return next((number for number, fits in fitting.items() if fits), None)
 
 
 def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> None:
@@ -143,6 +155,18 @@ def assert_sees(answer: object, frame: Frame) -> None:
     """
     with needs(SEEN):
         assert_cars_found([answer], [frame])
+
+
+@once
+def assert_cars_seen(detect_obstacles: Callable, frame: Frame) -> None:
+    """As `assert_sees`, of what a detector says about a frame as it is.
+
+    Parameters
+    ----------
+    detect_obstacles : callable
+    frame : utils.simulator.frames.Frame
+    """
+    assert_sees(detected(detect_obstacles, frame), frame)
 
 
 def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> None:

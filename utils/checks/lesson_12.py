@@ -16,14 +16,17 @@ from utils.checks.detections import (
     assert_boxes_real,
     assert_boxes_turned,
     assert_cars_found,
+    assert_cars_seen,
     assert_dry,
     assert_nothing_at_sensor,
     assert_own_car_free,
     assert_people_found,
     assert_sees,
     assert_upright,
+    detected,
 )
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.remembering import once
 from utils.checks.scans import own_car, rain, square, street, street_before, walk, with_invalid
 from utils.checks.using import functions_used
 from utils.checks.vocabulary import (
@@ -53,7 +56,7 @@ SQUARE, WALK = 25, 7
 )
 def finds_cars(detect_obstacles: Callable) -> None:
     frames = [street(), street_before()]
-    assert_cars_found([detect_obstacles(frame.cloud.copy()) for frame in frames], frames)
+    assert_cars_found([detected(detect_obstacles, frame) for frame in frames], frames)
 
 
 @visible(
@@ -64,9 +67,8 @@ def finds_cars(detect_obstacles: Callable) -> None:
     hint="How many points of a person are left before clustering? min_num_points must be smaller.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
-    answer = detect_obstacles(walk(WALK).cloud.copy())
-    assert_sees(answer, walk(WALK))
-    assert_people_found(answer, walk(WALK))
+    assert_cars_seen(detect_obstacles, walk(WALK))
+    assert_people_found(detected(detect_obstacles, walk(WALK)), walk(WALK))
 
 
 @visible(
@@ -79,9 +81,8 @@ def finds_people(detect_obstacles: Callable) -> None:
     "removed?",
 )
 def leaves_the_road(detect_obstacles: Callable) -> None:
-    answer = detect_obstacles(street_before().cloud.copy())
-    assert_sees(answer, street_before())
-    assert_boxes_real([answer], [street_before()])
+    assert_cars_seen(detect_obstacles, street_before())
+    assert_boxes_real([detected(detect_obstacles, street_before())], [street_before()])
 
 
 @visible(
@@ -110,9 +111,8 @@ def forgets_itself(detect_obstacles: Callable) -> None:
     "from above.",
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
-    answer = detect_obstacles(square(SQUARE).cloud.copy())
-    assert_sees(answer, square(SQUARE))
-    assert_boxes_turned(answer, square(SQUARE))
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    assert_boxes_turned(detected(detect_obstacles, square(SQUARE)), square(SQUARE))
 
 
 @visible(
@@ -123,9 +123,8 @@ def turns_boxes(detect_obstacles: Callable) -> None:
     hint="Let the last step be your get_oriented_boxes of lesson 11: it turns about z alone.",
 )
 def stands_upright(detect_obstacles: Callable) -> None:
-    answer = detect_obstacles(square(SQUARE).cloud.copy())
-    assert_sees(answer, square(SQUARE))
-    assert_upright(answer)
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    assert_upright(detected(detect_obstacles, square(SQUARE)))
 
 
 @visible(
@@ -165,7 +164,7 @@ def drops_invalid(detect_obstacles: Callable) -> None:
     "leave nothing.",
 )
 def takes_an_empty_scan(detect_obstacles: Callable) -> None:
-    assert_sees(detect_obstacles(square(SQUARE).cloud.copy()), square(SQUARE))
+    assert_cars_seen(detect_obstacles, square(SQUARE))
     boxes = as_boxes(detect_obstacles(np.empty((0, 4))))
     if len(boxes):
         raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
@@ -180,7 +179,7 @@ def takes_an_empty_scan(detect_obstacles: Callable) -> None:
 )
 def takes_three_columns(detect_obstacles: Callable) -> None:
     frame = square(SQUARE)
-    assert_sees(detect_obstacles(frame.cloud.copy()), frame)
+    assert_cars_seen(detect_obstacles, frame)
     assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
 
 
@@ -435,6 +434,7 @@ def assert_within(
     )
 
 
+@once
 def assert_finds_again(match_boxes: Callable) -> None:
     """Boxes are found again after a small move; where not, nothing else can be looked at."""
     with needs("boxes are found again after a small move"):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextvars import ContextVar
+
+import numpy as np
 
 from utils.checks.failures import CheckFailed, FarTooMuch
 
@@ -14,7 +16,7 @@ _KNOWN: ContextVar[dict | None] = ContextVar("known", default=None)
 
 @contextlib.contextmanager
 def one_run() -> Iterator[None]:
-    """A run of checks on the same functions: while it lasts, `once` remembers."""
+    """A run of checks on the same functions: while it lasts, `once` and `answer_to` remember."""
     token = _KNOWN.set({})
     try:
         yield
@@ -22,14 +24,15 @@ def one_run() -> Iterator[None]:
         _KNOWN.reset(token)
 
 
-def once(assertion: Callable[[Callable], None]) -> Callable[[Callable], None]:
+def once(assertion: Callable[..., None]) -> Callable[..., None]:
     """Decorate an assertion about a function: in one run it is asked once, and fails each time.
 
     Parameters
     ----------
     assertion : callable
-        Takes a student's function; raises `CheckFailed`. Whatever else it raises is not
-        remembered: a process that was stopped may answer the next time.
+        Takes a student's function, and what it is asked about, if that is hashable; raises
+        `CheckFailed`. Whatever else it raises is not remembered: a process that was stopped may
+        answer the next time.
 
     Returns
     -------
@@ -37,14 +40,14 @@ def once(assertion: Callable[[Callable], None]) -> Callable[[Callable], None]:
     """
 
     @functools.wraps(assertion)
-    def asked(function: Callable) -> None:
-        known, key = _KNOWN.get(), (assertion, getattr(function, "__name__", None))
+    def asked(function: Callable, *about: Hashable) -> None:
+        known, key = _KNOWN.get(), (assertion, getattr(function, "__name__", None), *about)
         if known is None:
-            assertion(function)
+            assertion(function, *about)
             return
         if key not in known:
             try:
-                assertion(function)
+                assertion(function, *about)
             except FarTooMuch:  # of such answers each is counted
                 raise
             except CheckFailed as failure:
@@ -55,3 +58,29 @@ def once(assertion: Callable[[Callable], None]) -> Callable[[Callable], None]:
             raise known[key].with_traceback(None)
 
     return asked
+
+
+def answer_to(function: Callable, question: Hashable, *arguments: np.ndarray) -> object:
+    """What a student's function answers; in one run it is asked each question once.
+
+    Only arrays are remembered: of whatever else comes back nobody knows whether it stays as it is.
+
+    Parameters
+    ----------
+    function : callable
+    question : hashable
+        What tells the question from all others that the function is asked.
+    arguments : numpy.ndarray
+        The function gets copies.
+
+    Returns
+    -------
+    object
+    """
+    known, key = _KNOWN.get(), (getattr(function, "__name__", None), question)
+    if known is not None and key in known:
+        return known[key]
+    answer = function(*(argument.copy() for argument in arguments))
+    if known is not None and isinstance(answer, np.ndarray):
+        known[key] = answer = answer.copy()  # the function may write into its own
+    return answer
