@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 NEAR = {"car": 7.5, "pedestrian": 7.0}  # m to the middle: all of a car is then within 10 m
 MANY = {"car": 1500, "pedestrian": 150}  # returns, of every second azimuth
+SQUARE_REACH = 12.0  # m, 2 m beyond the farthest corner of a car
 FREE = 1.2  # m to the nearest other thing
 OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # m from and to, x and y
 
@@ -79,6 +80,9 @@ def street_before() -> Frame:
 def square(seed: int) -> Frame:
     """Three cars around the sensor, anywhere and turned in any way, between two rows of houses.
 
+    Most of what a detector is asked is asked here, so what lies farther away than the cars is
+    left out.
+
     Parameters
     ----------
     seed : int
@@ -88,7 +92,8 @@ def square(seed: int) -> Frame:
     utils.simulator.frames.Frame
     """
     frames = (_some_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
-    return next(frame for frame in frames if len(clear_cars(frame)) == 3)
+    frame = next(frame for frame in frames if len(clear_cars(frame)) == 3)
+    return _with_rows(frame, np.hypot(frame.cloud[:, 0], frame.cloud[:, 1]) < SQUARE_REACH)
 
 
 @functools.lru_cache(maxsize=64)
@@ -209,16 +214,18 @@ def without(car: Box, frame: Frame) -> Frame:
     -------
     utils.simulator.frames.Frame
     """
-    left = frame.scan.objects != car.identity
-    scan = dataclasses.replace(
-        frame.scan,
-        **{
-            field.name: getattr(frame.scan, field.name)[left]
-            for field in dataclasses.fields(frame.scan)
-        },
-    )
     boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
-    return dataclasses.replace(frame, scan=scan, boxes=boxes)
+    left = _with_rows(frame, frame.scan.objects != car.identity)
+    return dataclasses.replace(left, boxes=boxes)
+
+
+def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
+    """A frame of which some returns (a mask) are left, with the boxes that it had."""
+    columns = {
+        field.name: getattr(frame.scan, field.name)[rows]
+        for field in dataclasses.fields(frame.scan)
+    }
+    return dataclasses.replace(frame, scan=dataclasses.replace(frame.scan, **columns))
 
 
 def own_car(seed: int) -> np.ndarray:
