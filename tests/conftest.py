@@ -73,6 +73,7 @@ def pytest_itemcollected(item):
 
 
 # What takes longest comes first, so that no processor waits for another in the end.
+MADE_ONCE = ("test_standalone", "test_build", "test_scenes")
 LONGEST = ("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_judge", "test_cheap")
 
 
@@ -80,13 +81,13 @@ LONGEST = ("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_j
 def pytest_collection_modifyitems(items):
     """Sort the tests by length, and keep those on one lesson, or its judge, in one process.
 
-    Its scenes and right answers are made once in a process.
+    Scenes, right answers and notebooks are made once in a process.
     """
     for item in items:
         lesson = getattr(item, "callspec", None) and _lesson_in(item.callspec.params.values())
         if item.path.stem == "test_judge" and lesson:
             item.add_marker(pytest.mark.xdist_group(lesson))
-        if item.path.parent.name == "lessons":
+        if item.path.parent.name == "lessons" or item.path.stem in MADE_ONCE:
             item.add_marker(pytest.mark.xdist_group(item.path.stem))
     names = [item.path.stem for item in items]
     order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}

@@ -492,6 +492,7 @@ def lost(variant_of, name, lesson_name):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "exercise, name, lesson_name, test",
     [

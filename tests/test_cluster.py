@@ -317,6 +317,7 @@ def test_stopped_or_killed_the_same_command_goes_on(course, local, sandbox, star
 # ---- Parts -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_nobody_answers(course, sandbox, monkeypatch, capsys):
     monkeypatch.setattr(cluster, "CONNECT", 1)
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):

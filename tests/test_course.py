@@ -262,6 +262,7 @@ def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monke
     assert "judged were 20" in said
 
 
+@pytest.mark.slow
 def test_a_time_that_cannot_be_read_is_named(course, sandbox, capsys):
     hand_in(course, "ada", LESSON, answer(), when="yesterday, I think")
     assert grade(course, sandbox) == commands.FAULT
@@ -269,6 +270,7 @@ def test_a_time_that_cannot_be_read_is_named(course, sandbox, capsys):
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
 
 
+@pytest.mark.slow
 def test_settings_of_the_course_count(course, sandbox):
     configure(
         course,
@@ -317,6 +319,7 @@ def test_penalty_by_the_day(late, points):
     assert (plugin.late_submission_penalty("ada", 30.0, late) or 0) == pytest.approx(points)
 
 
+@pytest.mark.slow
 def test_a_second_run_waits_for_its_turn(course, sandbox, capsys):
     with only_one(course):
         assert grade(course, sandbox) == commands.FAULT
@@ -327,6 +330,7 @@ def test_a_second_run_waits_for_its_turn(course, sandbox, capsys):
         pass
 
 
+@pytest.mark.slow
 def test_nothing_half_done_stays(course, sandbox):
     for folder in (course.verdicts / "ada", course.report):
         folder.mkdir(parents=True)

@@ -137,6 +137,7 @@ def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
     assert again["ada"].score == 30 and not isinstance(told[-1][2], str)
 
 
+@pytest.mark.slow
 def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
     asked = []
     right = grade.judge_handed_in
@@ -154,6 +155,7 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
     assert graded(course, sandbox) == verdicts and len(asked) == 4
 
 
+@pytest.mark.slow
 def test_who_waits_instead_of_working_is_given_up_and_called_starved(sandbox):
     from grader.sandbox import Limits
     from grader.sandbox.program import Program
@@ -309,6 +311,7 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again():
         assert any(path.endswith(part) for path in files), part
 
 
+@pytest.mark.slow
 def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
     """Else a function could keep a hidden question, and tell it in a check that is shown."""
 

@@ -48,6 +48,7 @@ def test_what_calls_a_wrong_helper_keeps_its_points(helper, name, sandbox, tmp_p
     assert [test.message for test in calls.tests if not test.passed] == []
 
 
+@pytest.mark.slow
 def test_what_is_wrong_itself_still_loses_points(sandbox, tmp_path):
     helper = source_of("line_through", "the normal has any length")
     gives_up = source_of("ransac_line").replace("continue", "break")
@@ -58,6 +59,7 @@ def test_what_is_wrong_itself_still_loses_points(sandbox, tmp_path):
     assert "in some runs no line was found" in calls.cause
 
 
+@pytest.mark.slow
 def test_two_wrong_helpers_are_both_named(sandbox, tmp_path):
     helpers = {
         "line_through": source_of("line_through", "c with the wrong sign"),

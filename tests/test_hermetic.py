@@ -120,6 +120,7 @@ def test_the_folder_of_the_grader_decides_nothing(half, plain, sandbox, tmp_path
 # ---- Tests that can fail ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("required, outcome", [("1", "error"), ("", "skipped")])
 def test_attacks_without_a_wall_fail_where_it_is_required(required, outcome, tmp_path):
     attacks = Path(__file__).parent / "attacks" / "test_sight.py"

@@ -39,6 +39,7 @@ def loaded_with(module):
     return {name.partition(".")[0] for name in done.stdout.split()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", WITHOUT_A_PICTURE)
 def test_what_draws_nothing_loads_nothing_heavy(module):
     assert not loaded_with(module) & HEAVY

@@ -49,12 +49,12 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 """
 
 
-def notebooks(right, everyday=0):
+def notebooks(right):
     """Parameters (lesson, variants): notebooks that hold each right, or wrong, variant.
 
-    One of each exercise in a notebook, until all have had their turn; all but the first few
-    notebooks of a lesson are slow. Where wrong ones have run out, their place stays as it was;
-    and a wrong one that brings along an exercise that is another's stays alone.
+    One of each exercise in a notebook, until all have had their turn. Where wrong ones have run
+    out, their place stays as it was; and a wrong one that brings along an exercise that is
+    another's stays alone.
     """
     for lesson in all_lessons():
         names = [exercise.name for exercise in lesson.machine_graded]
@@ -72,12 +72,12 @@ def notebooks(right, everyday=0):
             longest = max(map(len, columns))
             columns = [(column * longest)[:longest] for column in columns]
         rows = [[one for one in row if one] for row in itertools.zip_longest(*columns)]
-        for turn, chosen in enumerate([*rows, *alone]):
+        for chosen in [*rows, *alone]:
             yield pytest.param(
                 lesson,
                 chosen,
                 id=f"{lesson.name}: " + "; ".join(variant.name for variant in chosen),
-                marks=[pytest.mark.slow] * (turn >= everyday),
+                marks=pytest.mark.slow,
             )
 
 
@@ -194,7 +194,7 @@ def notebook_of(lesson, variants, folder):
     return path
 
 
-@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, everyday=1)))
+@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path):
     verdict = judge(notebook_of(chosen, variants, tmp_path), 7, sandbox, limits=SHORT)
     results = {result.name: result for result in verdict.exercises}

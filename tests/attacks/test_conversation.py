@@ -22,6 +22,8 @@ from tests.attacks.attacking import (
     tried,
 )
 
+pytestmark = pytest.mark.slow
+
 PIPES = """
 import fcntl, os, select, stat, struct, sys, threading, time
 def pipes():

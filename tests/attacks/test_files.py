@@ -20,6 +20,8 @@ from grader.sandbox.student import Student, StudentError
 from tests.attacks.attacking import SEED, SHORT, WALLS, attack, outcome_of, tried
 from utils.notebooks.reading import UnreadableNotebook
 
+pytestmark = pytest.mark.slow
+
 
 def notebook_of(*sources, **metadata):
     return {

@@ -136,6 +136,7 @@ def children(number, megabytes, then=lambda block: time.sleep(60)):
 """
 
 
+@pytest.mark.slow
 @tried(
     "body",
     {

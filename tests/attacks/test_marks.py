@@ -305,6 +305,7 @@ def test_spoils_every_argument_of_every_call(lesson, hand_in):
     assert after.score == after.max_score
 
 
+@pytest.mark.slow
 @tried(
     "exercise, source, most",
     {
@@ -362,6 +363,7 @@ def test_makes_the_question_fit_its_answer(exercise, source, most, hand_in):
     assert share(verdict, exercise) <= most
 
 
+@pytest.mark.slow
 @tried(
     "cell",
     {

@@ -124,6 +124,7 @@ def test_tells_by_its_exit_code(hand_in):
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
