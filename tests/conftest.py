@@ -54,12 +54,15 @@ A_FEW_OF_MANY = {
     "test_what_is_right_in_part_earns_its_part": (),
     "test_hands_in_everything_that_is_shown_as_the_answer_to_everything": ("01", "08", "09"),
     "test_claims_more_than_any_answer_has": ("a hundred thousand", "a million", "three thousand"),
-    "test_claims_something_huge_or_strange": ("a",),
+    "test_claims_something_huge_or_strange": ("a dict", "a number of thirty", "infin"),
     "test_spoils_every_argument_of_every_call": ("01", "08", "09"),
     "test_a_huge_claim_is_refused_at_once": ("a dict", "a la", "boxes", "dig", "dim", "many", "ne"),
     "test_a_function_that_ruins_its_arguments_loses_nothing_but_that": ("01", "08", "09"),
-    "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k", "LANG=C", "HOME"),
-    "test_connected_components_are_allowed_in_10": ("connected components, with",),
+    "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k", "HOME"),
+    "test_connected_components_are_allowed_in_10": (),
+    "test_detector_of_the_lessons_own_functions_earns_everything": (),
+    "test_messages_of_hidden_tests_hold_no_word_of_the_student": ("01", "04", "08", "11"),
+    "test_a_worker_is_killed_and_another_joins_later": (),
     "test_killed_at_many_moments_the_same_command_ends_the_same": ("ten-SIGKILL",),
     "test_stopped_or_killed_the_same_command_goes_on": (),
     "test_the_scheduler_is_lost_and_nothing_is_judged_twice": (),
@@ -72,31 +75,32 @@ A_FEW_OF_MANY = {
 }
 
 
+MADE_ONCE = ("test_standalone", "test_build", "test_scenes")
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_itemcollected(item):
-    """Mark what only `make proof` runs, before marks are looked at."""
+    """Mark what only `make proof` runs and what runs in one process, before marks are looked at.
+
+    Scenes, right answers and notebooks are made once in a process.
+    """
     begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
     if begins is not None and not item.name.partition("[")[2].startswith(begins):
         item.add_marker(pytest.mark.proof)
+    lesson = getattr(item, "callspec", None) and _lesson_in(item.callspec.params.values())
+    if item.path.stem == "test_judge" and lesson:
+        item.add_marker(pytest.mark.xdist_group(lesson))
+    if item.path.parent.name == "lessons" or item.path.stem in MADE_ONCE:
+        item.add_marker(pytest.mark.xdist_group(item.path.stem))
 
 
 # What takes longest comes first, so that no processor waits for another in the end.
-MADE_ONCE = ("test_standalone", "test_build", "test_scenes")
 LONGEST = ("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_judge", "test_cheap")
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Sort the tests by length, and keep those on one lesson, or its judge, in one process.
-
-    Scenes, right answers and notebooks are made once in a process.
-    """
-    for item in items:
-        lesson = getattr(item, "callspec", None) and _lesson_in(item.callspec.params.values())
-        if item.path.stem == "test_judge" and lesson:
-            item.add_marker(pytest.mark.xdist_group(lesson))
-        if item.path.parent.name == "lessons" or item.path.stem in MADE_ONCE:
-            item.add_marker(pytest.mark.xdist_group(item.path.stem))
+    """Sort the tests by length."""
     names = [item.path.stem for item in items]
     order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}
     # Later lessons work on larger clouds.

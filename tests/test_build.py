@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import os
 
 import jupytext
 import nbformat
@@ -260,3 +261,9 @@ def test_minutes_are_computed(toy):
 def test_no_sitting_is_longer_than_ninety_minutes(lesson):
     notebook = nbformat.read(lesson.solved, as_version=4)
     assert max(minutes.sittings(notebook)) <= minutes.WITHOUT_A_STOP
+
+
+def test_what_is_made_once_is_made_in_one_process(request):
+    """A pytest that pytest-xdist does not understand would ignore groups in silence."""
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        assert request.node.nodeid.endswith("@test_build")
