@@ -194,7 +194,7 @@ def notebook_of(lesson, variants, folder):
     return path
 
 
-@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=2)))
+@pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path):
     verdict = judge(notebook_of(chosen, variants, tmp_path), 7, sandbox, limits=SHORT)
     results = {result.name: result for result in verdict.exercises}
