@@ -792,17 +792,19 @@ def _noticed(
         return ""
     if not any(mask.any() for _, mask in answers):
         return " Each run returned a line, and not one inlier."
-    few, half = (
-        [
+
+    def after(rounds: int) -> list[tuple]:
+        return [
             _answer(ransac_line, points, rounds, tolerance, seed)
             for seed, (points, _) in enumerate(runs)
         ]
-        for rounds in (1, max_iterations // 2)
-    )
+
+    few = after(1)
     if all(_same(one[0], other[0]) for one, other in zip(few, answers, strict=True)):
         return f" With 1 round instead of {max_iterations} the answers are the same."
+    half = after(max_iterations // 2)
     fewer = sum(
-        after.sum() < before.sum() for (_, before), (_, after) in zip(half, answers, strict=True)
+        last.sum() < first.sum() for (_, first), (_, last) in zip(half, answers, strict=True)
     )
     if fewer:
         return (
