@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,33 +19,44 @@ def disc_azimuths(centre: np.ndarray, radius: float) -> tuple[float, float]:
     return middle - half, middle + half
 
 
-def polygon_azimuths(corners: np.ndarray) -> tuple[float, float]:
-    """Azimuths that the convex hull of `corners` (k, 2) covers, seen from the origin."""
-    middle = corners.mean(axis=0)
-    if math.hypot(middle[0], middle[1]) == 0.0:
+def polygon_azimuths(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
+    """Azimuths that the convex hull of some corners (x, y) covers, seen from the origin."""
+    middle_x, middle_y = _middle(corners)
+    if math.hypot(middle_x, middle_y) == 0.0:
         return FULL_CIRCLE
     # Measured from the middle of the hull nothing wraps around, unless the origin lies within.
-    across = middle[0] * corners[:, 1] - middle[1] * corners[:, 0]
-    turns = np.arctan2(across, corners @ middle)
-    first, last = float(turns.min()), float(turns.max())
+    turns = [
+        math.atan2(middle_x * y - middle_y * x, x * middle_x + y * middle_y) for x, y in corners
+    ]
+    first, last = min(turns), max(turns)
     if last - first >= math.pi:
         return FULL_CIRCLE
-    heading = math.atan2(middle[1], middle[0])
+    heading = math.atan2(middle_y, middle_x)
     return heading + first, heading + last
 
 
-def polygon_distance(corners: np.ndarray) -> float:
-    """Lower bound of the distance from the origin to the convex hull of `corners` (k, 2).
+def polygon_distance(corners: Sequence[Sequence[float]]) -> float:
+    """Lower bound of the distance from the origin to the convex hull of some corners (x, y).
 
     It is the largest distance to a line that separates the two and is square to a direction
     towards a corner or towards the middle: exact or a little too small, never too large.
     """
-    directions = np.vstack([corners, corners.mean(axis=0)])
-    lengths = np.hypot(directions[:, 0], directions[:, 1])
-    directions = directions[lengths > 0] / lengths[lengths > 0, np.newaxis]
+    ahead, aside = [x for x, _ in corners], [y for _, y in corners]
     # Faces square to the axes are common too: a long wall beside the road.
-    directions = np.vstack([directions, [(1, 0), (-1, 0), (0, 1), (0, -1)]])
-    return max(float((corners @ directions.T).min(axis=0).max()), 0.0)
+    distance = max(0.0, min(ahead), -max(ahead), min(aside), -max(aside))
+    for toward_x, toward_y in (*corners, _middle(corners)):
+        length = math.hypot(toward_x, toward_y)
+        if length:
+            nearest = min(x * toward_x + y * toward_y for x, y in corners)
+            distance = max(distance, nearest / length)
+    return distance
+
+
+def _middle(corners: Sequence[Sequence[float]]) -> tuple[float, float]:
+    return (
+        sum(x for x, _ in corners) / len(corners),
+        sum(y for _, y in corners) / len(corners),
+    )
 
 
 def elevation_limits(

@@ -25,9 +25,8 @@ class Pose:
         """Vectors (..., 3) turned by the heading, not shifted."""
         cosine, sine = math.cos(self.yaw), math.sin(self.yaw)
         turned = np.array(vectors, dtype=float)
-        x, y = turned[..., 0].copy(), turned[..., 1].copy()
-        turned[..., 0] = cosine * x - sine * y
-        turned[..., 1] = sine * x + cosine * y
+        x, y = turned[..., 0], turned[..., 1]
+        turned[..., 0], turned[..., 1] = cosine * x - sine * y, sine * x + cosine * y
         return turned
 
     def inverse(self) -> Pose:

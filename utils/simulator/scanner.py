@@ -135,13 +135,19 @@ def _smallest(values: np.ndarray, count: int) -> np.ndarray:
 
 
 def _sources(world: World, sensor: Sensor) -> Iterator[tuple[str, int, Solid]]:
-    """Class, identity and solid, in sensor coordinates, of all there is to hit but ground."""
+    """Class, identity and solid, in sensor coordinates, of all there is to hit but ground.
+
+    Less what is farther away than an echo is reported from, however lucky its noise.
+    """
     x, y, z = sensor.origin
     to_sensor = Pose(-x, -y, -z)
+    too_far = sensor.maximum_range + 20 * sensor.range_noise
     for part in world.ego:
         yield "ego", 0, part.moved(to_sensor)
     for obstacle in world.obstacles:
         base = to_sensor.then(world.base(obstacle))
+        if math.hypot(base.x, base.y) - math.hypot(*obstacle.size) > too_far:
+            continue
         for part in obstacle.solids:
             yield obstacle.kind, obstacle.identity, part.moved(base)
 
@@ -174,12 +180,15 @@ def _nearest(
 def _blocks(solid: Solid, sensor: Sensor) -> Iterator[tuple[slice, slice]]:
     """The blocks (beams, firings) of rays that can possibly meet a solid: at most two."""
     lowest, highest = solid.elevations()
-    elevations = np.array(sensor.elevations)
     # A hair more than needed, for the rounding of the angles.
-    beams = np.flatnonzero((elevations >= lowest - 1e-9) & (elevations <= highest + 1e-9))
-    if not len(beams):
+    beams = [
+        beam
+        for beam, elevation in enumerate(sensor.elevations)
+        if lowest - 1e-9 <= elevation <= highest + 1e-9
+    ]
+    if not beams:
         return
-    rows = slice(int(beams[0]), int(beams[-1]) + 1)
+    rows = slice(beams[0], beams[-1] + 1)
     step = 2 * math.pi / sensor.firings
     first, last = solid.azimuths()
     start, stop = math.ceil(first / step - 1e-6), math.floor(last / step + 1e-6) + 1

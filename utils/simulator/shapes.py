@@ -83,27 +83,36 @@ class Convex:
         leave = np.full(rays.shape[1:], np.inf)
         cosine = np.zeros(rays.shape[1:])
         with np.errstate(divide="ignore", invalid="ignore"):
-            for normal, offset in zip(self.normals, self.offsets, strict=True):
-                # Adding zero turns -0.0 into +0.0: a ray along a face is outside it for ever.
-                facing = normal[0] * rays[0] + normal[1] * rays[1] + normal[2] * rays[2] + 0.0
+            for normal, offset in zip(self.normals.tolist(), self.offsets.tolist(), strict=True):
+                facing = _dot(normal, rays)
                 distance = offset / facing
-                entering = facing < 0
-                later = entering & (distance > enter)
-                np.copyto(enter, distance, where=later)
-                np.copyto(cosine, -facing, where=later)
-                np.copyto(leave, np.minimum(leave, distance), where=~entering)
+                if offset > 0:  # rays start on its inner side, and can but leave through it
+                    np.copyto(leave, distance, where=(facing > 0) & (distance < leave))
+                else:
+                    later = (facing < 0) & (distance > enter)
+                    np.copyto(enter, distance, where=later)
+                    np.copyto(cosine, -facing, where=later)
+                    np.copyto(leave, -np.inf, where=facing >= 0)
         return enter, leave, cosine
 
     def azimuths(self) -> tuple[float, float]:
         """Azimuths (first, last) in radians between which every ray that hits must lie."""
-        return polygon_azimuths(self.corners[:, :2])
+        return polygon_azimuths(self.corners[:, :2].tolist())
 
     def elevations(self) -> tuple[float, float]:
         """Elevations (lowest, highest) in radians between which every hit must lie."""
-        nearest = polygon_distance(self.corners[:, :2])
-        farthest = float(np.hypot(self.corners[:, 0], self.corners[:, 1]).max())
-        heights = self.corners[:, 2]
-        return elevation_limits(float(heights.min()), float(heights.max()), nearest, farthest)
+        corners = self.corners.tolist()
+        nearest = polygon_distance([(x, y) for x, y, _ in corners])
+        farthest = max(math.hypot(x, y) for x, y, _ in corners)
+        heights = [z for _, _, z in corners]
+        return elevation_limits(min(heights), max(heights), nearest, farthest)
+
+
+def _dot(normal: list[float], rays: np.ndarray) -> np.ndarray:
+    """A normal times rays (3, ...); most normals have components that are zero."""
+    terms = [part * axis for part, axis in zip(normal, rays, strict=True) if part]
+    # Adding zero turns -0.0 into +0.0: a ray along a face is outside it for ever.
+    return sum(terms[1:], start=terms[0]) + 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,21 +228,34 @@ def box(
         (-x + rear, -y + side, z),
         (x - front, -y + side, z),
     ]
-    corners = np.array(floor + roof)
+    ahead, behind = _unit(height, front), _unit(height, rear)
+    aside = _unit(height, side)
     normals = np.array(
         [
-            (height, 0.0, front),
-            (-height, 0.0, rear),
-            (0.0, height, side),
-            (0.0, -height, side),
+            (ahead[0], 0.0, ahead[1]),
+            (-behind[0], 0.0, behind[1]),
+            (0.0, aside[0], aside[1]),
+            (0.0, -aside[0], aside[1]),
             (0.0, 0.0, 1.0),
             (0.0, 0.0, -1.0),
         ]
     )
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    through = corners[[0, 1, 0, 3, 4, 0]]
-    offsets = np.sum(normals * through, axis=1)
-    return Convex(normals, offsets, corners, material).moved(Pose(*centre))
+    # Through a corner of the floor each, and the roof's through one of the roof.
+    reach = [
+        ahead[0] * x - ahead[1] * z,
+        behind[0] * x - behind[1] * z,
+        aside[0] * y - aside[1] * z,
+        aside[0] * y - aside[1] * z,
+        z,
+        z,
+    ]
+    return Convex(normals, reach + normals @ centre, np.array(floor + roof) + centre, material)
+
+
+def _unit(along: float, up: float) -> tuple[float, float]:
+    """A vector (along, up) of length 1."""
+    length = math.sqrt(along * along + up * up)
+    return along / length, up / length
 
 
 def cylinder(
