@@ -236,11 +236,11 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
     (broken / "__init__.py").write_text("raise ImportError('no traitlets here')\n")
 
     address, _ = start.scheduler()
-    start.worker(address, PYTHONPATH=str(numpy.parent))
-    start.worker(address, PYTHONPATH=str(broken.parent))
+    start.worker(address, "--no-nanny", PYTHONPATH=str(numpy.parent))
+    start.worker(address, "--no-nanny", PYTHONPATH=str(broken.parent))
     count = 2
     if sandbox.name == "bubblewrap":
-        start.worker(address, PATH=str(empty))
+        start.worker(address, "--no-nanny", PATH=str(empty))
         count = 3
     workers_at(address, count)
 

@@ -27,7 +27,7 @@ from grader.lms import gradebook
 from grader.lms.late import PercentPerDay
 from tests.postgresql import NotInstalled, server
 from tests.test_faults import Inline
-from tests.test_grade import CONFIGURATION, SEED, answer, entered, make_course, nbgrader
+from tests.test_grade import CONFIGURATION, SEED, answer, entered, make_course, nbgrader, rehearsed
 from tests.test_preflight import EARNS_EVERYTHING, changed
 
 LESSON = find_lesson("06_filter_ground")
@@ -62,6 +62,7 @@ def course(tmp_path, sandbox, monkeypatch):
         (made.root / folder / WRITTEN.stage).mkdir()
     shutil.copy(WRITTEN.solved, made.root / "solutions" / WRITTEN.stage)
     shutil.copy(WRITTEN.released, made.root / "notebooks" / WRITTEN.stage)
+    rehearsed(made, WRITTEN)
     hand_in(made, "bob", LESSON, answer("voxel_grid"))
     monkeypatch.setitem(EXECUTORS, "processes", Inline)
     paths._folder.cache_clear()
@@ -354,6 +355,7 @@ def test_a_full_disk_is_named_and_loses_nothing(writes, course, sandbox, monkeyp
             raise OSError(errno.ENOSPC, "No space left on device")
         return replace(*arguments)
 
+    shutil.rmtree(course.verdicts)  # what was rehearsed is written, too
     monkeypatch.setattr(commands, "Course", lambda: course)
     call = ["grade", "--seed", str(SEED), "--sandbox", sandbox.name]
     with monkeypatch.context() as until:
@@ -434,6 +436,7 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
         judge = turn % 10 == 0
         if judge:  # from the very beginning, judging included
             shutil.rmtree(course.verdicts)
+            rehearsed(course, WRITTEN)
         if turn % 5 == 1:
             (course.root / "gradebook.db").unlink(missing_ok=True)
         shutil.rmtree(course.autograded / "ada", ignore_errors=True)

@@ -19,6 +19,7 @@ from grader.classroom.submissions import find_submissions
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
+from grader.judging.verdict import write_atomically
 from grader.lms import gradebook
 
 LESSON = find_lesson("06_filter_ground")
@@ -55,9 +56,16 @@ def quiet(done, total, what):
     """Report no progress."""
 
 
+def rehearsed(course, lesson):
+    """Note that a lesson's own solution has been judged, which takes longer than a student's."""
+    path, key = grade.rehearsal(course, lesson, SEED)
+    write_atomically(json.dumps(key), path)
+
+
 def make_course(root, lesson, texts, sandbox):
-    """A course of one lesson, with a notebook's text from each student."""
+    """A course of one lesson, rehearsed before, with a notebook's text from each student."""
     made = Course(root)
+    rehearsed(made, lesson)
     for folder in ("solutions", "notebooks"):
         shutil.copytree(
             PROJECT / folder / lesson.stage,
@@ -79,20 +87,36 @@ def make_course(root, lesson, texts, sandbox):
     return made
 
 
+def four_students():
+    return {
+        "right": answer(),
+        "half": answer("filter_ground"),
+        "untouched": fill_in(LESSON, {}),
+        "broken": answer()[:5000],
+    }
+
+
 @pytest.fixture
 def course(tmp_path, sandbox):
     """A course of its own, with four students."""
-    return make_course(
-        tmp_path / "course",
-        LESSON,
-        {
-            "right": answer(),
-            "half": answer("filter_ground"),
-            "untouched": fill_in(LESSON, {}),
-            "broken": answer()[:5000],
-        },
-        sandbox,
+    return make_course(tmp_path / "course", LESSON, four_students(), sandbox)
+
+
+@pytest.fixture(scope="module")
+def verdicts(tmp_path_factory, sandbox):
+    """What was judged of these four; nothing tells one course's verdicts from another's."""
+    made = make_course(
+        tmp_path_factory.mktemp("judged") / "course", LESSON, four_students(), sandbox
     )
+    judge_it(made, sandbox)
+    return made.verdicts
+
+
+@pytest.fixture
+def judged_course(course, verdicts):
+    """The same course, judged before."""
+    shutil.copytree(verdicts, course.verdicts, dirs_exist_ok=True)
+    return course
 
 
 def scores_by_verdict(judged):
@@ -123,11 +147,11 @@ def nbgrader(course, *words):
 
 
 @pytest.mark.slow
-def test_scores_reach_the_gradebook(course, sandbox):
-    judged = judge_it(course, sandbox)
-    gradebook.enter(course, judged, [LESSON.stage], quiet)
+def test_scores_reach_the_gradebook(judged_course, sandbox):
+    judged = judge_it(judged_course, sandbox)
+    gradebook.enter(judged_course, judged, [LESSON.stage], quiet)
     expected = scores_by_verdict(judged)
-    assert entered(course) == expected
+    assert entered(judged_course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
     assert 20 <= expected["half", LESSON.stage, LESSON.name] < 30
     assert expected["untouched", LESSON.stage, LESSON.name] == 0
@@ -224,12 +248,12 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
 
 
 @pytest.mark.slow
-def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
-    judge_it(course, sandbox)
-    before = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
-    path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
+def test_second_run_judges_only_what_changed(judged_course, sandbox, monkeypatch):
+    judge_it(judged_course, sandbox)
+    before = {path: path.stat().st_mtime_ns for path in judged_course.verdicts.rglob("*.json")}
+    path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
-    judged = judge_it(course, sandbox)
+    judged = judge_it(judged_course, sandbox)
     changed = {
         path.parent.parent.name for path in before if path.stat().st_mtime_ns != before[path]
     }
@@ -238,18 +262,18 @@ def test_second_run_judges_only_what_changed(course, sandbox, monkeypatch):
 
 
 @pytest.mark.slow
-def test_gradebook_follows_a_new_submission(course, sandbox):
-    gradebook.enter(course, judge_it(course, sandbox), [LESSON.stage], quiet)
-    path = course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
+def test_gradebook_follows_a_new_submission(judged_course, sandbox):
+    gradebook.enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
-    judged = judge_it(course, sandbox)
-    gradebook.enter(course, judged, [LESSON.stage], quiet)
-    assert entered(course) == scores_by_verdict(judged)
+    judged = judge_it(judged_course, sandbox)
+    gradebook.enter(judged_course, judged, [LESSON.stage], quiet)
+    assert entered(judged_course) == scores_by_verdict(judged)
 
 
 @pytest.mark.slow
-def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox):
-    path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
+def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, sandbox):
+    path = judged_course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     notebook = json.loads(path.read_text())
     for cell in notebook["cells"]:
         grading = cell["metadata"].get("nbgrader", {})
@@ -262,9 +286,9 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(course, sandbox
         if cell["metadata"].get("nbgrader", {}).get("grade_id") != "test_voxel_grid"
     ]
     path.write_text(json.dumps(notebook))
-    judged = judge_it(course, sandbox)
-    gradebook.enter(course, judged, [LESSON.stage], quiet)
-    assert entered(course) == scores_by_verdict(judged)
+    judged = judge_it(judged_course, sandbox)
+    gradebook.enter(judged_course, judged, [LESSON.stage], quiet)
+    assert entered(judged_course) == scores_by_verdict(judged)
 
 
 @pytest.mark.slow
@@ -330,15 +354,15 @@ def test_submissions_are_found_and_others_ignored(course):
 
 
 @pytest.mark.slow
-def test_odd_files_and_names_do_not_stop_the_class(course, sandbox, capsys):
+def test_odd_files_and_names_do_not_stop_the_class(judged_course, sandbox, capsys):
     from grader.console import print_class
 
-    stage = course.submitted / "[red]" / LESSON.stage
+    stage = judged_course.submitted / "[red]" / LESSON.stage
     (stage / f"{LESSON.name}.ipynb").mkdir(parents=True)
-    pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
+    pipe = judged_course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
     pipe.parent.mkdir(parents=True)
     os.mkfifo(pipe)
-    judged = judge_it(course, sandbox)
+    judged = judge_it(judged_course, sandbox)
     by_student = {submission.student: verdict for submission, verdict in judged}
     assert by_student["right"].score == 30
     for student in ("[red]", "pipe"):
@@ -346,7 +370,7 @@ def test_odd_files_and_names_do_not_stop_the_class(course, sandbox, capsys):
         assert by_student[student].problems
     print_class(judged)
     assert "[red]" in capsys.readouterr().out
-    write_report(course, judged)
+    write_report(judged_course, judged)
 
 
 def test_a_failing_judge_stops_nobody_and_tries_again(course, sandbox, monkeypatch):
@@ -358,14 +382,16 @@ def test_a_failing_judge_stops_nobody_and_tries_again(course, sandbox, monkeypat
 
 
 @pytest.mark.slow
-def test_a_problem_is_text_and_not_markup(course, sandbox):
+def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict
     from grader.lms.autograded import write_into
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
-    whole = {submission.student: verdict for submission, verdict in judge_it(course, sandbox)}
+    whole = {
+        submission.student: verdict for submission, verdict in judge_it(judged_course, sandbox)
+    }
     verdict = whole["right"]
     problem = "![](http://example.org) [a](javascript:alert) <script>"
     write_into(notebook, Verdict(**{**verdict.__dict__, "problems": (problem,)}))
@@ -374,8 +400,8 @@ def test_a_problem_is_text_and_not_markup(course, sandbox):
 
 
 @pytest.mark.slow
-def test_report_tells_and_escapes(course, sandbox):
-    path = course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
+def test_report_tells_and_escapes(judged_course, sandbox):
+    path = judged_course.submitted / "half" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(
         fill_in(
             LESSON,
@@ -386,7 +412,7 @@ def test_report_tells_and_escapes(course, sandbox):
         ),
         "utf-8",
     )
-    page = write_report(course, judge_it(course, sandbox), 1.0).read_text("utf-8")
+    page = write_report(judged_course, judge_it(judged_course, sandbox), 1.0).read_text("utf-8")
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)" in page
     for words in ("4 students", "right", "Hardest checks", "not valid JSON"):

@@ -31,7 +31,7 @@ def processes(workers: int) -> Executor:
     # Not by plain fork: whoever shows progress runs a thread, and threads do not survive that.
     context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
     if os.name == "posix":
-        context.set_forkserver_preload(["grader.judging.judge"])
+        context.set_forkserver_preload(["grader.judging.judge", "scipy.spatial"])
     return ProcessPoolExecutor(workers, mp_context=context, initializer=_die_with_parent)
 
 

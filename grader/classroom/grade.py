@@ -226,8 +226,7 @@ def rehearse(
     """
     running = {}
     for lesson in sorted(lessons, key=lambda lesson: lesson.name):
-        path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
-        key = verdict_key(read_handed_in(lesson.solved), lesson, seed)
+        path, key = rehearsal(course, lesson, seed)
         if _read(path) != key:
             future = executor.submit(rehearse_one, lesson.name, seed, sandbox.name)
             running[future] = (lesson, path, key)
@@ -247,6 +246,12 @@ def rehearse(
             "Nobody was graded: with the course's seed, these tests find fault with the lesson's "
             "own solution. Mend them, or name another seed with --seed.\n" + "\n".join(failed)
         )
+
+
+def rehearsal(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
+    """Where is noted that a lesson's own solution earned everything, and the key that is noted."""
+    path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
+    return path, verdict_key(read_handed_in(lesson.solved), lesson, seed)
 
 
 def _read(path: Path) -> object:

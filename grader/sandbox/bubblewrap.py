@@ -28,6 +28,7 @@ from grader.sandbox.boundary import (
     folders_of_packages,
 )
 from grader.sandbox.inside.syscalls import MACHINES
+from grader.sandbox.program import PACKAGES
 from grader.sandbox.protocol import Limits, SandboxUnavailable
 from grader.sandbox.warm import nursery, preloaded
 from grader.sandbox.workers import Worker, launch
@@ -63,7 +64,11 @@ class Bubblewrap:
         )
 
     def start(
-        self, limits: Limits, forbidden: Iterable[str] = (), packages: Iterable[str] = ()
+        self,
+        limits: Limits,
+        forbidden: Iterable[str] = (),
+        packages: Iterable[str] = (),
+        named: Iterable[str] = (),
     ) -> Worker:
         """Start a worker behind walls; see `grader.sandbox.protocol.Sandbox`."""
         # Without a process table of its own this would count all processes of whoever grades.
@@ -78,7 +83,7 @@ class Bubblewrap:
         walls = [*_walls(limits), *windows, "--remount-ro", "/"]
         if _can_go_behind_walls():
             warm = nursery(preloaded(packages), forbidden)
-            return launch(walls, "/tmp", rules, limits, warm)
+            return launch(walls, "/tmp", rules, limits, warm, bool(preloaded(tuple(named))))
         return launch([*walls, "--"], "/tmp", rules, limits)
 
 
@@ -114,7 +119,8 @@ def _can_go_behind_walls() -> bool:
     }
     walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
     try:
-        launch(walls, "/tmp", rules, Limits(), nursery()).stop()
+        # The nursery of most lessons, which need not be started once more then.
+        launch(walls, "/tmp", rules, Limits(), nursery(preloaded(PACKAGES))).stop()
     except SandboxUnavailable:
         return False
     return True

@@ -42,29 +42,38 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 
 def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) -> None:
     """Serve until whoever asks is gone."""
-    # What is in memory cannot be hidden: nothing that is forbidden comes along with the rest.
-    sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
-    for name in preloaded:
-        with contextlib.suppress(ImportError):
-            importlib.import_module(name)
-    del sys.meta_path[0]
-    # A worker need not look through all that for garbage, and copy the pages that it lies in.
-    gc.collect()
-    gc.freeze()
+    _import([], forbidden)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     # Whoever watches over many workers is not ended for what one of them does.
     while True:
         data, pipes = _receive(requests)
         if not data:
             return
+        request = json.loads(data)
+        if request["preload"] and preloaded:
+            _import(preloaded, forbidden)
+            preloaded = []
         if os.fork() == 0:
             requests.close()
             try:
-                _shim(json.loads(data), *pipes)
+                _shim(request, *pipes)
             finally:
                 os._exit(1)
         for end in pipes:
             os.close(end)
+
+
+def _import(names: list[str], forbidden: list[str]) -> None:
+    """Import modules for all workers to come, and nothing along with them that is forbidden."""
+    # What is in memory cannot be hidden.
+    sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
+    for name in names:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    del sys.meta_path[0]
+    # A worker need not look through all that for garbage, and copy the pages that it lies in.
+    gc.collect()
+    gc.freeze()
 
 
 def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:

@@ -28,7 +28,11 @@ class PlainProcess:
         return "none"
 
     def start(
-        self, limits: Limits, forbidden: Iterable[str] = (), packages: Iterable[str] = ()
+        self,
+        limits: Limits,
+        forbidden: Iterable[str] = (),
+        packages: Iterable[str] = (),
+        named: Iterable[str] = (),
     ) -> Worker:
         """Start a worker; see `grader.sandbox.protocol.Sandbox`."""
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}

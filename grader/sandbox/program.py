@@ -47,6 +47,12 @@ class Program:
     packages: tuple[str, ...] = PACKAGES
     steps: tuple[str, ...] = ()
 
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The packages that stand anywhere in the code, be it in a comment."""
+        sources = (*self.cells, *self.modules.values(), self.given.source)
+        return tuple(name for name in self.packages if any(name in source for source in sources))
+
     def line_at(self, place: str) -> str | None:
         """What stands at a place such as ``code cell 3, line 12``; None if there is no such one."""
         found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)

@@ -74,7 +74,11 @@ class Sandbox(Protocol):
         """Say what stands between a student's code and this machine."""
 
     def start(
-        self, limits: Limits, forbidden: Iterable[str] = (), packages: Iterable[str] = ()
+        self,
+        limits: Limits,
+        forbidden: Iterable[str] = (),
+        packages: Iterable[str] = (),
+        named: Iterable[str] = (),
     ) -> Worker:
         """Start a worker; nothing of the student is in it yet.
 
@@ -85,6 +89,8 @@ class Sandbox(Protocol):
             Dotted names of modules that shall not exist inside.
         packages : iterable of str
             Installed packages, as pip calls them, that shall exist inside.
+        named : iterable of str
+            Those of them that the code to come names: they may be imported beforehand.
 
         Raises
         ------

@@ -284,7 +284,9 @@ class Student:
         program = self._program
         self._known.clear()
         self._methods.clear()
-        self._worker = self._sandbox.start(self._limits, program.forbidden, program.packages)
+        self._worker = self._sandbox.start(
+            self._limits, program.forbidden, program.packages, program.named
+        )
         found = self._start(
             {
                 "cells": list(program.cells),

@@ -40,7 +40,7 @@ class Nursery:
     Attributes
     ----------
     preloaded : tuple of str
-        Modules that its workers have imported already.
+        Modules that its workers have imported already, once a request has asked for them.
     forbidden : tuple of str
         Modules that come into no memory.
     environment : dict of str to str
@@ -60,7 +60,8 @@ class Nursery:
         ----------
         request : dict
             ``walls``, the number of the first process behind them; ``own_users``, whether they
-            have a user namespace; ``home``, the worker's folder.
+            have a user namespace; ``home``, the worker's folder; ``preload``, whether its code
+            names what is slow to import.
         read_end, write_end : int
             The worker's ends of its pipes.
 
@@ -157,11 +158,11 @@ def _line(report: int, seconds: float) -> str:
 
 
 def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
-    """What is slow to import and most notebooks ask for, of the packages that a lesson allows."""
+    """What is slow to import and some notebooks ask for, of the packages that a lesson allows."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 
 
 @functools.cache
 def nursery(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> Nursery:
-    """The nursery of this process whose workers have imported some modules, and none of others."""
+    """The nursery of this process whose workers may have imported some modules, and no others."""
     return Nursery(modules, forbidden, ENVIRONMENT)

@@ -103,7 +103,12 @@ class Worker:
 
 
 def launch(
-    walls: Sequence[str], home: str, rules: dict, limits: Limits, nursery: Nursery | None = None
+    walls: Sequence[str],
+    home: str,
+    rules: dict,
+    limits: Limits,
+    nursery: Nursery | None = None,
+    preload: bool = False,
 ) -> Worker:
     """Start a worker behind some walls, and wait until it reports.
 
@@ -119,6 +124,8 @@ def launch(
     limits : Limits
     nursery : grader.sandbox.warm.Nursery, optional
         Where workers are forked that go behind these walls; by default Python is started there.
+    preload : bool
+        That the nursery shall have imported beforehand what is slow to import.
 
     Raises
     ------
@@ -134,7 +141,8 @@ def launch(
             command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
             process, forked = _run(command, home, (their_read, their_write)), None
         else:
-            process, forked = _go_behind(walls, home, rules, nursery, their_read, their_write)
+            request = {"own_users": rules["user"] is None, "home": home, "preload": preload}
+            process, forked = _go_behind(walls, request, nursery, their_read, their_write)
     except SandboxUnavailable:
         for end in (our_read, our_write):
             os.close(end)
@@ -169,14 +177,14 @@ def _run(command: Sequence[str], home: str, pipes: Sequence[int], **options: int
 
 
 def _go_behind(
-    walls: Sequence[str], home: str, rules: dict, nursery: Nursery, read_end: int, write_end: int
+    walls: Sequence[str], request: dict, nursery: Nursery, read_end: int, write_end: int
 ) -> tuple[Popen, Forked]:
     """Build walls around something that only waits, and have a worker go behind them."""
     info, number = os.pipe()
     # The first process of a table of processes ends all others when it ends.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        process = _run([*walls, *options], home, (number,), stdout=subprocess.PIPE)
+        process = _run([*walls, *options], request["home"], (number,), stdout=subprocess.PIPE)
     finally:
         os.close(number)
     try:
@@ -185,8 +193,7 @@ def _go_behind(
             first = json.load(told)["child-pid"] if ready else None
         if first is None:
             raise SandboxUnavailable("The sandbox cannot be built.")
-        request = {"walls": first, "own_users": rules["user"] is None, "home": home}
-        return process, nursery.fork(request, read_end, write_end)
+        return process, nursery.fork({"walls": first, **request}, read_end, write_end)
     except SandboxUnavailable as fault:
         os.kill(process.pid, signal.SIGKILL)
         complaint = process.stderr.read().decode(errors="replace").strip()[-500:]

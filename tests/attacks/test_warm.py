@@ -106,6 +106,7 @@ def test_workers_do_not_draw_the_same_numbers():
 
 
 SCIPY_IN_MEMORY = """
+# scipy is named here, so it may have been imported.
 import gc, sys, types
 gc.unfreeze()  # shows what the nursery keeps from the collector
 kinds = type, types.FunctionType, types.BuiltinFunctionType
@@ -118,6 +119,14 @@ return sorted(name for name in names if isinstance(name, str) and name.startswit
 def test_nothing_is_preloaded_that_the_lesson_does_not_show():
     assert "scipy.spatial" in outcome_of(function(SCIPY_IN_MEMORY))
     assert outcome_of(function(SCIPY_IN_MEMORY), packages=("numpy",)) == []
+
+
+def test_what_is_slow_to_import_is_so_only_where_code_names_it():
+    forbidden = ("no_such_module",)  # so a nursery that nobody has asked before
+    search = "import sys\nreturn sorted(name for name in sys.modules if name[:3] == 'sci')"
+    assert outcome_of(function(search), forbidden=forbidden) == []
+    named = outcome_of(function(f"# scipy\n{search}"), forbidden=forbidden)
+    assert "scipy.spatial" in named and "scipy.sparse.csgraph" in named
 
 
 @pytest.mark.parametrize(

@@ -137,12 +137,13 @@ def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
 
 def _has_room(thing: Obstacle, others: Sequence[Obstacle]) -> bool:
     """Whether a thing stands near the sensor, but free of our own car and of others."""
+    if not 4.0 < math.hypot(thing.pose.x, thing.pose.y) < 0.98 * NEAR[thing.kind]:
+        return False
     rim = _rim(thing)
-    beside = ((rim > OWN_CAR[0] - FREE) & (rim < OWN_CAR[1] + FREE)).all(axis=1).any()
-    gaps = [np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in others]
-    distance = math.hypot(thing.pose.x, thing.pose.y)
-    near = 4.0 < distance < 0.98 * NEAR[thing.kind]
-    return near and not beside and min(gaps, default=9.0) > 1.2 * FREE
+    if ((rim > OWN_CAR[0] - FREE) & (rim < OWN_CAR[1] + FREE)).all(axis=1).any():
+        return False
+    gaps = (np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in others)
+    return all(gap > 1.2 * FREE for gap in gaps)
 
 
 def _rim(thing: Obstacle) -> np.ndarray:
@@ -194,8 +195,9 @@ def _clear(frame: Frame, kind: str) -> tuple[Box, ...]:
         if box.kind != kind or far or box.returns < MANY[kind]:
             continue
         close = np.hypot(*(xyz[:, :2] - box.centre[:2]).T) < 6.0
-        others = xyz[close & (objects > 0) & (objects != box.identity)]
         own = xyz[objects == box.identity]
+        close &= ((xyz > own.min(axis=0) - FREE) & (xyz < own.max(axis=0) + FREE)).all(axis=1)
+        others = xyz[close & (objects > 0) & (objects != box.identity)]
         gaps = cKDTree(others).query(own, distance_upper_bound=FREE)[0] if len(others) else np.inf
         if np.isinf(gaps).all():
             chosen.append(box)
