@@ -51,7 +51,8 @@ def told():
         "sweep",
         "follow",
         "detected",
-        "bad_day",
+        "bonnet",
+        "lost",
     )
     namespace = {"__name__": LESSON.name}
     for statement in slicing.slice_for(wanted, statements):
@@ -163,7 +164,8 @@ def test_what_each_step_takes_away(told):
 
 
 def test_a_bad_day_shows_whether_the_own_car_and_lost_returns_go(told):
-    good, bad = told["city"][0].cloud, told["bad_day"]
+    good = told["city"][0].cloud
+    bad = np.vstack([good, told["bonnet"], told["lost"]])
     assert len(told["detect_obstacles"](good)) == len(told["detect_obstacles"](bad))
     assert own_car_boxes(kept(told, good, "remove_ego_returns")[1]) == 0
     assert own_car_boxes(kept(told, bad, "remove_ego_returns")[1]) == 1
