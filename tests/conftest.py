@@ -1,6 +1,7 @@
 """What the project's own tests share."""
 
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -9,6 +10,12 @@ import pytest
 from grader.course.lessons import Lesson, all_lessons
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 from tests.demands import demand_walls
+
+
+def pytest_configure(config):
+    """Hear Ctrl-C, which tests press, also where a script runs them in the background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 import builtins
 import contextlib
 import math
+import signal
 import subprocess
 import sys
 import threading
@@ -299,6 +300,20 @@ def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function)
     assert time.monotonic() - begin < 15
     assert "did not come back after 1 s" in shown and "never ends" in shown
     assert "[passed] one" in shown and "[waiting] three" in shown
+
+
+@pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
+def test_a_process_that_ignores_interrupts_hears_the_clock(handler):
+    """As one that a script has started in the background."""
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        with pytest.raises(TimeUp), limited(0.1):
+            end = time.monotonic() + 20
+            while time.monotonic() < end:
+                pass
+        assert signal.getsignal(signal.SIGINT) is handler
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_check_may_ask_what_takes_so_long(exercise, capsys, monkeypatch):

@@ -5,6 +5,7 @@ In the judge the sandbox has limits of its own.
 
 import _thread
 import contextlib
+import signal
 import threading
 import time
 from collections.abc import Iterator
@@ -43,16 +44,30 @@ def limited(seconds: float) -> Iterator[None]:
                 wait = 1.0  # code that catches everything is interrupted again
 
         watch = threading.Thread(target=ring, daemon=True)
-        try:
+        with _interruptible():
             try:
-                watch.start()
-                yield
-            finally:
-                _silence(over, watch, rang)
-        except KeyboardInterrupt:
-            if rang.is_set():
-                raise TimeUp from None
-            raise
+                try:
+                    watch.start()
+                    yield
+                finally:
+                    _silence(over, watch, rang)
+            except KeyboardInterrupt:
+                if rang.is_set():
+                    raise TimeUp from None
+                raise
+
+
+@contextlib.contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let the clock be heard: what a script starts in the background ignores interrupts."""
+    before = signal.getsignal(signal.SIGINT)
+    if before in (signal.SIG_IGN, signal.SIG_DFL):
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        if before in (signal.SIG_IGN, signal.SIG_DFL):
+            signal.signal(signal.SIGINT, before)
 
 
 def _silence(over: threading.Event, watch: threading.Thread, rang: threading.Event) -> None:
