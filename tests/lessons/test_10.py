@@ -170,7 +170,7 @@ def test_the_trap_stops_what_would_fill_the_memory(quadratic, capsys):
     def pretend(cloud):
         asked.append(len(cloud))
         n = len(cloud) / 1000
-        until = perf_counter() + (0.01 * n**2 if quadratic else 0.01 * n)
+        until = perf_counter() + (0.03 * n**2 if quadratic else 0.03 * n)
         while perf_counter() < until:
             pass
         return np.zeros(len(cloud), int)
