@@ -519,7 +519,7 @@ def test_claims_more_than_any_answer_has(exercise, claim, hand_in):
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
     verdict = hand_in({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
-    assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < 90
+    assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < 300
 
 
 def test_the_limits_of_these_tests_are_those_of_a_class():
