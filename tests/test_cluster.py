@@ -30,7 +30,7 @@ from grader.course.variants import fill_in
 from grader.judging.verdict import read_verdict
 from tests.test_course import rows
 from tests.test_faults import Inline
-from tests.test_grade import LESSON, SEED, answer, make_course, quiet
+from tests.test_grade import LESSON, SEED, answer, make_course, quiet, rehearsed
 
 # One cluster at a time: each takes all processors.
 pytestmark = pytest.mark.xdist_group("cluster")
@@ -362,7 +362,7 @@ def test_what_travels_is_what_judging_reads():
 def test_only_so_many_notebooks_are_read_ahead(course, sandbox, monkeypatch):
     """And what has been judged is written before the next is read."""
     monkeypatch.setattr(Inline, "room", 1, raising=False)
-    monkeypatch.setattr(grade, "rehearse", lambda *course: None)
+    rehearsed(course, LESSON)
     events = []
     read, write = grade.Submission.read, grade.write_verdict
     known = grade.stored_verdict

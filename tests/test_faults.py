@@ -1,7 +1,13 @@
 """Faults are told apart: what judge, machine or neighbour does costs no student a point."""
 
 import os
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+)
 from types import SimpleNamespace
 
 import pytest
@@ -15,8 +21,9 @@ from grader.course.paths import Course
 from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
 from grader.judging.asking import JudgeFault, run_tests
-from grader.judging.verdict import FAILED, JUDGED, read_verdict
+from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox.student import StudentStopped
+from tests.test_grade import rehearsed
 
 SEED = 20_170_405
 LESSON = find_lesson("06_filter_ground")
@@ -86,7 +93,7 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
 
     right = judging.run_tests
     monkeypatch.setattr(judging, "run_tests", broken)
-    monkeypatch.setattr(grade, "rehearse", lambda *course: None)
+    rehearsed(course, LESSON, SEED)
     verdicts = graded(course, sandbox)
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
     assert all("not the student's fault" in one.problems[0] for one in verdicts.values())
@@ -106,7 +113,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
         outcomes = right(lesson, student, seed)
         return [type(one)(one.name, one.mark, ZeroDivisionError("oracle")) for one in outcomes]
 
-    monkeypatch.setattr(grade, "rehearse", lambda *course: None)
+    rehearsed(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
     monkeypatch.setattr(judging, "run_tests", spoiled)
@@ -135,6 +142,98 @@ def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
     again = graded(course, sandbox, progress=lambda *news: told.append(news))
     assert again["ada"].score == 30 and not isinstance(told[-1][2], str)
+
+
+@pytest.fixture
+def three_lessons(course, monkeypatch):
+    """The course with three lessons of each student; what is asked, in its order, and complaints.
+
+    Nothing is judged in earnest.
+    """
+    for lesson in ("07_filter_by_distance", "08_bounding_boxes"):
+        for student in ("ada", "poison", "zoe"):
+            (course.submitted / student / LESSON.stage / f"{lesson}.ipynb").write_text("{}")
+    asked, complaints = [], {}
+
+    def rehearse_one(lesson, seed, sandbox):
+        asked.append(lesson[:2])
+        return complaints.get(lesson[:2], ())
+
+    def judge_one(handed_in, lesson, student, seed, sandbox, alone=False):
+        asked.append(f"{lesson[:2]} {student}")
+        return Verdict(lesson, student, JUDGED, 1.0, 1.0, (), (), 0.0, "")
+
+    monkeypatch.setattr(grade, "rehearse_one", rehearse_one)
+    monkeypatch.setattr(grade, "judge_one", judge_one)
+    return course, asked, complaints
+
+
+def judge_three(course, sandbox, open_executor=ThreadPoolExecutor, workers=1):
+    return grade.judge_class(course, (), SEED, sandbox, open_executor, workers, lambda *news: None)
+
+
+def test_the_first_verdict_waits_for_no_other_lesson(three_lessons, sandbox):
+    course, asked, _ = three_lessons
+    assert len(judge_three(course, sandbox)) == 9
+    assert asked == [
+        *("06", "06 ada", "06 poison", "06 zoe"),
+        *("07", "07 ada", "07 poison", "07 zoe"),
+        *("08", "08 ada", "08 poison", "08 zoe"),
+    ]
+    asked.clear()
+    assert len(judge_three(course, sandbox)) == 9  # these verdicts have no key
+    assert sorted(asked)[:2] == ["06 ada", "06 poison"] and len(asked) == 9
+
+
+@pytest.mark.parametrize("workers", [1, 2, 9])
+def test_no_lesson_is_judged_whose_own_solution_fails(three_lessons, sandbox, workers):
+    course, asked, complaints = three_lessons
+    complaints.update({"07": ("one",), "08": ("two", "three")})
+    with pytest.raises(grade.RehearsalFailed) as failed:
+        judge_three(course, sandbox, workers=workers)
+    assert str(failed.value).endswith("07_filter_by_distance:\none\n08_bounding_boxes:\ntwo\nthree")
+    assert {what[:2] for what in asked if len(what) > 2} <= {"06"}
+    judged = [path.parts[-3] for path in course.verdicts.glob("*/*/06*.json")]
+    assert len(judged) == len([what for what in asked if len(what) > 2])  # what was done is kept
+
+
+class Dying(ThreadPoolExecutor):
+    """The process that lets the solution of 07 be judged dies, up to a number of times."""
+
+    left = 0
+
+    def __init__(self, workers):
+        super().__init__(workers)
+        self.dead = False
+
+    def submit(self, function, *arguments):
+        if self.dead:
+            raise BrokenExecutor
+        if function is grade.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
+            Dying.left -= 1
+            self.dead = True
+            future = Future()
+            future.set_exception(BrokenExecutor())
+            return future
+        return super().submit(function, *arguments)
+
+
+def test_a_process_that_dies_in_a_rehearsal_is_no_fault_of_the_lesson(three_lessons, sandbox):
+    course, asked, _ = three_lessons
+    Dying.left = 1
+    judged = judge_three(course, sandbox, Dying)
+    assert {(one.student, one.lesson.number) for one, _ in judged if one} == {
+        (student, number) for student in ("ada", "poison", "zoe") for number in ("06", "07", "08")
+    }
+    assert len(asked) == 3 + 9
+    assert asked.index("08") < asked.index("07 ada")  # alone, the second time
+
+
+def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandbox):
+    course, _, _ = three_lessons
+    Dying.left = 2
+    with pytest.raises(grade.RehearsalFailed, match="07_filter_by_distance:\nThe process that"):
+        judge_three(course, sandbox, Dying)
 
 
 @pytest.mark.slow

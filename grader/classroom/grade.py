@@ -6,11 +6,12 @@ that was broken off goes on where it stopped, and `nbgrader autograde` finds wha
 
 from __future__ import annotations
 
-import itertools
+import contextlib
 import json
 import queue
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor, Executor, Future
 from pathlib import Path
 
@@ -37,6 +38,77 @@ Judged = list[tuple[Submission, Verdict]]
 
 class RehearsalFailed(Exception):
     """A lesson's own solution does not earn everything; `str()` says which tests are at fault."""
+
+
+class Rehearsals:
+    """Let lessons' own solutions be judged on the course's seed; each must earn everything.
+
+    What has been seen is remembered until the solution or a rule changes.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    lessons : iterable of Lesson
+    seed : int
+    sandbox : grader.sandbox.Sandbox
+    tell : callable, optional
+        Called with each lesson that is begun.
+
+    Attributes
+    ----------
+    waiting : list of Lesson
+        In order of name: those that have not been seen, and nobody works on.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        lessons: Iterable[Lesson],
+        seed: int,
+        sandbox: Sandbox,
+        tell: Callable[[Lesson], object] = lambda lesson: None,
+    ) -> None:
+        self._seed, self._sandbox, self._tell = seed, sandbox, tell
+        self._complaints: dict[str, tuple[str, ...]] = {}
+        self._notes = {lesson: rehearsal(course, lesson, seed) for lesson in lessons}
+        new = [lesson for lesson, (path, key) in self._notes.items() if _read(path) != key]
+        self.waiting = sorted(new, key=lambda lesson: lesson.name)
+        self._missing = set(new)
+
+    def passed(self, lesson: Lesson) -> bool:
+        """Whether the lesson's own solution has earned everything."""
+        return lesson not in self._missing
+
+    def start(self, executor: Executor) -> tuple[Lesson, Future]:
+        """Have the first that waits judged."""
+        lesson = self.waiting[0]
+        self._tell(lesson)
+        future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
+        return self.waiting.pop(0), future
+
+    def note(self, lesson: Lesson, complaints: tuple[str, ...]) -> None:
+        """Remember what came of one."""
+        if complaints:
+            self._complaints[lesson.name] = complaints
+            return
+        path, key = self._notes[lesson]
+        write_atomically(json.dumps(key), path)
+        self._missing.discard(lesson)
+
+    @property
+    def failed(self) -> bool:
+        """Whether there were complaints."""
+        return bool(self._complaints)
+
+    def verify(self) -> None:
+        """Raise `RehearsalFailed` if there were complaints."""
+        if self.failed:
+            found = ("\n".join((f"{name}:", *said)) for name, said in self._complaints.items())
+            raise RehearsalFailed(
+                "Nobody was graded: with the course's seed, these tests find fault with the "
+                "lesson's own solution. Mend them, or name another seed with --seed.\n"
+                + "\n".join(found)
+            )
 
 
 def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
@@ -156,13 +228,15 @@ def judge_class(
     def job(submission: Submission) -> tuple:
         return _job(course, submission, seed, sandbox)
 
-    if waiting:
+    someone_died = False
+    while waiting:
         with open_executor(workers) as executor:
-            rehearse(course, {one.lesson for one in waiting}, seed, sandbox, executor, tell)
-            waiting = _judge_all(waiting, job, executor, note, suspects)
-    while waiting:  # a process died, and the executor with it
-        with open_executor(workers) as executor:
-            waiting = _judge_all(waiting, job, executor, note, suspects)
+            lessons = {one.lesson for one in waiting}
+            if someone_died:
+                rehearse(course, lessons, seed, sandbox, executor)
+            rehearsals = Rehearsals(course, lessons, seed, sandbox, tell)
+            waiting = _judge_all(waiting, job, executor, workers, note, suspects, rehearsals)
+        someone_died = True  # or nobody is waiting
     suspects += [one for one, verdict in verdicts.items() if verdict and verdict.starved]
     for submission in suspects:
         with open_executor(1) as executor:
@@ -171,81 +245,87 @@ def judge_class(
 
 
 def _judge_all(
-    waiting: Sequence[Submission],
+    waiting: Iterable[Submission],
     job: Callable[[Submission], tuple],
     executor: Executor,
+    workers: int,
     note: Callable[[Submission, Future], None],
     suspects: list[Submission],
+    rehearsals: Rehearsals,
 ) -> list[Submission]:
     """Judge in parallel, reading only so many submissions ahead as the executor has room for.
 
-    What was at work when a process died is added to `suspects`; what the executor then did not
-    take any more is returned.
+    Lesson by lesson, each as soon as its own solution has earned everything. What was at work when
+    a process died is added to `suspects`; what the executor then did not take any more is returned.
     """
-    coming, running, finished = iter(waiting), {}, queue.SimpleQueue()
-    rest = []
+    coming = deque(sorted(waiting, key=lambda one: one.lesson.name))
+    running, finished, broken = {}, queue.SimpleQueue(), False
+
+    def give(what: Submission | Lesson, future: Future) -> None:
+        running[future] = what
+        future.add_done_callback(finished.put)
+
+    def fill() -> None:
+        while coming and rehearsals.passed(coming[0].lesson):
+            if len(running) >= room(executor):
+                return
+            give(coming[0], executor.submit(judge_one, *job(coming[0])))
+            coming.popleft()
+        # Not all at once: whoever waits for a first verdict waits for no other lesson.
+        begun = sum(isinstance(what, Lesson) for what in running.values())
+        for _ in rehearsals.waiting[: max(0, workers - begun)]:
+            give(*rehearsals.start(executor))
+
     try:
         while True:
-            for submission in itertools.islice(coming, max(0, room(executor) - len(running))):
+            if not broken:
                 try:
-                    future = executor.submit(judge_one, *job(submission))
+                    fill()
                 except BrokenExecutor:
-                    rest = [submission, *coming]
-                    break
-                running[future] = submission
-                future.add_done_callback(finished.put)
+                    broken = True
             if not running:
-                return rest
+                rehearsals.verify()
+                return list(coming)
             future = finished.get()
-            submission = running.pop(future)
-            if isinstance(future.exception(), BrokenExecutor):
-                suspects.append(submission)
-            else:
-                note(submission, future)
+            what = running.pop(future, None)
+            if what is None:
+                continue  # called off
+            died = isinstance(future.exception(), BrokenExecutor)
+            if isinstance(what, Submission):
+                suspects.append(what) if died else note(what, future)
+            elif not died:  # else its submissions are returned, and it is tried alone
+                rehearsals.note(what, future.result())
+                if rehearsals.failed:  # the others may have faults, too; nobody is judged any more
+                    coming.clear()
+                    for other, what in list(running.items()):
+                        if isinstance(what, Submission) and other.cancel():
+                            del running[other]
     except BaseException:
         executor.shutdown(wait=True, cancel_futures=True)
         raise
 
 
 def rehearse(
-    course: Course,
-    lessons: Iterable[Lesson],
-    seed: int,
-    sandbox: Sandbox,
-    executor: Executor,
-    tell: Callable[[Lesson], object] = lambda lesson: None,
+    course: Course, lessons: Iterable[Lesson], seed: int, sandbox: Sandbox, executor: Executor
 ) -> None:
-    """Let every lesson's own solution be judged on the course's seed; it must earn everything.
-
-    What has been seen is remembered until the solution or a rule changes. Each lesson that is
-    waited for is told.
+    """Let every lesson's own solution be judged, and nothing else meanwhile; see `Rehearsals`.
 
     Raises
     ------
     RehearsalFailed
     """
-    running = {}
-    for lesson in sorted(lessons, key=lambda lesson: lesson.name):
-        path, key = rehearsal(course, lesson, seed)
-        if _read(path) != key:
-            future = executor.submit(rehearse_one, lesson.name, seed, sandbox.name)
-            running[future] = (lesson, path, key)
-    failed = []
-    for future, (lesson, path, key) in running.items():
-        tell(lesson)
+    rehearsals, running = Rehearsals(course, lessons, seed, sandbox), {}
+    with contextlib.suppress(BrokenExecutor):  # those that were begun say so
+        while rehearsals.waiting:
+            lesson, future = rehearsals.start(executor)
+            running[future] = lesson
+    for future, lesson in running.items():
         try:
             complaints = future.result()
         except BrokenExecutor:
             complaints = ("The process that judged it died. Is there memory enough?",)
-        if complaints:
-            failed.append(f"{lesson.name}:\n" + "\n".join(complaints))
-        else:
-            write_atomically(json.dumps(key), path)
-    if failed:
-        raise RehearsalFailed(
-            "Nobody was graded: with the course's seed, these tests find fault with the lesson's "
-            "own solution. Mend them, or name another seed with --seed.\n" + "\n".join(failed)
-        )
+        rehearsals.note(lesson, complaints)
+    rehearsals.verify()
 
 
 def rehearsal(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
