@@ -154,6 +154,20 @@ def draw():
 }
 
 
+JUDGE_VARIANTS = """
+import json, sys
+from pathlib import Path
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.judging.judge import judge
+from grader.sandbox import SANDBOXES
+lesson, path = find_lesson("13_toy"), Path("13_toy.ipynb")
+for variant in variants_of("highest"):
+    path.write_text(fill_in(lesson, {"highest": variant.source}), "utf-8")
+    print(json.dumps(judge(path, 1, SANDBOXES[sys.argv[1]]).as_dict()))
+"""
+
+
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
     """The project with a thirteenth lesson in it."""
@@ -212,20 +226,19 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
 
     assert judge("solutions/stage4_realtime/13_toy.ipynb")[:2] == (7, 7)
     assert judge("notebooks/stage4_realtime/13_toy.ipynb")[:2] == (0, 7)
-    program = (
-        "from grader.course.lessons import find_lesson\n"
-        "from grader.course.variants import fill_in, variants_of\n"
-        "lesson = find_lesson('13_toy')\n"
-        "for number, variant in enumerate(variants_of('highest')):\n"
-        "    with open(f'{number} 13_toy.ipynb', 'w') as file:\n"
-        "        file.write(fill_in(lesson, {'highest': variant.source}))\n"
+    done = subprocess.run(
+        [sys.executable, "-c", JUDGE_VARIANTS, sandbox.name],
+        cwd=copy,
+        env={**os.environ, "PYTHONPATH": str(copy)},
+        capture_output=True,
+        text=True,
+        check=True,
     )
-    subprocess.run([sys.executable, "-c", program], cwd=copy, check=True)
-    assert judge("0 13_toy.ipynb")[0] == 7
-    for name, word in (("1 13_toy.ipynb", "not the highest"), ("2 13_toy.ipynb", "not allowed")):
-        score, _, verdict = judge(name)
+    right, lowest, library = map(json.loads, done.stdout.splitlines())
+    assert right["score"] == 7
+    for verdict, word in ((lowest, "not the highest"), (library, "not allowed")):
         tests = verdict["exercises"][0]["tests"]
-        assert score < 7 and word in " ".join(test["message"] for test in tests)
+        assert verdict["score"] < 7 and word in " ".join(test["message"] for test in tests)
 
 
 def test_every_lesson_has_its_files(lesson):

@@ -111,7 +111,7 @@ while True: os.write(write, b" ")
 def test_breaks_off_the_conversation(body, sentence):
     source = PIPES + function(f"if arguments[0] > 1 or {'observed' not in body}:\n    pass\n{body}")
     begin = time.monotonic()
-    with attack(source) as student, pytest.raises(StudentStopped) as stopped:
+    with attack(source, call_seconds=0.5) as student, pytest.raises(StudentStopped) as stopped:
         if '"arguments"' in body:
             student._calls = 1
             student.f.observe(1)

@@ -154,9 +154,21 @@ def test_what_is_harmless_stays_as_it_is():
         assert harmless(harmless(text)) == harmless(text)
 
 
+@pytest.fixture(scope="module")
+def blank():
+    """The page of the lesson as it was released."""
+    lesson = find_lesson("12_streaming_obstacles")
+    released = HandedIn(lesson.released.name, lesson.released.read_bytes())
+    return page_of(build_copy(prepare(released, lesson)))
+
+
+def page_of(notebook):
+    return HTMLExporter(template_name="classic").from_notebook_node(notebook)[0]
+
+
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
-def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind):
+def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind, blank):
     """As feedback and Formgrader make it, of everything above at once, in each kind of cell."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
@@ -171,13 +183,7 @@ def test_whole_page_of_a_hostile_notebook_obeys_nothing(kind):
     handed_in = HandedIn("12_streaming_obstacles.ipynb", json.dumps(notebook).encode())
     made = build_copy(prepare(handed_in, lesson))
     nbformat.validate(made)
-    exporter = HTMLExporter(template_name="classic")
-    page, _ = exporter.from_notebook_node(made)
-    blank, _ = exporter.from_notebook_node(
-        build_copy(
-            prepare(HandedIn("12_streaming_obstacles.ipynb", lesson.released.read_bytes()), lesson)
-        )
-    )
+    page = page_of(made)
     ours = [what for what in obeyed(blank)]
     assert [what for what in obeyed(page) if what not in ours] == []
     assert page.count("<script") == blank.count("<script")

@@ -137,8 +137,7 @@ def test_loop_is_much_slower(told):
         cloud, function = told.names["cloud"][:n], told.names["horizontal_distance"]
         return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
 
-    few, more = told.names["counts"][:2]
-    assert least(more) < 2 * least(few)  # flat at the left end
+    assert least(100) < 20 * least(1)  # however little there is to do
 
 
 def test_answer_about_the_pedestrian():
