@@ -22,6 +22,7 @@ from nbgrader.preprocessors import AssignLatePenalties, Execute, LimitOutput, Sa
 
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.grade import judge_class
+from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.nbgrader_settings import converter
 from grader.course.paths import PROJECT, Course
@@ -36,9 +37,13 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds of a stage, and megabytes of this process, which reads and writes."""
+    """Seconds of a stage, and megabytes of this process, which reads and writes.
+
+    `further` is what each further student costs the judging: all lessons of the stage.
+    """
 
     first: float
+    further: float
     judging: float
     entering: float
     notebooks: int
@@ -72,12 +77,12 @@ def megabytes():
 
 def time_ours(lessons, folder):
     """`Times` of our judge, started cold."""
-    course, seen, memory = make_course(folder / "ours", STUDENTS, lessons), [], []
+    course, seen, memory = make_course(folder / "ours", STUDENTS, lessons), {}, []
     sandbox = choose_sandbox()
 
     def progress(done, total, what):
-        if done:
-            seen.append(time.perf_counter())
+        if isinstance(what, Submission):
+            seen.setdefault(what.lesson, []).append(time.perf_counter())
         if done == total // 4:
             memory.append(megabytes())
 
@@ -89,7 +94,20 @@ def time_ours(lessons, folder):
     assert all(verdict.score == verdict.max_score for _, verdict in judged)
     enter(course, judged, stages_of(lessons), lambda *news: None)
     end = time.perf_counter()
-    return Times(seen[0] - begin, middle - begin, end - middle, len(judged), tuple(memory))
+    return Times(
+        min(min(times) for times in seen.values()) - begin,
+        sum(map(steady, seen.values())),
+        middle - begin,
+        end - middle,
+        len(judged),
+        tuple(memory),
+    )
+
+
+def steady(times):
+    """Seconds from verdict to verdict of a lesson, where nothing is made for the first time."""
+    few, most = len(times) // 4, 3 * len(times) // 4
+    return (times[most] - times[few]) / (most - few)
 
 
 def stages_of(lessons):
@@ -127,9 +145,8 @@ def main(wanted):
             seconds, notebooks = time_nbgrader(lessons, folder)
         theirs, mine = seconds / notebooks, (ours.judging + ours.entering) / ours.notebooks
         whole.append((theirs, mine, len(lessons)))
-        # What is made once, scenes and right answers, is in the time to the first verdict.
-        each = (ours.judging - ours.first + ours.entering) / (ours.notebooks - 1)
-        reckoned += ours.first + CLASS * len(lessons) * each
+        each = ours.further + ours.entering / STUDENTS
+        reckoned += ours.judging + ours.entering + (CLASS - STUDENTS) * each
         print(
             f"{stage}: nbgrader autograde {60 / theirs:.1f} notebooks per minute; ours "
             f"{60 / mine:.1f}, gradebook included, {theirs / mine:.1f} x "
