@@ -413,7 +413,7 @@ def run_in_a_child(course, sandbox, after, number):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
-@pytest.mark.parametrize("moments", [10, 50], ids=["ten", "fifty"])
+@pytest.mark.parametrize("moments", [5, 50], ids=["five", "fifty"])
 def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, number, moments):
     """While it judges, while it enters, while it reports."""
     for student in ("carol", "dave"):
