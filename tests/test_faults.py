@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 
 from grader import cli, commands
-from grader.classroom import doctor, grade
+from grader.classroom import doctor, grade, rehearsals
 from grader.classroom.executors import EXECUTORS, processors
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.lessons import find_lesson
@@ -125,8 +125,8 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
 
 def test_nobody_is_graded_by_a_test_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
-    monkeypatch.setattr(grade, "complaints_about_reference", lambda *about: ("voxel_grid, x",))
-    with pytest.raises(grade.RehearsalFailed, match="06_filter_ground:\nvoxel_grid, x"):
+    monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("voxel_grid, x",))
+    with pytest.raises(rehearsals.RehearsalFailed, match="06_filter_ground:\nvoxel_grid, x"):
         graded(course, sandbox)
     assert not list(course.verdicts.rglob("*.json"))
     monkeypatch.setitem(EXECUTORS, "processes", Inline)
@@ -138,7 +138,7 @@ def test_rehearsals_are_remembered(course, sandbox, monkeypatch):
     told = []
     graded(course, sandbox, progress=lambda done, total, what: told.append((done, what)))
     assert told[:2] == [(0, None), (0, f"the course's own {LESSON.name} first")]
-    monkeypatch.setattr(grade, "complaints_about_reference", lambda *about: ("never asked",))
+    monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("never asked",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
     again = graded(course, sandbox, progress=lambda *news: told.append(news))
     assert again["ada"].score == 30 and not isinstance(told[-1][2], str)
@@ -163,7 +163,7 @@ def three_lessons(course, monkeypatch):
         asked.append(f"{lesson[:2]} {student}")
         return Verdict(lesson, student, JUDGED, 1.0, 1.0, (), (), 0.0, "")
 
-    monkeypatch.setattr(grade, "rehearse_one", rehearse_one)
+    monkeypatch.setattr(rehearsals, "rehearse_one", rehearse_one)
     monkeypatch.setattr(grade, "judge_one", judge_one)
     return course, asked, complaints
 
@@ -189,7 +189,7 @@ def test_the_first_verdict_waits_for_no_other_lesson(three_lessons, sandbox):
 def test_no_lesson_is_judged_whose_own_solution_fails(three_lessons, sandbox, workers):
     course, asked, complaints = three_lessons
     complaints.update({"07": ("one",), "08": ("two", "three")})
-    with pytest.raises(grade.RehearsalFailed) as failed:
+    with pytest.raises(rehearsals.RehearsalFailed) as failed:
         judge_three(course, sandbox, workers=workers)
     assert str(failed.value).endswith("07_filter_by_distance:\none\n08_bounding_boxes:\ntwo\nthree")
     assert {what[:2] for what in asked if len(what) > 2} <= {"06"}
@@ -209,7 +209,7 @@ class Dying(ThreadPoolExecutor):
     def submit(self, function, *arguments):
         if self.dead:
             raise BrokenExecutor
-        if function is grade.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
+        if function is rehearsals.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
             Dying.left -= 1
             self.dead = True
             future = Future()
@@ -222,7 +222,7 @@ def test_a_process_that_dies_in_a_rehearsal_is_no_fault_of_the_lesson(three_less
     course, asked, _ = three_lessons
     Dying.left = 1
     judged = judge_three(course, sandbox, Dying)
-    assert {(one.student, one.lesson.number) for one, _ in judged if one} == {
+    assert {(one.student, one.lesson.number) for one, _ in judged} == {
         (student, number) for student in ("ada", "poison", "zoe") for number in ("06", "07", "08")
     }
     assert len(asked) == 3 + 9
@@ -232,7 +232,9 @@ def test_a_process_that_dies_in_a_rehearsal_is_no_fault_of_the_lesson(three_less
 def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandbox):
     course, _, _ = three_lessons
     Dying.left = 2
-    with pytest.raises(grade.RehearsalFailed, match="07_filter_by_distance:\nThe process that"):
+    with pytest.raises(
+        rehearsals.RehearsalFailed, match="07_filter_by_distance:\nThe process that"
+    ):
         judge_three(course, sandbox, Dying)
 
 
@@ -375,7 +377,7 @@ def test_of_several_files_the_newest_counts(course):
 
 
 def test_the_doctor_names_what_is_wrong(course, sandbox, monkeypatch):
-    monkeypatch.setattr(doctor, "rehearse", lambda *course: None)
+    monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *executor: None)
     (course.submitted / "ada" / "lost.ipynb").write_text("{}")
     course.seed_file.write_text("1")
     course.seed_file.chmod(0o644)

@@ -14,6 +14,7 @@ from grader import cli, commands
 from grader.classroom import demo, grade
 from grader.classroom.demo import make_class
 from grader.classroom.executors import EXECUTORS
+from grader.classroom.rehearsals import note_of
 from grader.classroom.report import write_report
 from grader.classroom.submissions import find_submissions
 from grader.course.lessons import all_lessons, find_lesson, stages
@@ -58,7 +59,7 @@ def quiet(done, total, what):
 
 def rehearsed(course, lesson, seed=SEED):
     """Note that a lesson's own solution has been judged, which takes longer than a student's."""
-    path, key = grade.rehearsal(course, lesson, seed)
+    path, key = note_of(course, lesson, seed)
     write_atomically(json.dumps(key), path)
 
 

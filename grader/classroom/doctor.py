@@ -10,7 +10,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from importlib import metadata
 
-from grader.classroom.grade import RehearsalFailed, rehearse
+from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
 from grader.classroom.submissions import unaccounted_files
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT, Course
@@ -114,7 +114,7 @@ def _seed(course: Course) -> Finding:
 def _oracles(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> Finding:
     lessons = all_lessons()
     try:
-        rehearse(course, lessons, seed, sandbox, executor)
+        Rehearsals(course, lessons, seed, sandbox).finish(executor)
     except RehearsalFailed as error:
         return Finding("oracles", False, str(error))
     return Finding(

@@ -6,21 +6,19 @@ that was broken off goes on where it stopped, and `nbgrader autograde` finds wha
 
 from __future__ import annotations
 
-import contextlib
-import json
 import queue
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor, Executor, Future
-from pathlib import Path
 
 from grader.classroom.executors import ExecutorLost, room
+from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
-from grader.intake.handed_in import HandedIn, read_handed_in
-from grader.judging.judge import UNFAIR, complaints_about_reference, judge_handed_in
+from grader.intake.handed_in import HandedIn
+from grader.judging.judge import UNFAIR, judge_handed_in
 from grader.judging.key import verdict_key
 from grader.judging.verdict import (
     FAILED,
@@ -28,87 +26,11 @@ from grader.judging.verdict import (
     ExerciseResult,
     Verdict,
     read_verdict,
-    write_atomically,
     write_verdict,
 )
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 Judged = list[tuple[Submission, Verdict]]
-
-
-class RehearsalFailed(Exception):
-    """A lesson's own solution does not earn everything; `str()` says which tests are at fault."""
-
-
-class Rehearsals:
-    """Let lessons' own solutions be judged on the course's seed; each must earn everything.
-
-    What has been seen is remembered until the solution or a rule changes.
-
-    Parameters
-    ----------
-    course : grader.course.paths.Course
-    lessons : iterable of Lesson
-    seed : int
-    sandbox : grader.sandbox.Sandbox
-    tell : callable, optional
-        Called with each lesson that is begun.
-
-    Attributes
-    ----------
-    waiting : list of Lesson
-        In order of name: those that have not been seen, and nobody works on.
-    """
-
-    def __init__(
-        self,
-        course: Course,
-        lessons: Iterable[Lesson],
-        seed: int,
-        sandbox: Sandbox,
-        tell: Callable[[Lesson], object] = lambda lesson: None,
-    ) -> None:
-        self._seed, self._sandbox, self._tell = seed, sandbox, tell
-        self._complaints: dict[str, tuple[str, ...]] = {}
-        self._notes = {lesson: rehearsal(course, lesson, seed) for lesson in lessons}
-        new = [lesson for lesson, (path, key) in self._notes.items() if _read(path) != key]
-        self.waiting = sorted(new, key=lambda lesson: lesson.name)
-        self._missing = set(new)
-
-    def passed(self, lesson: Lesson) -> bool:
-        """Whether the lesson's own solution has earned everything."""
-        return lesson not in self._missing
-
-    def start(self, executor: Executor) -> tuple[Lesson, Future]:
-        """Have the first that waits judged."""
-        lesson = self.waiting[0]
-        self._tell(lesson)
-        future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
-        return self.waiting.pop(0), future
-
-    def note(self, lesson: Lesson, complaints: tuple[str, ...]) -> None:
-        """Remember what came of one."""
-        if complaints:
-            self._complaints[lesson.name] = complaints
-            return
-        path, key = self._notes[lesson]
-        write_atomically(json.dumps(key), path)
-        self._missing.discard(lesson)
-
-    @property
-    def failed(self) -> bool:
-        """Whether there were complaints."""
-        return bool(self._complaints)
-
-    def verify(self) -> None:
-        """Raise `RehearsalFailed` if there were complaints."""
-        if self.failed:
-            found = ("\n".join((f"{name}:", *said)) for name, said in self._complaints.items())
-            raise RehearsalFailed(
-                "Nobody was graded: with the course's seed, these tests find fault with the "
-                "lesson's own solution. Mend them, or name another seed with --seed.\n"
-                + "\n".join(found)
-            )
 
 
 def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
@@ -142,11 +64,6 @@ def judge_one(
     """
     verdict = judge_handed_in(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
     return verdict.believed() if alone else verdict
-
-
-def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
-    """What the tests of a lesson find wrong with its own solution; names as for `judge_one`."""
-    return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 
 def judge_and_store(
@@ -204,8 +121,8 @@ def judge_class(
 
     Raises
     ------
-    RehearsalFailed
-        Before anybody is judged.
+    grader.classroom.rehearsals.RehearsalFailed
+        Before anybody of that lesson is judged; verdicts on others are kept.
     """
     submissions = find_submissions(course, stages)
     verdicts = {one: stored_verdict(course, one, seed) for one in submissions}
@@ -232,10 +149,11 @@ def judge_class(
     while waiting:
         with open_executor(workers) as executor:
             lessons = {one.lesson for one in waiting}
-            if someone_died:
-                rehearse(course, lessons, seed, sandbox, executor)
             rehearsals = Rehearsals(course, lessons, seed, sandbox, tell)
-            waiting = _judge_all(waiting, job, executor, workers, note, suspects, rehearsals)
+            if someone_died:
+                rehearsals.finish(executor)
+            died, waiting = _judge_all(waiting, job, executor, workers, note, rehearsals)
+        suspects += died
         someone_died = True  # or nobody is waiting
     suspects += [one for one, verdict in verdicts.items() if verdict and verdict.starved]
     for submission in suspects:
@@ -250,16 +168,15 @@ def _judge_all(
     executor: Executor,
     workers: int,
     note: Callable[[Submission, Future], None],
-    suspects: list[Submission],
     rehearsals: Rehearsals,
-) -> list[Submission]:
+) -> tuple[list[Submission], list[Submission]]:
     """Judge in parallel, reading only so many submissions ahead as the executor has room for.
 
-    Lesson by lesson, each as soon as its own solution has earned everything. What was at work when
-    a process died is added to `suspects`; what the executor then did not take any more is returned.
+    Lesson by lesson, each as soon as its own solution has earned everything. Returned are those
+    that were at work when a process died, and those that the executor then did not take any more.
     """
     coming = deque(sorted(waiting, key=lambda one: one.lesson.name))
-    running, finished, broken = {}, queue.SimpleQueue(), False
+    running, finished, broken, died = {}, queue.SimpleQueue(), False, []
 
     def give(what: Submission | Lesson, future: Future) -> None:
         running[future] = what
@@ -285,15 +202,15 @@ def _judge_all(
                     broken = True
             if not running:
                 rehearsals.verify()
-                return list(coming)
+                return died, list(coming)
             future = finished.get()
             what = running.pop(future, None)
             if what is None:
                 continue  # called off
-            died = isinstance(future.exception(), BrokenExecutor)
+            killed = isinstance(future.exception(), BrokenExecutor)
             if isinstance(what, Submission):
-                suspects.append(what) if died else note(what, future)
-            elif not died:  # else its submissions are returned, and it is tried alone
+                died.append(what) if killed else note(what, future)
+            elif not killed:  # else its submissions are returned, and it is tried alone
                 rehearsals.note(what, future.result())
                 if rehearsals.failed:  # the others may have faults, too; nobody is judged any more
                     coming.clear()
@@ -303,42 +220,6 @@ def _judge_all(
     except BaseException:
         executor.shutdown(wait=True, cancel_futures=True)
         raise
-
-
-def rehearse(
-    course: Course, lessons: Iterable[Lesson], seed: int, sandbox: Sandbox, executor: Executor
-) -> None:
-    """Let every lesson's own solution be judged, and nothing else meanwhile; see `Rehearsals`.
-
-    Raises
-    ------
-    RehearsalFailed
-    """
-    rehearsals, running = Rehearsals(course, lessons, seed, sandbox), {}
-    with contextlib.suppress(BrokenExecutor):  # those that were begun say so
-        while rehearsals.waiting:
-            lesson, future = rehearsals.start(executor)
-            running[future] = lesson
-    for future, lesson in running.items():
-        try:
-            complaints = future.result()
-        except BrokenExecutor:
-            complaints = ("The process that judged it died. Is there memory enough?",)
-        rehearsals.note(lesson, complaints)
-    rehearsals.verify()
-
-
-def rehearsal(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
-    """Where is noted that a lesson's own solution earned everything, and the key that is noted."""
-    path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
-    return path, verdict_key(read_handed_in(lesson.solved), lesson, seed)
-
-
-def _read(path: Path) -> object:
-    try:
-        return json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError):
-        return None
 
 
 def _result(future: Future, submission: Submission) -> Verdict:

@@ -1,0 +1,129 @@
+"""Before a class is judged, each lesson's own solution is: with the course's seed it must earn all.
+
+Else the tests are at fault, and would take points from whoever answered right.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Iterable
+from concurrent.futures import BrokenExecutor, Executor, Future
+from pathlib import Path
+
+from grader.course.lessons import Lesson, find_lesson
+from grader.course.paths import Course
+from grader.intake.handed_in import read_handed_in
+from grader.judging.judge import complaints_about_reference
+from grader.judging.key import verdict_key
+from grader.judging.verdict import write_atomically
+from grader.sandbox import SANDBOXES, Sandbox
+
+
+class RehearsalFailed(Exception):
+    """A lesson's own solution does not earn everything; `str()` says which tests are at fault."""
+
+
+class Rehearsals:
+    """The rehearsals of some lessons; what was seen is remembered until solution or rules change.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    lessons : iterable of Lesson
+    seed : int
+    sandbox : grader.sandbox.Sandbox
+    tell : callable, optional
+        Called with each lesson that is begun.
+
+    Attributes
+    ----------
+    waiting : list of Lesson
+        In order of name: those that have not been seen, and that nobody works on.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        lessons: Iterable[Lesson],
+        seed: int,
+        sandbox: Sandbox,
+        tell: Callable[[Lesson], object] = lambda lesson: None,
+    ) -> None:
+        self._seed, self._sandbox, self._tell = seed, sandbox, tell
+        notes = {lesson: note_of(course, lesson, seed) for lesson in lessons}
+        self._missing = {lesson: note for lesson, note in notes.items() if not _is_written(*note)}
+        self._complaints: dict[str, tuple[str, ...]] = {}
+        self.waiting = sorted(self._missing, key=lambda lesson: lesson.name)
+
+    def passed(self, lesson: Lesson) -> bool:
+        """Whether the lesson's own solution has earned everything."""
+        return lesson not in self._missing
+
+    @property
+    def failed(self) -> bool:
+        """Whether any has not."""
+        return bool(self._complaints)
+
+    def start(self, executor: Executor) -> tuple[Lesson, Future]:
+        """Have the first that waits judged; `note` takes what comes of it."""
+        lesson = self.waiting[0]
+        self._tell(lesson)
+        future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
+        return self.waiting.pop(0), future
+
+    def note(self, lesson: Lesson, complaints: tuple[str, ...]) -> None:
+        """Remember what came of one."""
+        if complaints:
+            self._complaints[lesson.name] = complaints
+            return
+        path, key = self._missing.pop(lesson)
+        write_atomically(json.dumps(key), path)
+
+    def verify(self) -> None:
+        """Raise `RehearsalFailed` if any has not earned everything."""
+        if self.failed:
+            found = sorted(self._complaints.items())
+            raise RehearsalFailed(
+                "Nobody was graded: with the course's seed, these tests find fault with the "
+                "lesson's own solution. Mend them, or name another seed with --seed.\n"
+                + "\n".join("\n".join((f"{name}:", *said)) for name, said in found)
+            )
+
+    def finish(self, executor: Executor) -> None:
+        """Have all that wait judged, and nothing else meanwhile.
+
+        Raises
+        ------
+        RehearsalFailed
+        """
+        running = {}
+        with contextlib.suppress(BrokenExecutor):  # those that were begun say so
+            while self.waiting:
+                lesson, future = self.start(executor)
+                running[future] = lesson
+        for future, lesson in running.items():
+            try:
+                complaints = future.result()
+            except BrokenExecutor:
+                complaints = ("The process that judged it died. Is there memory enough?",)
+            self.note(lesson, complaints)
+        self.verify()
+
+
+def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
+    """What the tests of a lesson find wrong with its own solution; plain data in and out."""
+    return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
+
+
+def note_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
+    """Where is noted that a lesson's own solution earned everything, and the key that is noted."""
+    path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
+    return path, verdict_key(read_handed_in(lesson.solved), lesson, seed)
+
+
+def _is_written(path: Path, key: str) -> bool:
+    try:
+        return json.loads(path.read_text("utf-8")) == key
+    except (OSError, ValueError):
+        return False
