@@ -1,6 +1,8 @@
 """Faults are told apart: what judge, machine or neighbour does costs no student a point."""
 
 import os
+import signal
+import threading
 from concurrent.futures import (
     BrokenExecutor,
     Executor,
@@ -10,6 +12,7 @@ from concurrent.futures import (
 )
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from grader import cli, commands
@@ -22,7 +25,9 @@ from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
 from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
-from grader.sandbox.student import StudentStopped
+from grader.sandbox import Limits
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student, StudentStopped
 from tests.test_grade import rehearsed
 
 SEED = 20_170_405
@@ -31,6 +36,7 @@ RIGHT = {
     exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
     for exercise in ("filter_ground", "voxel_grid")
 }
+WRONG = {"voxel_grid": next(one.source for one in variants_of("voxel_grid") if not one.right)}
 
 
 class Inline(Executor):
@@ -88,7 +94,7 @@ def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, 
 
 
 def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox, monkeypatch):
-    def broken(lesson, student, seed):
+    def broken(*question):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
     right = judging.run_tests
@@ -109,8 +115,8 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
     right = judging.run_tests
 
-    def spoiled(lesson, student, seed):
-        outcomes = right(lesson, student, seed)
+    def spoiled(*question):
+        outcomes = right(*question)
         return [type(one)(one.name, one.mark, ZeroDivisionError("oracle")) for one in outcomes]
 
     rehearsed(course, LESSON, SEED)
@@ -122,6 +128,44 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
     verdict = graded(course, sandbox)["ada"]
     assert (verdict.status, verdict.score) == (JUDGED, 0)
+
+
+def shake_once(monkeypatch):
+    """Let some tests end, the first time, as no answer makes them end; what was asked each time."""
+    right, asked = judging.run_tests, []
+
+    def shaken(*question):
+        outcomes = right(*question)
+        asked.append([one.name for one in outcomes])
+        if len(asked) > 1:
+            return outcomes
+        return [
+            type(one)(one.name, one.mark, OSError("once")) if "columns" in one.name else one
+            for one in outcomes
+        ]
+
+    monkeypatch.setattr(judging, "run_tests", shaken)
+    return asked
+
+
+@pytest.mark.slow
+def test_what_befalls_a_rehearsal_once_is_no_fault_of_a_test(sandbox, monkeypatch):
+    asked = shake_once(monkeypatch)
+    assert judging.complaints_about_reference.__wrapped__(LESSON, SEED, sandbox) == ()
+    assert len(asked) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("answers", [RIGHT, RIGHT | WRONG], ids=["right", "wrong"])
+def test_what_befalls_the_judge_once_takes_no_points(answers, sandbox, tmp_path, monkeypatch):
+    path = tmp_path / f"{LESSON.name}.ipynb"
+    path.write_text(fill_in(LESSON, answers), "utf-8")
+    expected = judging.judge(path, SEED, sandbox)
+    asked = shake_once(monkeypatch)
+    verdict = judging.judge(path, SEED, sandbox)
+    assert (verdict.status, verdict.score) == (JUDGED, expected.score)
+    assert verdict.exercises == expected.exercises
+    assert len(asked[0]) > 10 > len(asked[1]) > 1  # nothing else is asked again
 
 
 def test_nobody_is_graded_by_a_test_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
@@ -257,11 +301,21 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
 
 
 @pytest.mark.slow
-def test_who_waits_instead_of_working_is_given_up_and_called_starved(sandbox):
-    from grader.sandbox import Limits
-    from grader.sandbox.program import Program
-    from grader.sandbox.student import Student
+def test_who_gets_no_processor_for_a_while_may_answer_late(sandbox):
+    """A cloud too large for the pipe: it waits in there until somebody reads it."""
+    cloud = np.arange(4e5).reshape(-1, 4)
+    program = Program(("def f(cloud): return 2 * cloud",), ("f",))
+    with Student(program, sandbox, Limits(call_seconds=0.5)) as student:
+        student.f(cloud)
+        worker = student._worker.pids[-1]
+        os.kill(worker, signal.SIGSTOP)
+        threading.Timer(1.0, os.kill, (worker, signal.SIGCONT)).start()
+        assert np.array_equal(student.f(cloud), 2 * cloud)
+        assert not student.starved
 
+
+@pytest.mark.slow
+def test_who_waits_instead_of_working_is_given_up_and_called_starved(sandbox):
     source = "import time\ndef wait(): time.sleep(60)\ndef work():\n    while True: pass"
     limits = Limits(call_seconds=0.5, restarts=5)
     for name, starved in (("wait", True), ("work", False)):

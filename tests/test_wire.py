@@ -326,14 +326,14 @@ def pipe():
 
 
 def soon():
-    return time.monotonic() + 0.3
+    return wire.within(0.3)
 
 
 def test_large_messages_pass_a_small_pipe(pipe):
     value = np.random.default_rng(1).normal(size=(120_000, 4))
-    sender = threading.Thread(target=wire.send, args=(pipe[1], value, time.monotonic() + 20))
+    sender = threading.Thread(target=wire.send, args=(pipe[1], value, wire.within(20)))
     sender.start()
-    assert np.array_equal(wire.receive(pipe[0], time.monotonic() + 20), value)
+    assert np.array_equal(wire.receive(pipe[0], wire.within(20)), value)
     sender.join()
 
 
@@ -354,17 +354,17 @@ def test_the_clock_decides_even_while_data_keep_coming(pipe):
     """A reader that always finds something to read must still look at the clock."""
     os.write(pipe[1], wire.encode("here in full, and too late"))
     with pytest.raises(WireTimeout):
-        wire.receive(pipe[0], time.monotonic() - 1)
+        wire.receive(pipe[0], wire.within(-1))
 
 
 def test_data_that_are_taken_back_do_not_hang_the_reader(pipe, monkeypatch):
     """`poll` saw data; before they are read, whoever wrote them reads them."""
     wait, calls = wire._wait, []
 
-    def hasty(descriptor, deadline, event):
+    def hasty(descriptor, seconds, event):
         calls.append(event)
         if len(calls) > 1:
-            wait(descriptor, deadline, event)
+            wait(descriptor, seconds, event)
 
     monkeypatch.setattr(wire, "_wait", hasty)
     with pytest.raises(WireTimeout):

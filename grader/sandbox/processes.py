@@ -84,9 +84,9 @@ def _files(pid: int) -> int:
 
 def _cpu(pid: int) -> float:
     try:
-        text = Path(f"/proc/{pid}/stat").read_text()
+        # The second field is a name in parentheses, which may hold anything, and no text.
+        text = Path(f"/proc/{pid}/stat").read_text(errors="replace")
     except OSError:
         return 0.0
-    # The second field is a name in parentheses, which may hold anything.
     fields = text.rpartition(")")[2].split()
     return sum(map(int, fields[11:15])) / TICK

@@ -8,13 +8,12 @@ that a function does to its arguments reaches our objects; `RemoteFunction.obser
 from __future__ import annotations
 
 import builtins
-import select
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.sandbox.inside import wire
+from grader.sandbox.patience import Patience
 from grader.sandbox.program import Program
 from grader.sandbox.protocol import Limits, Sandbox
 from grader.sandbox.workers import Worker
@@ -22,9 +21,6 @@ from utils.checks.vocabulary import Observed
 
 LONGEST_TEXT = 500
 MOST_PROBLEMS = 20
-# How many times its limit, by the clock on the wall, a call may take that gets no processor.
-PATIENCE = 3
-SOON = 0.05  # seconds, in which most answers come
 # Names that say something and that student code did not choose.
 KNOWN_EXCEPTIONS = {
     name
@@ -324,13 +320,14 @@ class Student:
 
     def _exchange(self, too_slow: str, seconds: float, message: dict | None = None) -> object:
         """Send a message, if any, and return the next one."""
-        begin, seconds = time.monotonic(), min(seconds, max(self._time_left, 0.1))
+        seconds = min(seconds, max(self._time_left, 0.1))
+        patience = Patience(self._worker.cpu_seconds, seconds)
         try:
             if message is not None:
-                wire.send(self._worker.write_end, message, begin + seconds)
-            self._wait(seconds)
-            return wire.receive(self._worker.read_end, time.monotonic() + seconds)
+                wire.send(self._worker.write_end, message, patience)
+            return wire.receive(self._worker.read_end, patience)
         except wire.WireTimeout:
+            self.starved |= patience.starved
             self._stop(too_slow.format(seconds=seconds))
         except wire.WireError:
             self._stop(
@@ -339,30 +336,8 @@ class Student:
             )
         except wire.WireClosed:
             self._stop(None)
-
-    def _wait(self, seconds: float) -> None:
-        """Wait until an answer begins, or until the worker has had its time.
-
-        That time is the processor's: on a busy machine a right answer comes late. Who waits
-        instead of working is given up after a few times as long.
-        """
-        poll = select.poll()
-        poll.register(self._worker.read_end, select.POLLIN)
-        if poll.poll(1000 * SOON):
-            return
-        begin, had = time.monotonic(), self._worker.cpu_seconds()
-        worked, waited, pause = 0.0, 0.0, seconds
-        try:
-            while not poll.poll(1000 * pause):
-                worked = self._worker.cpu_seconds() - had
-                waited = time.monotonic() - begin
-                if worked >= seconds or waited >= PATIENCE * seconds:
-                    self.starved |= worked < seconds / 2
-                    raise wire.WireTimeout
-                pause = max(SOON, min(seconds - worked, PATIENCE * seconds - waited))
         finally:
-            waited = time.monotonic() - begin
-            self._time_left -= max(worked, waited / PATIENCE)
+            self._time_left -= patience.taken
 
     def _stop(self, sentence: str | None) -> NoReturn:
         """Kill the worker, remember why, and say so."""

@@ -152,9 +152,9 @@ def launch(
         os.close(their_write)
     worker = Worker(process, our_read, our_write, forked)
     try:
-        deadline = time.monotonic() + SECONDS_TO_REPORT
-        wire.send(our_write, rules, deadline)
-        wire.receive(our_read, deadline)
+        patience = wire.within(SECONDS_TO_REPORT)
+        wire.send(our_write, rules, patience)
+        wire.receive(our_read, patience)
     except (wire.WireClosed, wire.WireTimeout):
         os.kill(process.pid, signal.SIGKILL)
         complaint = process.stderr.read().decode(errors="replace").strip()[-500:]

@@ -79,6 +79,10 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
         ),
         "stops itself": ("os.kill(os.getpid(), 19)", "did not answer"),
         "never ends": ("while True: pass", "did not answer"),
+        "never ends, under a name that is no text": (
+            "import ctypes; ctypes.CDLL(None).prctl(15, b'\\xff\\xfe')\nwhile True: pass",
+            "did not answer",
+        ),
         "sleeps": ("time.sleep(600)", "did not answer"),
         "ends in the middle of a call": ("os._exit(0)", "ended"),
         "ends as if all had been well": (
@@ -119,6 +123,35 @@ def test_breaks_off_the_conversation(body, sentence):
             student.f(number)
     assert re.search(sentence, str(stopped.value))
     assert time.monotonic() - begin < 20
+
+
+# An answer comes in pieces from then on: the first at once, the others one by one.
+PIECES = """
+import os, time
+write = os.write
+def drip(end, data):
+    written = write(end, data[:10])
+    time.sleep(0.2)
+    return written
+def f(number):
+    os.write = drip
+    return float(number)
+"""
+
+
+def test_an_answer_that_comes_in_pieces_has_as_long_as_another():
+    with attack(PIECES, call_seconds=0.5) as student:
+        assert student.f(1) == 1.0
+        assert not student.starved
+
+
+def test_time_in_which_an_answer_drips_is_the_notebooks():
+    with (
+        attack(PIECES, call_seconds=2.0, total_seconds=1.6) as student,
+        pytest.raises(StudentStopped, match="did not answer"),
+    ):
+        for number in range(20):
+            student.f(number)
 
 
 def test_the_judge_never_waits_in_a_read_or_a_write():

@@ -14,7 +14,7 @@ import select
 import struct
 import time
 import types
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -310,16 +310,38 @@ def known_type(name: object) -> str:
     return name if isinstance(name, str) and name in _KNOWN else _OWN
 
 
-def send(descriptor: int, value: object, deadline: float | None = None) -> None:
+def within(seconds: float) -> Callable[[], float]:
+    """Patience for so many seconds from now on, by the clock on the wall.
+
+    Parameters
+    ----------
+    seconds : float
+
+    Returns
+    -------
+    callable
+        Returns for how long at most to wait before it is asked again; raises `WireTimeout`.
+    """
+    end = time.monotonic() + seconds
+
+    def left() -> float:
+        if (seconds := end - time.monotonic()) <= 0:
+            raise WireTimeout
+        return seconds
+
+    return left
+
+
+def send(descriptor: int, value: object, patience: Callable[[], float] | None = None) -> None:
     """Write one message.
 
     Parameters
     ----------
     descriptor : int
-        With a deadline it must be non-blocking, or the other end can make a write wait forever.
+        With a patience it must be non-blocking, or the other end can make a write wait forever.
     value : object
-    deadline : float, optional
-        Of `time.monotonic`.
+    patience : callable, optional
+        As `within` returns one; by default there is no end to it.
 
     Raises
     ------
@@ -327,45 +349,46 @@ def send(descriptor: int, value: object, deadline: float | None = None) -> None:
     """
     view = memoryview(encode(value))
     while view:
-        _in_time(deadline)
+        pause = patience and patience()
         try:
             view = view[os.write(descriptor, view) :]
         except BlockingIOError:
-            _wait(descriptor, deadline, select.POLLOUT)
+            _wait(descriptor, pause, select.POLLOUT)
         except BrokenPipeError:
             raise WireClosed from None
 
 
-def receive(descriptor: int, deadline: float | None = None) -> object:
+def receive(descriptor: int, patience: Callable[[], float] | None = None) -> object:
     """Read one message.
 
     Parameters
     ----------
     descriptor : int
-        With a deadline it must be non-blocking: the other end can take back what `poll` saw.
-    deadline : float, optional
-        Of `time.monotonic`.
+        With a patience it must be non-blocking: the other end can take back what `poll` saw.
+    patience : callable, optional
+        As for `send`.
 
     Raises
     ------
     WireTimeout, WireClosed, WireError
     """
-    tree_size, blob_size = _HEADER.unpack(_read(descriptor, _HEADER.size, deadline))
+    tree_size, blob_size = _HEADER.unpack(_read(descriptor, _HEADER.size, patience))
     if tree_size > MAXIMUM_TREE or blob_size > MAXIMUM_ARRAYS:
         raise WireError("a message larger than any answer can be")
-    tree = _read(descriptor, tree_size, deadline)
-    return decode(tree, _read(descriptor, blob_size, deadline))
+    tree = _read(descriptor, tree_size, patience)
+    return decode(tree, _read(descriptor, blob_size, patience))
 
 
-def _read(descriptor: int, size: int, deadline: float | None) -> bytearray:
+def _read(descriptor: int, size: int, patience: Callable[[], float] | None) -> bytearray:
     data = bytearray(size)
     missing = memoryview(data)
     while missing:
-        _in_time(deadline)
+        # Asked even while data keep coming: a drop at a time is no answer.
+        pause = patience and patience()
         try:
             count = os.readv(descriptor, [missing])
         except BlockingIOError:
-            _wait(descriptor, deadline, select.POLLIN)
+            _wait(descriptor, pause, select.POLLIN)
             continue
         if not count:
             raise WireClosed
@@ -373,14 +396,7 @@ def _read(descriptor: int, size: int, deadline: float | None) -> bytearray:
     return data
 
 
-def _in_time(deadline: float | None) -> None:
-    # The clock decides even while data keep coming: a drop at a time is no answer.
-    if deadline is not None and time.monotonic() >= deadline:
-        raise WireTimeout
-
-
-def _wait(descriptor: int, deadline: float | None, event: int) -> None:
+def _wait(descriptor: int, seconds: float | None, event: int) -> None:
     poll = select.poll()
     poll.register(descriptor, event)
-    if not poll.poll(None if deadline is None else max(0, 1000 * (deadline - time.monotonic()))):
-        raise WireTimeout
+    poll.poll(None if seconds is None else 1000 * seconds)
