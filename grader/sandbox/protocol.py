@@ -20,10 +20,10 @@ class SandboxUnavailable(Exception):
 class Limits:
     """What a student's process may use.
 
-    Seconds are of wall-clock time: for the notebook's own cells, for one call, and for
-    everything together. Bytes of `memory` are for one process, of `total_memory` for it and
-    all it starts. `restarts` is how often the process may die or hang before the rest
-    of its tests are given up.
+    Seconds are of processor time, as `grader.sandbox.patience` counts it: for the notebook's own
+    cells, for one call, and for everything together. Bytes of `memory` are for one process, of
+    `total_memory` for it and all it starts. `restarts` is how often the process may die or hang
+    before the rest of its tests are given up.
     """
 
     start_seconds: float = 30.0
