@@ -25,7 +25,7 @@ from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
 from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
-from grader.sandbox import Limits
+from grader.sandbox import Limits, patience
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student, StudentStopped
 from tests.test_grade import rehearsed
@@ -37,6 +37,18 @@ RIGHT = {
     for exercise in ("filter_ground", "voxel_grid")
 }
 WRONG = {"voxel_grid": next(one.source for one in variants_of("voxel_grid") if not one.right)}
+
+
+WORK = """
+import os, time
+def work(): sum(range(2 * 10**7))
+def delegate():
+    if os.fork() == 0:
+        work()
+        os._exit(0)
+    os.wait()
+def wait(): time.sleep(1.5)
+"""
 
 
 class Inline(Executor):
@@ -312,6 +324,43 @@ def test_who_gets_no_processor_for_a_while_may_answer_late(sandbox):
         threading.Timer(1.0, os.kill, (worker, signal.SIGCONT)).start()
         assert np.array_equal(student.f(cloud), 2 * cloud)
         assert not student.starved
+
+
+@pytest.mark.parametrize(
+    "worked, waited, seconds, starved",
+    [
+        (0.9, 1.0, 0.9, False),
+        (0.4, 1.0, 0.4, False),  # others were at work, too
+        (0.1, 3.0, 1.0, True),
+        (0.0, 0.06, 0.02, False),  # the clock of the kernel has not ticked yet
+    ],
+)
+def test_a_call_takes_the_processors_time_or_a_share_of_the_walls(
+    worked, waited, seconds, starved, monkeypatch
+):
+    now, had = [100.0], [7.0]
+    monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
+    stop = patience.stopwatch(lambda: had[0])
+    now[0] += waited
+    had[0] += worked
+    assert stop() == (pytest.approx(seconds), starved)
+
+
+@pytest.mark.slow
+def test_who_is_called_slow_for_want_of_a_processor_is_called_starved(sandbox):
+    with Student(Program((WORK,), ("work", "wait")), sandbox) as student:
+        student.work.timed()
+        assert not student.starved
+        student.wait.timed()
+        assert student.starved
+
+
+@pytest.mark.slow
+def test_time_is_counted_wherever_the_work_is_done(sandbox):
+    with Student(Program((WORK,), ("work", "delegate", "wait")), sandbox) as student:
+        own = student.work.timed()[1]
+        assert student.delegate.timed()[1] > own / 2 > 0.02
+        assert 0.5 <= student.wait.timed()[1] < 1.5
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from grader.sandbox.inside import wire
 # How many times its limit, by the clock on the wall, a step may take that gets no processor.
 PATIENCE = 3
 SOON = 0.05  # seconds, in which most answers come
+A_WHILE = 0.3  # seconds, beside which the kernel's clock ticks finely enough
 
 
 class Patience:
@@ -67,3 +68,27 @@ class Patience:
         """Seconds that the step has cost so far: of the processor, or a share of the wall's."""
         waited = time.monotonic() - self._begin
         return max(self._worked, waited / PATIENCE) if waited > SOON else 0.0
+
+
+def stopwatch(cpu_seconds: Callable[[], float]) -> Callable[[], tuple[float, bool]]:
+    """Begin to count what a worker takes.
+
+    Parameters
+    ----------
+    cpu_seconds : callable
+        As for `Patience`.
+
+    Returns
+    -------
+    callable
+        Returns seconds of the processor since then, or a share of the wall's, if that is more: what
+        its children do for it, a process can hide. And whether the worker was starved meanwhile.
+    """
+    begin, had = time.monotonic(), cpu_seconds()
+
+    def stop() -> tuple[float, bool]:
+        worked, waited = cpu_seconds() - had, time.monotonic() - begin
+        share = waited / PATIENCE
+        return max(worked, share), waited > A_WHILE and worked < share / 2
+
+    return stop

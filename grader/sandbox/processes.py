@@ -1,18 +1,20 @@
 """What a process and all it started take: memory, processor time, files; read from /proc.
 
-Each function gives 0 where there is no such process or no /proc. What is read may be gone in the
-same moment, so every read may fail.
+Each function gives 0 where there is no such process or no /proc, if it does not say else. What is
+read may be gone in the same moment, so every read may fail.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
 TICK = os.sysconf("SC_CLK_TCK")
+PROC = os.path.exists("/proc/self/stat")
 # An empty file takes about as much of the kernel's memory, which no limit of ours counts.
 BYTES_OF_A_FILE = 1024
 
@@ -36,8 +38,11 @@ def memory_of_tree(pid: int) -> int:
 
 
 def cpu_of_tree(pid: int) -> float:
-    """Seconds of processor time that a process and its descendants have had."""
-    return sum(map(_cpu, tree(pid)))
+    """Seconds of processor time that a process and its descendants have had.
+
+    Without /proc the clock on the wall, which the processor's is never ahead of.
+    """
+    return sum(map(_cpu, tree(pid))) if PROC else time.monotonic()
 
 
 def memory_left() -> float:

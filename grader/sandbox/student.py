@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.sandbox.inside import wire
-from grader.sandbox.patience import Patience
+from grader.sandbox.patience import Patience, stopwatch
 from grader.sandbox.program import Program
 from grader.sandbox.protocol import Limits, Sandbox
 from grader.sandbox.workers import Worker
@@ -89,6 +89,15 @@ class RemoteFunction:
         """Call it, and look at what became of the arguments; see `utils.checks.vocabulary`."""
         return self._student._ask(self.__name__, [arguments], held=self._held, observe=True)
 
+    def timed(self, *arguments: object) -> tuple[object, float]:
+        """Return what it returns, and the seconds that it takes; see `stopwatch`."""
+        self._student._ensure_running()
+        stop = stopwatch(self._student._worker.cpu_seconds)
+        answer = self(*arguments)
+        seconds, starved = stop()
+        self._student.starved |= starved
+        return answer, seconds
+
     def each(self, calls: Sequence[Sequence]) -> None:
         """Call it with each of these arguments, in one message; they share the time of a call."""
         self._student._ask(self.__name__, calls, held=self._held)
@@ -135,8 +144,8 @@ class Student:
     exercise : str
         What is asked about now: an exercise that hangs costs the others nothing.
     starved : bool
-        Whether a call was given up that had hardly had a processor: on a quieter machine it may
-        be right.
+        Whether a call was given up, or called slow, that had hardly had a processor: on a quieter
+        machine it may be right.
     """
 
     def __init__(self, program: Program, sandbox: Sandbox, limits: Limits | None = None) -> None:

@@ -6,7 +6,7 @@ gets right whoever joins cells by any rule, and what is exact is small.
 
 from collections.abc import Callable
 from math import ceil
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from utils.checks.vocabulary import (
     assert_untouched,
     brief,
     needs,
+    timed,
 )
 
 _NAME = "euclidean_clustering_accelerated"
@@ -330,8 +331,9 @@ def assert_in_time(
 ) -> None:
     """Clusters at 0.5 m are right, and come within so many searches for nearest neighbours.
 
-    Such a search takes n log n steps, and longer on a slow or a busy machine. A right answer,
-    also one in plain Python, needs a fifth of what it is given, or less.
+    Such a search takes n log n steps, and longer on a slow machine. A right answer, also one in
+    plain Python, needs a fifth of what it is given, or less. Time is the processor's: others who
+    use the machine, too, make nobody slow.
 
     Parameters
     ----------
@@ -344,9 +346,8 @@ def assert_in_time(
     allowed = times * min(_seconds_to_find_neighbours(cloud) for _ in range(3))
     best = np.inf
     for turn in range(3):  # one of them may be disturbed
-        begin = perf_counter()
-        answer = euclidean_clustering(cloud.copy(), 0.5)
-        best = min(best, perf_counter() - begin)
+        answer, seconds = timed(euclidean_clustering, cloud, 0.5)
+        best = min(best, seconds)
         assert_in_clusters(answer, labels, cloud)
         if best <= allowed or (turn and best > 3 * allowed):
             break
@@ -355,7 +356,7 @@ def assert_in_time(
             f"The clusters are right, but took {ceil(best / allowed * times)} times as long as "
             "finding the nearest neighbour of every point.",
             given=f"{len(cloud)} points; threshold 0.5 m",
-            yours=f"{best:.2f} s",
+            yours=f"{best:.2f} s of the processor",
             expected=f"less than {times:.0f} times as long, {allowed:.2f} s",
         )
 
@@ -381,9 +382,9 @@ def assert_in_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) ->
 def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
     from scipy.spatial import cKDTree
 
-    begin = perf_counter()
+    begin = process_time()
     cKDTree(cloud).query(cloud, k=2)
-    return perf_counter() - begin
+    return process_time() - begin
 
 
 def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
