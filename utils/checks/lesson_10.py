@@ -356,7 +356,7 @@ def assert_in_time(
             f"The clusters are right, but took {ceil(best / allowed * times)} times as long as "
             "finding the nearest neighbour of every point.",
             given=f"{len(cloud)} points; threshold 0.5 m",
-            yours=f"{best:.2f} s of the processor",
+            yours=f"{best:.2f} s of processor time",
             expected=f"less than {times:.0f} times as long, {allowed:.2f} s",
         )
 
