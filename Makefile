@@ -43,11 +43,11 @@ test: .venv/ready
 	$(BIN)/python -m pytest -m "not proof and not colab"
 
 proof: .venv/ready
-	$(BIN)/python -m pytest -m "not colab"
+	$(BIN)/python -m pytest -m "not colab" -o faulthandler_timeout=1800
 
 # Installs half a gigabyte of Colab's versions, once.
 colab: .venv/ready
-	$(BIN)/python -m pytest -m colab
+	$(BIN)/python -m pytest -m colab -o faulthandler_timeout=1800
 
 bench: .venv/ready
 	@for file in tests/benchmarks/bench_*.py; do echo "== $$file"; PYTHONPATH=. $(BIN)/python $$file || exit 1; done

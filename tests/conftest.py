@@ -128,6 +128,16 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: (order[item.path.stem], -_number(item)))
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node, error):
+    """End the run when a process dies in a test, as one does that stands still: it is named.
+
+    pytest-xdist would hand that test to the next process, and kill it, too, or wait for ever.
+    """
+    if error:
+        node.config.pluginmanager.getplugin("dsession").triggershutdown()
+
+
 def _lesson_in(values):
     """Name of the lesson that a test's parameters are about."""
     for value in values:

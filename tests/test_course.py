@@ -411,6 +411,7 @@ def run_in_a_child(course, sandbox, after, number):
     return "killed"
 
 
+@pytest.mark.death
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
 @pytest.mark.parametrize("moments", [5, 50], ids=["five", "fifty"])
@@ -452,13 +453,14 @@ def test_killed_at_many_moments_the_same_command_ends_the_same(course, sandbox, 
     assert killed > 0.1 * moments  # beside other work the first run may take twice as long
 
 
+@pytest.mark.death
 @pytest.mark.slow
 def test_workers_end_with_whoever_started_them(tmp_path):
     code = (
         "import os, signal\n"
-        "from grader.classroom.executors import processes\n"
+        "from grader.classroom.pool import Pool\n"
         "if __name__ == '__main__':\n"
-        "    with processes(2) as pool:\n"
+        "    with Pool(2) as pool:\n"
         "        print(*{pool.submit(os.getpid).result() for _ in range(20)}, flush=True)\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"
     )

@@ -1,15 +1,10 @@
 """Faults are told apart: what judge, machine or neighbour does costs no student a point."""
 
+import json
 import os
 import signal
 import threading
-from concurrent.futures import (
-    BrokenExecutor,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-)
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,6 +13,7 @@ import pytest
 from grader import cli, commands
 from grader.classroom import doctor, grade, rehearsals
 from grader.classroom.executors import EXECUTORS, processors
+from grader.classroom.pool import Pool
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
@@ -66,7 +62,7 @@ class Inline(Executor):
         return future
 
 
-class Deadly(ProcessPoolExecutor):
+class Deadly(Pool):
     """Its processes die of one student, as often as it is asked, up to a number of times."""
 
     left = 0
@@ -96,12 +92,25 @@ def graded(course, sandbox, open_executor=Inline, workers=1, progress=lambda *ne
     return {submission.student: verdict for submission, verdict in judged}
 
 
+def fatten(path):
+    """Give a notebook 300 KB of text: more than a pipe holds."""
+    notebook = json.loads(path.read_text("utf-8"))
+    essay = {"cell_type": "markdown", "id": "essay", "metadata": {}, "source": "A word. " * 38_000}
+    notebook["cells"].append(essay)
+    path.write_text(json.dumps(notebook), "utf-8")
+
+
 @pytest.mark.slow
+@pytest.mark.death
 @pytest.mark.parametrize(("deaths", "status", "score"), [(1, JUDGED, 30), (2, FAILED, 0)])
 def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, status, score):
+    for path in course.submitted.rglob("*.ipynb"):
+        fatten(path)
     Deadly.left = deaths
     verdicts = graded(course, sandbox, Deadly, 2)
     assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
+    if status == FAILED:
+        assert "The process that judged died (exit status 1)" in verdicts["poison"].faults[0]
     assert [verdicts[name].score for name in ("ada", "zoe")] == [30, 30]
 
 
@@ -258,18 +267,11 @@ class Dying(ThreadPoolExecutor):
 
     left = 0
 
-    def __init__(self, workers):
-        super().__init__(workers)
-        self.dead = False
-
     def submit(self, function, *arguments):
-        if self.dead:
-            raise BrokenExecutor
         if function is rehearsals.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
             Dying.left -= 1
-            self.dead = True
             future = Future()
-            future.set_exception(BrokenExecutor())
+            future.set_exception(BrokenExecutor("The process that judged died (signal 9)."))
             return future
         return super().submit(function, *arguments)
 
@@ -282,7 +284,8 @@ def test_a_process_that_dies_in_a_rehearsal_is_no_fault_of_the_lesson(three_less
         (student, number) for student in ("ada", "poison", "zoe") for number in ("06", "07", "08")
     }
     assert len(asked) == 3 + 9
-    assert asked.index("08") < asked.index("07 ada")  # alone, the second time
+    before = asked[: asked.index("07")]  # once more when nobody else is at work
+    assert "08" in before and "06 zoe" in before and "08 ada" not in before
 
 
 def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandbox):

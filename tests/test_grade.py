@@ -292,6 +292,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, 
     assert entered(judged_course) == scores_by_verdict(judged)
 
 
+@pytest.mark.death
 @pytest.mark.slow
 def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
     for number in range(8):
@@ -300,10 +301,10 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
         path.write_text(answer(), "utf-8")
     code = (
         "from pathlib import Path; from grader.classroom import grade;"
-        "from grader.classroom.executors import processes;"
+        "from grader.classroom.pool import Pool;"
         "from grader.course.paths import Course; from grader.sandbox import SANDBOXES;"
         f"grade.judge_class(Course(Path({str(course.root)!r})), (), {SEED}, "
-        f"SANDBOXES[{sandbox.name!r}], processes, 2, lambda *a: None)"
+        f"SANDBOXES[{sandbox.name!r}], Pool, 2, lambda *a: None)"
     )
     running = subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT, start_new_session=True)
     deadline = time.monotonic() + 60

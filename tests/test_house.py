@@ -1,6 +1,10 @@
 """The structure of the project itself."""
 
 import ast
+import os
+import re
+import subprocess
+import sys
 
 import pytest
 
@@ -50,3 +54,30 @@ def test_what_only_proof_runs_is_there(request):
     source = "\n".join(path.read_text("utf-8") for path in (PROJECT / "tests").rglob("test_*.py"))
     for name in conftest.A_FEW_OF_MANY:
         assert source.count(f"def {name}(") == 1, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("processes", [0, 2])
+def test_a_test_that_stands_still_is_named(processes, tmp_path):
+    """And nobody waits for it: `make test` runs with the same settings, and more patience."""
+    (tmp_path / "test_still.py").write_text(
+        "import threading, pytest\n"
+        "def test_still(): threading.Lock().acquire() and threading.Event().wait()\n"
+        "@pytest.mark.parametrize('number', range(9))\n"
+        "def test_quick(number): pass\n"
+    )
+    command = [sys.executable, "-m", "pytest", "-c", PROJECT / "pyproject.toml", "-n", processes]
+    options = ["-p", "tests.conftest", "-o", "faulthandler_timeout=2", "-v", "test_still.py"]
+    done = subprocess.run(
+        [*map(str, command), *options],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    said = done.stdout + done.stderr
+    assert done.returncode
+    assert "Timeout" in done.stderr and 'test_still.py", line 2 in test_still' in said
+    named = re.search(r"crashed while running '.*test_still\.py::test_still'", said)
+    assert bool(named) == bool(processes)

@@ -7,12 +7,12 @@ is a function that opens it, and a line in the table.
 """
 
 import math
-import multiprocessing
 import os
-import threading
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from pathlib import Path
+
+from grader.classroom.pool import Pool
 
 ROOM = max(64, 3 * (os.cpu_count() or 1))
 
@@ -24,25 +24,6 @@ class ExecutorLost(Exception):
 def room(executor: Executor) -> int:
     """How many notebooks to give to an executor at a time: what it is given is in memory."""
     return getattr(executor, "room", ROOM)
-
-
-def processes(workers: int) -> Executor:
-    """As many processes of this machine as notebooks shall be judged at a time."""
-    # Not by plain fork: whoever shows progress runs a thread, and threads do not survive that.
-    context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-    if os.name == "posix":
-        context.set_forkserver_preload(["grader.judging.judge", "scipy.spatial"])
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_die_with_parent)
-
-
-def _die_with_parent() -> None:
-    """End this worker when whoever started the pool is gone, even killed."""
-
-    def wait() -> None:
-        multiprocessing.parent_process().join()
-        os._exit(1)
-
-    threading.Thread(target=wait, daemon=True).start()
 
 
 def processors() -> int:
@@ -63,4 +44,4 @@ def scheduler(address: str, sandbox: str, tell: Callable[[str], None]) -> Execut
     return connect(address, sandbox, tell)
 
 
-EXECUTORS: dict[str, Callable[..., Executor]] = {"processes": processes, "scheduler": scheduler}
+EXECUTORS: dict[str, Callable[..., Executor]] = {"processes": Pool, "scheduler": scheduler}

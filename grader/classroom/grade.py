@@ -145,16 +145,10 @@ def judge_class(
     def job(submission: Submission) -> tuple:
         return _job(course, submission, seed, sandbox)
 
-    someone_died = False
-    while waiting:
+    if waiting:
         with open_executor(workers) as executor:
-            lessons = {one.lesson for one in waiting}
-            rehearsals = Rehearsals(course, lessons, seed, sandbox, tell)
-            if someone_died:
-                rehearsals.finish(executor)
-            died, waiting = _judge_all(waiting, job, executor, workers, note, rehearsals)
-        suspects += died
-        someone_died = True  # or nobody is waiting
+            rehearsals = Rehearsals(course, {one.lesson for one in waiting}, seed, sandbox, tell)
+            suspects = _judge_all(waiting, job, executor, workers, note, rehearsals)
     suspects += [one for one, verdict in verdicts.items() if verdict and verdict.starved]
     for submission in suspects:
         with open_executor(1) as executor:
@@ -169,14 +163,14 @@ def _judge_all(
     workers: int,
     note: Callable[[Submission, Future], None],
     rehearsals: Rehearsals,
-) -> tuple[list[Submission], list[Submission]]:
+) -> list[Submission]:
     """Judge in parallel, reading only so many submissions ahead as the executor has room for.
 
     Lesson by lesson, each as soon as its own solution has earned everything. Returned are those
-    that were at work when a process died, and those that the executor then did not take any more.
+    whose process died.
     """
     coming = deque(sorted(waiting, key=lambda one: one.lesson.name))
-    running, finished, broken, died = {}, queue.SimpleQueue(), False, []
+    running, finished, died = {}, queue.SimpleQueue(), []
 
     def give(what: Submission | Lesson, future: Future) -> None:
         running[future] = what
@@ -190,36 +184,27 @@ def _judge_all(
             coming.popleft()
         # Not all at once: whoever waits for a first verdict waits for no other lesson.
         begun = sum(isinstance(what, Lesson) for what in running.values())
-        for _ in rehearsals.waiting[: max(0, workers - begun)]:
-            give(*rehearsals.start(executor))
+        for lesson in rehearsals.next(workers - begun, not running):
+            give(lesson, rehearsals.start(lesson, executor))
 
-    try:
-        while True:
-            if not broken:
-                try:
-                    fill()
-                except BrokenExecutor:
-                    broken = True
-            if not running:
-                rehearsals.verify()
-                return died, list(coming)
-            future = finished.get()
-            what = running.pop(future, None)
-            if what is None:
-                continue  # called off
-            killed = isinstance(future.exception(), BrokenExecutor)
-            if isinstance(what, Submission):
-                died.append(what) if killed else note(what, future)
-            elif not killed:  # else its submissions are returned, and it is tried alone
-                rehearsals.note(what, future.result())
-                if rehearsals.failed:  # the others may have faults, too; nobody is judged any more
-                    coming.clear()
-                    for other, what in list(running.items()):
-                        if isinstance(what, Submission) and other.cancel():
-                            del running[other]
-    except BaseException:
-        executor.shutdown(wait=True, cancel_futures=True)
-        raise
+    while True:
+        fill()
+        if not running:
+            rehearsals.verify()
+            return died
+        future = finished.get()
+        what = running.pop(future, None)
+        if isinstance(what, Lesson):
+            rehearsals.note(what, future)
+            if rehearsals.failed:  # the others may have faults, too; nobody is judged any more
+                coming.clear()
+                for other, what in list(running.items()):
+                    if isinstance(what, Submission) and other.cancel():
+                        del running[other]
+        elif what and isinstance(future.exception(), BrokenExecutor):
+            died.append(what)
+        elif what:  # else it was called off
+            note(what, future)
 
 
 def _result(future: Future, submission: Submission) -> Verdict:

@@ -10,11 +10,10 @@ import functools
 import os
 import pickle
 import threading
-import traceback
 from concurrent.futures import Future
 from multiprocessing.connection import Connection
 
-from grader.classroom.executors import processes
+from grader.classroom.pool import Pool, do
 from grader.judging.key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 
@@ -39,13 +38,12 @@ def serve(descriptor: int, count: int, sandbox: str) -> None:
     """
     pipe, lock = Connection(descriptor), threading.Lock()
     pipe.send({"versions": versions(), "complaint": _complaint(sandbox)})
-    pool = processes(count)
+    pool = Pool(count)
 
     def answer(number: int, future: Future) -> None:
-        if future.exception():  # one of the processes died: so do all, and the worker starts anew
-            os._exit(1)
+        died = future.exception()
         with lock:
-            pipe.send((number, future.result()))
+            pipe.send((number, pickle.dumps((False, died)) if died else future.result()))
 
     try:
         while pipe.poll(IDLE):
@@ -61,17 +59,3 @@ def _complaint(sandbox: str) -> str:
     except SandboxUnavailable as error:
         return str(error)
     return ""
-
-
-def do(job: bytes) -> bytes:
-    """Do a pickled (function, arguments); return a pickled (True, result) or (False, error)."""
-    try:
-        function, arguments = pickle.loads(job)
-        return pickle.dumps((True, function(*arguments)))
-    except Exception as error:
-        # A traceback does not travel, but a note does.
-        error.add_note("On the worker:\n" + traceback.format_exc())
-        try:
-            return pickle.dumps((False, error))
-        except Exception:
-            return pickle.dumps((False, RuntimeError(traceback.format_exc())))

@@ -5,7 +5,6 @@ Else the tests are at fault, and would take points from whoever answered right.
 
 from __future__ import annotations
 
-import contextlib
 import json
 from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor, Executor, Future
@@ -55,6 +54,8 @@ class Rehearsals:
         self._missing = {lesson: note for lesson, note in notes.items() if not _is_written(*note)}
         self._complaints: dict[str, tuple[str, ...]] = {}
         self.waiting = sorted(self._missing, key=lambda lesson: lesson.name)
+        self._started: list[Lesson] = []
+        self._died: list[Lesson] = []
 
     def passed(self, lesson: Lesson) -> bool:
         """Whether the lesson's own solution has earned everything."""
@@ -65,15 +66,28 @@ class Rehearsals:
         """Whether any has not."""
         return bool(self._complaints)
 
-    def start(self, executor: Executor) -> tuple[Lesson, Future]:
-        """Have the first that waits judged; `note` takes what comes of it."""
-        lesson = self.waiting[0]
+    def next(self, room: int, nobody_else: bool) -> list[Lesson]:
+        """Which to start: so many of those that wait, or one whose process died, by itself."""
+        return self.waiting[: max(0, room)] or self._died[:nobody_else]
+
+    def start(self, lesson: Lesson, executor: Executor) -> Future:
+        """Have one judged; `note` takes what comes of it."""
         self._tell(lesson)
         future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
-        return self.waiting.pop(0), future
+        (self.waiting if lesson in self.waiting else self._died).remove(lesson)
+        self._started.append(lesson)
+        return future
 
-    def note(self, lesson: Lesson, complaints: tuple[str, ...]) -> None:
+    def note(self, lesson: Lesson, future: Future) -> None:
         """Remember what came of one."""
+        try:
+            complaints = future.result()
+        except BrokenExecutor as death:
+            # Perhaps those beside it had taken all the memory: it gets one chance by itself.
+            if self._started.count(lesson) == 1:
+                self._died.append(lesson)
+                return
+            complaints = (str(death),)
         if complaints:
             self._complaints[lesson.name] = complaints
             return
@@ -97,17 +111,10 @@ class Rehearsals:
         ------
         RehearsalFailed
         """
-        running = {}
-        with contextlib.suppress(BrokenExecutor):  # those that were begun say so
-            while self.waiting:
-                lesson, future = self.start(executor)
-                running[future] = lesson
-        for future, lesson in running.items():
-            try:
-                complaints = future.result()
-            except BrokenExecutor:
-                complaints = ("The process that judged it died. Is there memory enough?",)
-            self.note(lesson, complaints)
+        while lessons := self.next(len(self.waiting), nobody_else=True):
+            begun = [(lesson, self.start(lesson, executor)) for lesson in lessons]
+            for lesson, future in begun:
+                self.note(lesson, future)
         self.verify()
 
 

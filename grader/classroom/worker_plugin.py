@@ -7,6 +7,7 @@ imports nothing of ours.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import io
 import itertools
 import multiprocessing
@@ -30,6 +31,11 @@ SLOWEST_START = 300
 def judge_there(name: str, job: bytes) -> bytes:
     """Do a job on the worker that this runs on; `name` is that of the plugin."""
     return get_worker().plugins[name].judge(job)
+
+
+LONGEST_JOB = 70 * 60
+"""Seconds after which a job is lost; the process that judges gives up its own before."""
+SECONDS_TO_END = 10
 
 
 class Unfit(Exception):
@@ -93,15 +99,22 @@ class JudgePlugin(WorkerPlugin):
         Raises
         ------
         BrokenExecutor
-            If that died meanwhile. The next job gets another one.
+            If that died meanwhile, or stands still. The next job gets another one.
         """
         with self.lock:
             if self.over:
                 raise BrokenExecutor("This grading is over.")
             if self.host is None or self.host.dead:
                 self.host = JudgeHost(self.folder, self.threads, self.sandbox)
-            answer = self.host.begin(job)
-        return answer.result()
+            host = self.host
+            answer = host.begin(job)
+        try:
+            return answer.result(LONGEST_JOB)
+        except TimeoutError:
+            host.close()
+            raise BrokenExecutor(
+                f"The process that judges has not answered for {LONGEST_JOB / 60:.0f} minutes."
+            ) from None
 
     def _prepare(self, place: str) -> None:
         os.makedirs(place, exist_ok=True)
@@ -175,7 +188,8 @@ class JudgeHost:
     def close(self) -> None:
         """End the process."""
         self._process.kill()
-        self._process.wait()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(SECONDS_TO_END)
 
     def _greeting(self, folder: Path) -> dict:
         if not self._pipe.poll(SLOWEST_START):

@@ -33,6 +33,8 @@ from grader.sandbox.protocol import Limits, SandboxUnavailable
 from grader.sandbox.warm import nursery, preloaded
 from grader.sandbox.workers import Worker, launch
 
+SECONDS_TO_BUILD = 60
+
 
 @dataclass(frozen=True)
 class Bubblewrap:
@@ -97,9 +99,18 @@ def _complaint() -> str:
             "bubblewrap is not installed. Install it with: "
             "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)."
         )
-    trial = subprocess.run(
-        [*_walls(Limits()), "/bin/sh", "-c", "true"], capture_output=True, text=True
-    )
+    try:
+        trial = subprocess.run(
+            [*_walls(Limits()), "/bin/sh", "-c", "true"],
+            capture_output=True,
+            text=True,
+            timeout=SECONDS_TO_BUILD,
+        )
+    except subprocess.TimeoutExpired:
+        return (
+            f"bubblewrap is installed, but has not built a sandbox within {SECONDS_TO_BUILD} "
+            "seconds. Is the machine overloaded, or a disk or network drive not answering?"
+        )
     if trial.returncode:
         return (
             f"bubblewrap is installed but cannot build a sandbox here: {trial.stderr.strip()}."

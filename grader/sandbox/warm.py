@@ -80,7 +80,7 @@ class Nursery:
                 self._send(json.dumps(request).encode(), [read_end, write_end, status])
         finally:
             os.close(status)
-        line = _line(report, SECONDS_TO_FORK)
+        line = read_line(report, SECONDS_TO_FORK)
         if not line.isdigit():
             os.close(report)
             raise SandboxUnavailable(f"The sandbox could not start a worker: {line or 'no word'}")
@@ -102,6 +102,7 @@ class Nursery:
 
     def _start(self) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        ours.settimeout(SECONDS_TO_FORK)
         with theirs:
             settings = {"preloaded": self.preloaded, "forbidden": self.forbidden}
             command = [PYTHON, "-I", "-B", str(PROGRAM), str(theirs.fileno())]
@@ -134,23 +135,23 @@ class Forked:
 
     def end(self, seconds: float) -> int | None:
         """Its exit code, once all behind its walls has been killed; None where none is told."""
-        line = _line(self.report, seconds)
+        line = read_line(self.report, seconds)
         os.close(self.report)
         with contextlib.suppress(ValueError):
             return int(line)
         return None
 
 
-def _line(report: int, seconds: float) -> str:
-    """What is said next, without its end; empty where nothing is."""
+def read_line(descriptor: int, seconds: float) -> str:
+    """What is said next through a pipe, without its end; empty where nothing is."""
     poll, text = select.poll(), b""
-    poll.register(report, select.POLLIN)
+    poll.register(descriptor, select.POLLIN)
     deadline = time.monotonic() + seconds
     while not text.endswith(b"\n") and len(text) < LONGEST_REPORT:
         if not poll.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
             break
         # One byte at a time: the next line is for later.
-        byte = os.read(report, 1)
+        byte = os.read(descriptor, 1)
         if not byte:
             break
         text += byte

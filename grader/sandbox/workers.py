@@ -17,7 +17,7 @@ from grader.sandbox.boundary import PYTHON, WORKER
 from grader.sandbox.inside import wire
 from grader.sandbox.processes import cpu_of_tree, memory_left, memory_of_tree
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable
-from grader.sandbox.warm import ENVIRONMENT, Forked, Nursery
+from grader.sandbox.warm import ENVIRONMENT, Forked, Nursery, read_line
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
@@ -25,7 +25,7 @@ SECONDS_TO_END = 10
 LEAST_MEMORY_LEFT = 0.03
 MODEST_MEMORY = 1024 * MEBIBYTE
 # What waits behind walls until a worker comes; it says when they stand.
-WAIT = "echo; exec sleep infinity"
+WAIT = "echo ready; exec sleep infinity"
 
 
 @dataclass
@@ -53,14 +53,12 @@ class Worker:
         """Processes whose descendants are all that runs for it, as numbered out here."""
         return [self.process.pid, *([self.forked.pid] if self.forked else [])]
 
-    def stop(self) -> int:
-        """Kill the worker and all it started; return its exit code."""
+    def stop(self) -> int | None:
+        """Kill the worker and all it started; return its exit code, None where none is told."""
         self._stopped.set()
         # Nobody else waits for the process, so until here its number belongs to no other.
         with self._signals:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self.process.pid, signal.SIGKILL)
-            code = self.process.wait()
+            code = _kill(self.process)
         if self.forked:
             # With the first process behind the walls the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
@@ -156,12 +154,29 @@ def launch(
         wire.send(our_write, rules, patience)
         wire.receive(our_read, patience)
     except (wire.WireClosed, wire.WireTimeout):
-        os.kill(process.pid, signal.SIGKILL)
-        complaint = process.stderr.read().decode(errors="replace").strip()[-500:]
+        complaint = _last_words(process)
         worker.stop()
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
     worker.watch_memory(limits.total_memory)
     return worker
+
+
+def _kill(process: Popen) -> int | None:
+    """End a process and its group; its exit code, None where the kernel does not let go of it."""
+    if process.returncode is None:  # else its number may be another's by now
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(SECONDS_TO_END)
+    return process.returncode
+
+
+def _last_words(process: Popen) -> str:
+    """End a process; what it has complained about until then."""
+    _kill(process)
+    # Something that it has started may live on, and hold the pipe open.
+    os.set_blocking(process.stderr.fileno(), False)
+    return (process.stderr.read() or b"").decode(errors="replace").strip()[-500:]
 
 
 def _run(command: Sequence[str], home: str, pipes: Sequence[int], **options: int) -> Popen:
@@ -188,16 +203,15 @@ def _go_behind(
     finally:
         os.close(number)
     try:
-        ready = process.stdout.readline()  # by what is behind the walls: they are complete
+        # By what is behind the walls: they are complete.
+        ready = read_line(process.stdout.fileno(), SECONDS_TO_REPORT)
         with os.fdopen(info) as told:
             first = json.load(told)["child-pid"] if ready else None
         if first is None:
             raise SandboxUnavailable("The sandbox cannot be built.")
         return process, nursery.fork({"walls": first, **request}, read_end, write_end)
     except SandboxUnavailable as fault:
-        os.kill(process.pid, signal.SIGKILL)
-        complaint = process.stderr.read().decode(errors="replace").strip()[-500:]
-        process.wait()
+        complaint = _last_words(process)
         process.stderr.close()
         raise SandboxUnavailable(f"{fault} {complaint}".strip()) from None
     finally:

@@ -1,0 +1,166 @@
+"""Processes of this machine that judge, each at the other end of a pipe of its own.
+
+The pool of `concurrent.futures` shares one pipe between all its processes. Until Python 3.11.5 it
+stands still for ever when one of them dies while a notebook larger than a pipe is on its way
+(github.com/python/cpython/issues/94777), and with every Python when one is killed in the middle
+of an answer; and with one all die. Here whoever dies is seen at once, and costs what it worked on.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import pickle
+import signal
+import threading
+import traceback
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+
+SLOW_TO_IMPORT = ("grader.judging.judge", "scipy.spatial")
+LONGEST = 60 * 60
+"""Seconds that one job may take: far more than the limits of a notebook add up to."""
+SECONDS_TO_END = 10
+
+
+class Pool(Executor):
+    """As many processes as jobs shall be done at a time, started when they are needed.
+
+    A job whose process dies raises `BrokenExecutor`; the next one gets another process. Whoever
+    calls pending jobs off (`cancel_futures`, or an exception in the ``with`` statement) ends those
+    that are at work, too: what they worked on is begun anew the next time.
+
+    Parameters
+    ----------
+    workers : int
+    """
+
+    def __init__(self, workers: int) -> None:
+        # Not by plain fork: there are threads here, and these do not survive that.
+        self._context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
+        if os.name == "posix":
+            self._context.set_forkserver_preload([*SLOW_TO_IMPORT])
+        self._threads = ThreadPoolExecutor(workers)
+        self._lock, self._over = threading.Lock(), False
+        self._idle: list[_Process] = []
+        self._busy: set[_Process] = set()
+
+    def __exit__(self, kind: type | None, *about: object) -> None:
+        self.shutdown(cancel_futures=kind is not None)
+
+    def submit(self, function: Callable, /, *arguments: object) -> Future:
+        """Have a function called; it and its arguments are pickled at once."""
+        return self._threads.submit(self._have_done, pickle.dumps((function, arguments)))
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes; see `concurrent.futures.Executor.shutdown`."""
+        self._threads.shutdown(wait=False, cancel_futures=cancel_futures)
+        if cancel_futures:
+            with self._lock:
+                self._over = True
+                for process in self._busy:
+                    process.kill()
+        if wait:
+            self._threads.shutdown()
+            for process in self._idle:
+                process.end()
+            self._idle.clear()
+
+    def _have_done(self, job: bytes) -> object:
+        process = self._take()
+        clock = threading.Timer(LONGEST, process.kill)
+        clock.start()
+        try:
+            good, value = pickle.loads(process.answer(job))
+        except (EOFError, OSError):
+            process.end()
+            raise BrokenExecutor(
+                f"The process that judged died ({process.how_it_ended}). Is there memory enough?"
+            ) from None
+        else:
+            self._idle.append(process)
+        finally:
+            clock.cancel()
+            with self._lock:
+                self._busy.discard(process)
+        if good:
+            return value
+        raise value
+
+    def _take(self) -> _Process:
+        with self._lock:
+            if self._over:
+                raise BrokenExecutor("What judges was called off.")
+            process = self._idle.pop() if self._idle else _Process(self._context)
+            self._busy.add(process)
+            return process
+
+
+class _Process:
+    """One of the processes, and our end of its pipe."""
+
+    def __init__(self, context: multiprocessing.context.BaseContext) -> None:
+        self._pipe, theirs = context.Pipe()
+        # Nobody else holds their end, so it closes when they die.
+        with theirs:
+            self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+            self._process.start()
+
+    def answer(self, job: bytes) -> bytes:
+        """Hand a job over and wait for what comes of it.
+
+        Raises
+        ------
+        EOFError, OSError
+            If the process dies meanwhile.
+        """
+        self._pipe.send_bytes(job)
+        return self._pipe.recv_bytes()
+
+    def kill(self) -> None:
+        """End it now."""
+        self._process.kill()
+
+    def end(self) -> None:
+        """Let it end, and see that it does."""
+        self._pipe.close()
+        self._process.join(SECONDS_TO_END)
+        self._process.kill()
+        self._process.join(SECONDS_TO_END)
+
+    @property
+    def how_it_ended(self) -> str:
+        """In words for whoever grades."""
+        code = self._process.exitcode
+        return f"signal {-code}" if code is not None and code < 0 else f"exit status {code}"
+
+
+def _serve(pipe: multiprocessing.connection.Connection) -> None:
+    """Do what comes through a pipe, until it closes."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # to Ctrl-C whoever waits for us says a word
+    threading.Thread(target=_die_with_parent, daemon=True).start()
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            pipe.send_bytes(do(pipe.recv_bytes()))
+
+
+def _die_with_parent() -> None:
+    """End this process when whoever started it is gone, even killed, in the middle of a job."""
+    multiprocessing.parent_process().join()
+    os._exit(1)
+
+
+def do(job: bytes) -> bytes:
+    """Do a pickled (function, arguments); return a pickled (True, result) or (False, error)."""
+    try:
+        function, arguments = pickle.loads(job)
+        return pickle.dumps((True, function(*arguments)))
+    except Exception as error:
+        # A traceback does not travel, but a note does.
+        error.add_note("Where it was judged:\n" + traceback.format_exc())
+        try:
+            return pickle.dumps((False, error))
+        except Exception:
+            return pickle.dumps((False, RuntimeError(traceback.format_exc())))

@@ -1,0 +1,107 @@
+"""The processes that judge: one that dies, stands still or is called off harms no other."""
+
+import os
+import struct
+import sys
+import time
+from concurrent.futures import BrokenExecutor, CancelledError
+
+import pytest
+
+from grader.classroom import pool
+from grader.classroom.pool import Pool
+
+pytestmark = [pytest.mark.slow, pytest.mark.death]
+LARGE = 400_000  # bytes: several times what a pipe holds
+
+
+def size_of(data, seconds=0.0):
+    time.sleep(seconds)
+    return len(data), os.getpid()
+
+
+def twice(data):
+    return 2 * data
+
+
+def die_in_the_middle_of_an_answer():
+    frame = sys._getframe()
+    while "pipe" not in frame.f_locals:
+        frame = frame.f_back
+    os.write(frame.f_locals["pipe"].fileno(), struct.pack("!i", LARGE) + bytes(1000))
+    os._exit(1)
+
+
+def die_instead_of_listening():
+    """With the next question half way through the pipe."""
+    time.sleep(0.2)
+    os.kill(os.getpid(), 9)
+
+
+class Unspeakable(Exception):
+    def __reduce__(self):
+        raise TypeError("not to be pickled")
+
+
+def fail(kind):
+    raise kind("seven")
+
+
+@pytest.mark.parametrize(
+    ("death", "words"),
+    [
+        (os.abort, "signal 6"),
+        (die_instead_of_listening, "signal 9"),
+        (die_in_the_middle_of_an_answer, "exit status 1"),
+    ],
+)
+@pytest.mark.parametrize("workers", [1, 2])
+def test_who_dies_costs_what_it_worked_on(death, words, workers):
+    with Pool(workers) as judges:
+        asked = [judges.submit(twice, bytes(LARGE)) for _ in range(4)]
+        asked.insert(2, judges.submit(death))
+        for number, future in enumerate(asked):
+            if number == 2:
+                with pytest.raises(BrokenExecutor, match=f"died.*{words}.*memory"):
+                    future.result(60)
+            else:
+                assert future.result(60) == bytes(2 * LARGE)
+
+
+def test_processes_are_kept_and_end_with_the_pool():
+    with Pool(2) as judges:
+        asked = [judges.submit(size_of, bytes(LARGE), 0.05) for _ in range(12)]
+        pids = {future.result(60)[1] for future in asked}
+    assert 1 <= len(pids) <= 2
+    assert not any(os.path.exists(f"/proc/{pid}") for pid in pids)
+
+
+def test_who_stands_still_is_given_up(monkeypatch):
+    monkeypatch.setattr(pool, "LONGEST", 0.5)
+    with Pool(1) as judges:
+        with pytest.raises(BrokenExecutor, match="signal 9"):
+            judges.submit(time.sleep, 600).result(60)
+        monkeypatch.undo()
+        assert judges.submit(size_of, b"abc").result(60)[0] == 3
+
+
+def test_what_is_called_off_ends_at_once():
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), Pool(1) as judges:  # noqa: PT012
+        asked = [judges.submit(time.sleep, 600) for _ in range(3)]
+        time.sleep(0.5)
+        raise KeyboardInterrupt
+    assert time.monotonic() - begin < 60
+    for future in asked:
+        with pytest.raises((BrokenExecutor, CancelledError)):
+            future.result(60)
+
+
+@pytest.mark.parametrize(("kind", "comes"), [(KeyError, KeyError), (Unspeakable, RuntimeError)])
+def test_an_exception_says_where_it_comes_from(kind, comes):
+    with Pool(1) as judges:
+        with pytest.raises(comes) as caught:
+            judges.submit(fail, kind).result(60)
+        said = [str(caught.value), *getattr(caught.value, "__notes__", ())]
+        assert any("in fail" in line for line in said)
+        assert judges.submit(size_of, b"abc").result(60)[0] == 3
