@@ -79,5 +79,5 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
     said = done.stdout + done.stderr
     assert done.returncode
     assert "Timeout" in done.stderr and 'test_still.py", line 2 in test_still' in said
-    named = re.search(r"crashed while running '.*test_still\.py::test_still'", said)
+    named = re.search(r"crashed while running '.*::test_still'", said)
     assert bool(named) == bool(processes)

@@ -1,0 +1,156 @@
+"""Do two checkouts say the same about every kept answer? Verdicts, messages, titles and hints.
+
+    python tests/snapshot.py write before.json        # in one checkout
+    python tests/snapshot.py write after.json         # in the other
+    python tests/snapshot.py compare before.json after.json
+
+Names of an exercise, of several or of a lesson behind the file write only those. What draws at
+random says something else each time: with ``before.json`` written twice, `compare` takes both and
+leaves out what these two disagree about. Points may differ by a rounding.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import json
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from grader.classroom.pool import Pool  # noqa: E402
+from grader.course.lessons import all_lessons  # noqa: E402
+from grader.course.variants import fill_in, variants_of  # noqa: E402
+from grader.intake.handed_in import HandedIn  # noqa: E402
+from grader.judging.judge import judge_handed_in  # noqa: E402
+from grader.sandbox import Limits, choose_sandbox  # noqa: E402
+
+SEED = 20_170_405
+LIMITS = Limits(call_seconds=3)
+SECONDS = 4  # of one check, in a notebook
+ROUNDING = 0.02
+
+
+def answers(wanted: list[str]) -> list[tuple[str, str, int]]:
+    """(lesson, exercise, number) of every kept answer."""
+    return [
+        (lesson.name, exercise.name, number)
+        for lesson in all_lessons()
+        for exercise in lesson.machine_graded
+        if not wanted or lesson.name in wanted or exercise.name in wanted
+        for number in range(len(variants_of(exercise.name)))
+    ]
+
+
+def tell(lesson_name: str, exercise: str, number: int) -> dict:
+    """What judge and `check` say about one answer, the other exercises being right."""
+    lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
+    chosen = {
+        other.name: next(one.source for one in variants_of(other.name) if one.right)
+        for other in lesson.machine_graded
+    } | {exercise: variants_of(exercise)[number].source}
+    notebook = fill_in(lesson, chosen)
+    handed_in = HandedIn(f"{lesson.name}.ipynb", notebook.encode())
+    verdict = judge_handed_in(handed_in, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
+    del verdict["seconds"]
+    return {"verdict": verdict, "check": told_in_notebook(lesson, exercise, notebook)}
+
+
+def told_in_notebook(lesson: object, exercise: str, notebook: str) -> str:
+    """What `check` prints about an exercise."""
+    from tests.students import answers_in
+    from utils.checks import check, core
+
+    core.SECONDS = SECONDS
+    cells = json.loads(notebook)["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(io.StringIO()):
+        try:
+            functions = answers_in(lesson, code)
+            through = exercise if exercise in functions else "KdTree"
+            check(functions.get(exercise, functions.get(through)), exercise)
+        except BaseException as error:
+            print(f"{type(error).__name__}: {error}")
+    return said.getvalue()
+
+
+def write(path: Path, wanted: list[str]) -> None:
+    """Write what is said about all kept answers."""
+    found, jobs = {}, answers(wanted)
+    with Pool(os.cpu_count() or 1) as pool:
+        futures = {job: pool.submit(tell, *job) for job in jobs}
+        for done, (job, future) in enumerate(futures.items(), start=1):
+            try:
+                told = future.result()
+            except Exception as error:
+                told = {"error": f"{type(error).__name__}: {error}"}
+            lesson, exercise, number = job
+            found[f"{exercise}: {variants_of(exercise)[number].name}"] = told
+            print(f"\r{done}/{len(jobs)} {lesson} {exercise}".ljust(70), end="", flush=True)
+    print()
+    path.write_text(json.dumps(found, indent=1, ensure_ascii=False), "utf-8")
+
+
+def same(one: object, other: object) -> bool:
+    """Whether two things said are the same, but for a rounding of points."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, float) or isinstance(other, float):
+        return abs(one - other) <= ROUNDING
+    return one == other
+
+
+def differences(one: object, other: object, where: str = "") -> list[str]:
+    """Where two things said differ."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        keys = [*one, *(key for key in other if key not in one)]
+        return [
+            line
+            for key in keys
+            for line in differences(one.get(key), other.get(key), f"{where}/{key}")
+        ]
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        pairs = zip(one, other, strict=True)
+        return [
+            line for row, (a, b) in enumerate(pairs) for line in differences(a, b, f"{where}/{row}")
+        ]
+    return [] if same(one, other) else [f"{where}:\n  - {one}\n  + {other}"]
+
+
+def compare(paths: list[Path]) -> int:
+    """Print where the last file differs from the first; how many answers do."""
+    *before, after = (json.loads(path.read_text("utf-8")) for path in paths)
+    odd = 0
+    for name in sorted({*before[0], *after}):
+        if any(not same(before[0].get(name), again.get(name)) for again in before[1:]):
+            print(f"{name}: says something else each time")
+            continue
+        lines = differences(before[0].get(name), after.get(name))
+        odd += bool(lines)
+        print(*(f"{name}{line}" for line in lines), sep="\n", end="\n" if lines else "")
+    print(f"{len(before[0])} answers before, {len(after)} after; {odd} differ")
+    return odd
+
+
+def main() -> int:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=["write", "compare"])
+    parser.add_argument(
+        "files", nargs="+", help="files of snapshots; behind the one to write, names"
+    )
+    options = parser.parse_args()
+    if options.what == "write":
+        write(Path(options.files[0]), options.files[1:])
+        return 0
+    return bool(compare([Path(name) for name in options.files]))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
