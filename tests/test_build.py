@@ -16,7 +16,7 @@ from grader.course import build, earlier, minutes
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
 from grader.course.nbgrader_settings import STUB, configure
 from grader.course.paths import PROJECT
-from grader.judging.marks import checks_of
+from utils.checks import checks_of
 
 
 @pytest.fixture(scope="module")

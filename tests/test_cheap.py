@@ -411,10 +411,10 @@ def earned(lesson, answers, seed):
     shares = {}
     outcomes = run_tests(lesson, student_with(lesson, answers), seed)
     for exercise in answers:
-        mine = [one for one in outcomes if one.mark["exercise"] == exercise]
-        whole = sum(one.mark["weight"] for one in mine)
-        passed = [one for one in mine if one.error is None]
-        names = {one.name: one.mark["weight"] / whole for one in passed}
+        mine = [outcome for outcome in outcomes if outcome.check.exercise == exercise]
+        whole = sum(outcome.check.weight for outcome in mine)
+        passed = [outcome.check for outcome in mine if outcome.failure is None]
+        names = {check.name: check.weight / whole for check in passed}
         shares[exercise] = (sum(names.values()), names)
     return shares
 
@@ -486,9 +486,9 @@ def lost(variant_of, name, lesson_name):
     answers = {exercise.name: space[exercise.name] for exercise in lesson.machine_graded}
     student = SimpleNamespace(**answers, exercise="", close=lambda: None)
     return [
-        one.name
-        for one in run_tests(lesson, student, SEED)
-        if one.error and one.mark["exercise"] == variant_of
+        outcome.check.name
+        for outcome in run_tests(lesson, student, SEED)
+        if outcome.failure and outcome.check.exercise == variant_of
     ]
 
 
@@ -512,4 +512,4 @@ def lost(variant_of, name, lesson_name):
     ],
 )
 def test_one_slip_costs_one_check(exercise, name, lesson_name, test):
-    assert lost(exercise, name, lesson_name) == [f"test_visible[{test}]"]
+    assert lost(exercise, name, lesson_name) == [test]

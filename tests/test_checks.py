@@ -451,9 +451,9 @@ def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson):
         functions["KdTree"] = reference.KdTree
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     faults = {
-        one.name: f"{type(one.error).__name__}: {one.error}"
+        one.check.name: f"{type(one.failure).__name__}: {one.failure}"
         for one in run_tests(lesson, student, 3)
-        if one.error and "changed its input" not in str(one.error)
+        if one.failure and "changed its input" not in str(one.failure)
     }
     assert faults == {}
     # Whoever writes into a copy for a good reason must not meet an array that forbids it.
@@ -524,7 +524,7 @@ def test_of_answers_far_too_large_a_few_are_looked_at():
     )
     lesson = next(one for one in all_lessons() if one.number == "09")
     outcomes = run_tests(lesson, student, 1)
-    not_tried = [one for one in outcomes if "Not tried: 5 answers" in str(one.error)]
+    not_tried = [one for one in outcomes if "Not tried: 5 answers" in str(one.failure)]
     assert len(calls) == 5 and len(not_tried) == len(outcomes) - 5 > 5
 
 
@@ -602,11 +602,11 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
         functions["KdTree"] = huge_answers("search", WEIRD[name])
         functions["KdTree"].plant = lambda self, *table: None
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
-    for one in run_tests(lesson, student, 3):
-        if not one.mark["visible"]:
-            assert isinstance(one.error, CheckFailed), (one.name, one.error)
-            assert SECRET not in one.error.message
-            assert SECRET not in text_of(told(one))
+    for outcome in run_tests(lesson, student, 3):
+        if not outcome.check.is_shown:
+            assert isinstance(outcome.failure, CheckFailed), outcome
+            assert SECRET not in outcome.failure.message
+            assert SECRET not in text_of(told(outcome))
 
 
 # ---- exercises of one class ----------------------------------------------------------------------

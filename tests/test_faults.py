@@ -138,7 +138,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
     def spoiled(*question):
         outcomes = right(*question)
-        return [type(one)(one.name, one.mark, ZeroDivisionError("oracle")) for one in outcomes]
+        return [type(one)(one.check, ZeroDivisionError("oracle")) for one in outcomes]
 
     rehearsed(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
@@ -157,11 +157,11 @@ def shake_once(monkeypatch):
 
     def shaken(*question):
         outcomes = right(*question)
-        asked.append([one.name for one in outcomes])
+        asked.append([one.check.name for one in outcomes])
         if len(asked) > 1:
             return outcomes
         return [
-            type(one)(one.name, one.mark, OSError("once")) if "columns" in one.name else one
+            type(one)(one.check, OSError("once")) if "columns" in one.check.name else one
             for one in outcomes
         ]
 
@@ -526,5 +526,5 @@ def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
         raise NotImplementedError
 
     student = SimpleNamespace(**dict.fromkeys(lesson.names, stub), exercise="")
-    visible = [outcome.mark["visible"] for outcome in run_tests(lesson, student, SEED)]
+    visible = [outcome.check.is_shown for outcome in run_tests(lesson, student, SEED)]
     assert visible == sorted(visible, reverse=True) and set(visible) == {True, False}

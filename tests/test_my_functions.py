@@ -313,4 +313,4 @@ def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
 @pytest.mark.slow
 def test_exercises_of_solved_lessons_work(lesson):
     outcomes = run_tests(lesson, load_my_functions(lesson.solved), 1)
-    assert [(one.name, str(one.error)) for one in outcomes if one.error] == []
+    assert [(one.check.name, str(one.failure)) for one in outcomes if one.failure] == []

@@ -107,12 +107,7 @@ def finds_it(highest):
         raise CheckFailed("That is not the highest.")
 """,
     "grader/tests/test_13_toy.py": """\
-from grader.judging.marks import hidden, visible_checks
-
-
-@visible_checks("highest")
-def test_visible(student, check):
-    check.run(student.highest)
+from grader.judging.marks import hidden
 
 
 @hidden("highest", title="An object sees the same", hint="Read `Highest`.")

@@ -451,8 +451,8 @@ def test_a_wrong_helper_of_the_same_lesson_is_named(capsys):
 
 
 def test_a_story_in_a_notebook_folds_and_colours():
-    failed = core.Check("double", "one", "why", "hint", 1, print)
-    same = core.Check("double", "two", "why", "hint", 1, print)
+    failed = core.Check("first", "double", "one", "hint")
+    same = core.Check("second", "double", "two", "hint")
     failure = WrongForm("<b>None</b>")
     html = display.as_html(resolve([Outcome(failed, failure), Outcome(same, failure)]))
     assert "<details><summary>1 more check fails for the same reason" in html

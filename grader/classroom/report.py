@@ -147,7 +147,7 @@ def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSum
     for verdict in verdicts:
         for exercise in verdict.exercises:
             tried[verdict.lesson, exercise.name] += 1
-            first = next((test for test in exercise.tests if test.title == exercise.first), None)
+            first = next((test for test in exercise.tests if test.name == exercise.first), None)
             if first:
                 stopped[verdict.lesson, exercise.name, first.title, first.visible] += 1
     found = [CheckSummary(*check, count, tried[check[:2]]) for check, count in stopped.items()]

@@ -1,6 +1,7 @@
-"""Run the tests of a lesson with pytest, here, in a process that no student's code enters.
+"""Ask the checks of a lesson here, in a process that no student's code enters.
 
-Nothing from outside has a say: no setting in the environment, no plugin, no ``conftest.py``.
+What students see runs as in their notebook; what they do not see are tests of pytest. Nothing from
+outside has a say: no setting in the environment, no plugin, no ``conftest.py``.
 """
 
 from __future__ import annotations
@@ -12,15 +13,18 @@ import signal
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import pytest
 
 from grader.course.lessons import Lesson
+from grader.judging.marks import check_of
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.student import Student, StudentStopped
+from utils.checks import Check, checks_of
+from utils.checks.diagnosis import asked_through
 from utils.checks.failures import FarTooMuch
 from utils.checks.remembering import one_run
+from utils.checks.story import Outcome
 
 # Processor seconds that one test may take here, beside what the student's code takes there.
 SECONDS_OF_A_TEST = 30.0
@@ -49,45 +53,56 @@ class JudgeFault(Exception):
     """The tests themselves could not be run; the fault is ours."""
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How one test ended.
+class _Asking:
+    """Asks a student one check after another, and notes how each ended.
 
-    Attributes
-    ----------
-    name : str
-    mark : dict
-        What `grader.judging.marks` says about it.
-    error : BaseException or None
-        Why it failed.
+    Also a pytest plugin, for the checks that students do not see.
     """
 
-    name: str
-    mark: dict
-    error: BaseException | None
-
-
-class _Collector:
-    """A pytest plugin: hands the student to the tests and notes how each ended."""
-
-    def __init__(self, student: Student, seed: int, asked: Callable[[dict], bool]) -> None:
+    def __init__(self, student: Student, seed: int, asked: Callable[[Check], bool]) -> None:
         self.proxy, self.course_seed, self.asked = student, seed, asked
-        self.collected: list[str] = []
-        self.outcomes: dict[str, Outcome] = {}
+        self.tests = 0
+        self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
-        self.broken = None
+        self.broken = self.interrupted = None
+        self.said: list[str] = []
+
+    def show(self, check: Check) -> None:
+        """Ask a check that students see."""
+        error = None
+        try:
+            with self.about(check):
+                check.run(getattr(self.proxy, asked_through(check.exercise)))
+        except Exception as caught:
+            error = caught
+        self.note(check, error)
+
+    @contextlib.contextmanager
+    def about(self, check: Check) -> Iterator[None]:
+        """Say which exercise is asked about, and let the judge's own work end in time."""
+        self.proxy.exercise = exercise = check.exercise
+        if self.too_large[exercise] >= MOST_TOO_LARGE:
+            raise StudentStopped(
+                f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
+                "than any right one."
+            )
+        with _own_time(SECONDS_OF_A_TEST):
+            yield
+
+    def note(self, check: Check, error: Exception | None) -> None:
+        """Note how a check ended."""
+        self.too_large[check.exercise] += isinstance(error, FarTooMuch)
+        if isinstance(error, SandboxUnavailable):
+            self.broken = error
+        if isinstance(error, JudgeTimeout):
+            self.proxy.close()  # it may have been in the middle of a sentence
+        self.outcomes[check] = Outcome(check, error)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Leave out what was not asked for, and ask what students may see first.
-
-        Their words are shown there; by then they have met no hidden question.
-        """
-        items[:] = [item for item in items if self.asked(_mark(item))]
-        items.sort(key=lambda item: not _mark(item)["visible"])
-
-    def pytest_collection_finish(self, session: pytest.Session) -> None:
-        """Note all there is to earn, whatever happens to the tests."""
-        self.collected = [item.nodeid for item in session.items]
+        """Leave out what was not asked for; note all there is to earn, whatever happens to it."""
+        self.tests = len(items)
+        items[:] = [item for item in items if self.asked(check_of(item))]
+        self.outcomes |= {check_of(item): None for item in items}
 
     @pytest.fixture
     def student(self) -> Student:
@@ -102,14 +117,8 @@ class _Collector:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> object:
-        """Say which exercise is asked about, and let the judge's own work end in time."""
-        self.proxy.exercise = exercise = _mark(item)["exercise"]
-        if self.too_large[exercise] >= MOST_TOO_LARGE:
-            raise StudentStopped(
-                f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
-                "than any right one."
-            )
-        with _own_time(SECONDS_OF_A_TEST):
+        """Ask a check that students do not see."""
+        with self.about(check_of(item)):
             return (yield)
 
     @pytest.hookimpl(tryfirst=True)
@@ -119,25 +128,32 @@ class _Collector:
         """Note how a test ended, and spare pytest its tracebacks: half of its time."""
         error = call.excinfo.value if call.excinfo else None
         if call.when == "call" or error:
-            self.too_large[_mark(item)["exercise"]] += isinstance(error, FarTooMuch)
-            if isinstance(error, SandboxUnavailable):
-                self.broken = error
-            if isinstance(error, JudgeTimeout):
-                self.proxy.close()  # it may have been in the middle of a sentence
-            self.outcomes[item.nodeid] = Outcome(item.name, _mark(item), error)
+            self.note(check_of(item), error)
         outcome = "failed" if error else "passed"
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)
 
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Note why a file could not be read."""
+        if report.failed:
+            self.said.append(str(report.longrepr))
 
-def everything(mark: dict) -> bool:
+    def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
+        """Note whether a person stopped it, or pytest itself did."""
+        self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
+
+
+def everything(check: Check) -> bool:
     """Ask all there is to ask."""
     return True
 
 
 def run_tests(
-    lesson: Lesson, student: Student, seed: int, asked: Callable[[dict], bool] = everything
+    lesson: Lesson, student: Student, seed: int, asked: Callable[[Check], bool] = everything
 ) -> list[Outcome]:
-    """Run the tests of a lesson.
+    """Ask the checks of a lesson.
+
+    Those that students may see come first: their words are shown there, and by then the student's
+    code has met no hidden question.
 
     Parameters
     ----------
@@ -146,39 +162,40 @@ def run_tests(
     seed : int
         The course's secret.
     asked : callable
-        Takes what `grader.judging.marks` says about a test: whether to run it.
+        Takes a check: whether to ask it.
 
     Returns
     -------
     list of Outcome
-        One for each test that was asked for.
+        One for each check that was asked.
 
     Raises
     ------
     JudgeFault
-        If not every test could be run.
+        If not every check could be asked.
     grader.sandbox.SandboxUnavailable
     KeyboardInterrupt
         pytest would keep it to itself.
     """
-    collector = _Collector(student, seed, asked)
-    with _plain_environment(), one_run():
-        code = pytest.main([str(lesson.tests), *_OPTIONS], plugins=[collector])
-    if collector.broken:
-        raise collector.broken
-    if code == pytest.ExitCode.INTERRUPTED:
+    asking = _Asking(student, seed, asked)
+    with one_run():
+        for exercise in lesson.machine_graded:
+            for check in filter(asked, checks_of(exercise.name)):
+                asking.show(check)
+        with _plain_environment():
+            code = pytest.main([str(lesson.tests), *_OPTIONS], plugins=[asking])
+    if asking.broken:
+        raise asking.broken
+    if asking.interrupted:
         raise KeyboardInterrupt
-    missing = len(collector.collected) - len(collector.outcomes)
-    if not collector.collected or missing:
+    missing = [check.name for check, outcome in asking.outcomes.items() if outcome is None]
+    if not asking.tests or missing:
         raise JudgeFault(
-            f"pytest ran {len(collector.outcomes)} of {len(collector.collected)} tests in "
+            f"pytest ran {asking.tests - len(missing)} of {asking.tests} tests in "
             f"{lesson.tests.name} (exit code {int(code)}). Run it by hand to see why."
+            + "".join(f"\n{said}" for said in asking.said)
         )
-    return [collector.outcomes[item] for item in collector.collected]
-
-
-def _mark(item: pytest.Item) -> dict:
-    return item.get_closest_marker("judged").kwargs
+    return [*asking.outcomes.values()]
 
 
 @contextlib.contextmanager

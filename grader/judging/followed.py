@@ -12,10 +12,12 @@ import dataclasses
 from dataclasses import dataclass
 
 from grader.course.lessons import Exercise, Lesson
-from grader.judging.asking import JudgeFault, Outcome, run_tests
+from grader.judging.asking import JudgeFault, run_tests
+from grader.judging.points import points_of
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import Given, Program
 from grader.sandbox.student import Student
+from utils.checks.story import Outcome
 from utils.notebooks import slicing
 
 
@@ -65,7 +67,7 @@ def follow_through(
     starved : bool
         Whether a time limit was reached by code that hardly had a processor.
     """
-    lost = {one.mark["exercise"] for one in outcomes if one.error}
+    lost = {outcome.check.exercise for outcome in outcomes if outcome.failure}
     better, starved = {}, False
     for number, exercise in enumerate(lesson.machine_graded):
         # What comes after it may be made of it, and a right one might tell it the answer.
@@ -77,12 +79,13 @@ def follow_through(
         with Student(_with_right(lesson, program, exercise, helpers), sandbox, limits) as student:
             try:
                 again = run_tests(
-                    lesson, student, seed, lambda mark, e=exercise: mark["exercise"] == e.name
+                    lesson, student, seed, lambda check, e=exercise: check.exercise == e.name
                 )
             except JudgeFault:  # said of the first time, which counts
                 continue
             starved |= student.starved
-        before, after = (points_of(exercise, ones) for ones in (outcomes, again))
+        mine = [outcome for outcome in outcomes if outcome.check.exercise == exercise.name]
+        before, after = (points_of(exercise.points, ended) for ended in (mine, again))
         if after > before:
             better[exercise.name] = Followed(again, _sentence(exercise, helpers, before, after))
     return better, starved
@@ -112,11 +115,3 @@ def _sentence(exercise: Exercise, helpers: tuple[str, ...], before: float, after
         f"{' and '.join(helpers)}, which {exercise.name} calls, {wrong} wrong. Judged with {right} "
         f"instead, {exercise.name} earns {after:g} of {exercise.points:g} points, not {before:g}."
     )
-
-
-def points_of(exercise: Exercise, outcomes: list[Outcome]) -> float:
-    """What an exercise earns, given how the tests ended, its own and others."""
-    mine = [one for one in outcomes if one.mark["exercise"] == exercise.name]
-    whole = sum(one.mark["weight"] for one in mine)
-    passed = sum(one.mark["weight"] for one in mine if one.error is None)
-    return round(exercise.points * passed / whole, 2)

@@ -10,17 +10,18 @@ from pathlib import Path
 from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.intake.handed_in import HandedIn, read_handed_in
 from grader.intake.preflight import prepare
-from grader.judging.asking import JudgeFault, JudgeTimeout, Outcome, run_tests
-from grader.judging.followed import Followed, follow_through, points_of
+from grader.judging.asking import JudgeFault, JudgeTimeout, run_tests
+from grader.judging.followed import Followed, follow_through
 from grader.judging.key import verdict_key
 from grader.judging.messages import messages_of, text_of, told
+from grader.judging.points import shares, total
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, TestResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.student import Student, StudentError, StudentStopped
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake, asked_through, diagnose
-from utils.checks.story import resolve
+from utils.checks.story import Outcome, resolve
 from utils.notebooks.reading import UnreadableNotebook
 
 # What a wrong answer makes a test raise; anything else may be a fault of the test.
@@ -111,7 +112,7 @@ def judge_handed_in(
         starved |= starved_again
     odd = _odd(outcomes)
     if odd and complaints_about_reference(lesson, seed, sandbox):
-        faults += ["".join(traceback.format_exception(one.error)) for one in odd]
+        faults += ["".join(traceback.format_exception(outcome.failure)) for outcome in odd]
     if faults:
         outcomes, problems = None, [UNFAIR]
     elif outcomes is not None:
@@ -131,8 +132,8 @@ def judge_handed_in(
         lesson=lesson.name,
         student=student,
         status=FAILED if faults else JUDGED,
-        score=round(sum(item.score for item in exercises), 2),
-        max_score=sum(item.max_score for item in exercises),
+        score=total([exercise.score for exercise in exercises]),
+        max_score=total([exercise.max_score for exercise in exercises]),
         exercises=exercises,
         problems=tuple(problems),
         seconds=round(time.perf_counter() - begin, 3),
@@ -179,19 +180,18 @@ def _complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
             outcomes = run_tests(lesson, proxy, seed)
         except JudgeFault as error:
             return (str(error),)
-        return (
-            *(
-                f"{one.mark['exercise']}, {one.name}: {type(one.error).__name__}: {one.error}"
-                for one in outcomes
-                if one.error
-            ),
-            *proxy.problems,
-        )
+        failed = [outcome for outcome in outcomes if outcome.failure]
+        return (*map(_complaint, failed), *proxy.problems)
+
+
+def _complaint(outcome: Outcome) -> str:
+    check, failure = outcome.check, outcome.failure
+    return f"{check.exercise}, {check.name}: {type(failure).__name__}: {failure}"
 
 
 def _odd(outcomes: list[Outcome] | None) -> list[Outcome]:
     """Those that ended as no wrong answer makes a test end."""
-    return [one for one in outcomes or () if not isinstance(one.error, _FINE)]
+    return [one for one in outcomes or () if not isinstance(one.failure, _FINE)]
 
 
 def _once_more(
@@ -206,24 +206,22 @@ def _once_more(
 
     What befell the judge only once takes no point from anybody.
     """
-    titles = {one.mark["title"] for one in _odd(outcomes)}
+    odd = {outcome.check for outcome in _odd(outcomes)}
     with Student(program, sandbox, limits) as proxy:
         try:
-            again = run_tests(lesson, proxy, seed, lambda mark: mark["title"] in titles)
+            again = run_tests(lesson, proxy, seed, odd.__contains__)
         except JudgeFault:  # then the first try counts
             return outcomes, False
         starved = proxy.starved
-    better = {one.name: one for one in again}
-    odd = {one.name for one in _odd(outcomes)}
-    return [better[one.name] if one.name in odd else one for one in outcomes], starved
+    better = {outcome.check: outcome for outcome in again}
+    return [better.get(outcome.check, outcome) for outcome in outcomes], starved
 
 
 def _claims(lesson: Lesson, outcomes: list[Outcome], student: Student) -> dict[str, Mistake]:
     """What explains the answers to each exercise, by its name."""
     found = {}
     for exercise in lesson.machine_graded:
-        mine = [one.error for one in outcomes if one.mark["exercise"] == exercise.name]
-        if any(isinstance(error, CheckFailed) for error in mine):
+        if any(isinstance(one.failure, CheckFailed) for one in _of(exercise, outcomes)):
             student.exercise = exercise.name
             found[exercise.name] = diagnose(
                 exercise.name, getattr(student, asked_through(exercise.name))
@@ -240,32 +238,28 @@ def _score(
     """`ExerciseResult` of one exercise; nothing was tried where `outcomes` is None."""
     if outcomes is None:
         return ExerciseResult(exercise.name, 0.0, exercise.points, ())
-    mine = [one for one in outcomes if one.mark["exercise"] == exercise.name]
-    said, claim = [], None if followed else claim
+    mine, said, claim = _of(exercise, outcomes), [], None if followed else claim
     if followed:
         mine, said = followed.outcomes, [followed.sentence]
-    whole = sum(one.mark["weight"] for one in mine)
-    stories = [told(one, open_to_all=followed is None) for one in mine]
+    stories = [told(outcome, open_to_all=followed is None) for outcome in mine]
     story = resolve(stories, claim=claim)
     messages = messages_of(story)
+    most = shares(exercise.points, [outcome.check.weight for outcome in mine])
     tests = tuple(
-        _result(one, exercise.points * one.mark["weight"] / whole, messages.get(said_of, ""))
-        for one, said_of in zip(mine, stories, strict=True)
+        _result(outcome, points, messages.get(outcome, ""))
+        for outcome, points in zip(stories, most, strict=True)
     )
-    score = points_of(exercise, mine)
     said += [text_of(story.first, story.claim)] if story.first else []
-    first = story.first.check.title if story.first and not story.not_started else ""
+    first = story.first.check.name if story.first and not story.not_started else ""
+    score = total([result.score for result in tests])
     return ExerciseResult(exercise.name, score, exercise.points, tests, "\n".join(said), first)
 
 
+def _of(exercise: Exercise, outcomes: list[Outcome]) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.check.exercise == exercise.name]
+
+
 def _result(outcome: Outcome, points: float, message: str) -> TestResult:
-    passed, points = outcome.error is None, round(points, 2)
-    return TestResult(
-        outcome.name,
-        outcome.mark["title"],
-        passed,
-        points if passed else 0.0,
-        points,
-        message,
-        outcome.mark["visible"],
-    )
+    check, passed = outcome.check, outcome.failure is None
+    score = points if passed else 0.0
+    return TestResult(check.name, check.title, passed, score, points, message, check.is_shown)

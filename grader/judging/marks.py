@@ -1,12 +1,14 @@
 """How a pytest test says which exercise it belongs to and what a student may read of it."""
 
+import dataclasses
+
 import pytest
 
-from utils.checks import checks_of
+from utils.checks import Check
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
-    """Mark a test of `grader/tests` that is not in the notebook.
+    """Mark a test of `grader/tests`, which is not in the notebook.
 
     Parameters
     ----------
@@ -16,28 +18,9 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
     weight : float
         Share of the exercise's points, relative to its other checks.
     """
-    return pytest.mark.judged(
-        exercise=exercise, title=title, hint=hint, weight=weight, visible=False
-    )
+    return pytest.mark.judged(Check("", exercise, title, hint, weight))
 
 
-def visible_checks(*exercises: str) -> pytest.MarkDecorator:
-    """Turn the notebook's own checks of some exercises into tests, as argument `check`."""
-    return pytest.mark.parametrize(
-        "check",
-        [
-            pytest.param(
-                check,
-                id=check.name,
-                marks=pytest.mark.judged(
-                    exercise=exercise,
-                    title=check.title,
-                    hint=check.hint,
-                    weight=check.weight,
-                    visible=True,
-                ),
-            )
-            for exercise in exercises
-            for check in checks_of(exercise)
-        ],
-    )
+def check_of(item: pytest.Item) -> Check:
+    """The check that a test is."""
+    return dataclasses.replace(item.get_closest_marker("judged").args[0], name=item.name)

@@ -7,33 +7,33 @@ the student's own code, and our hint.
 
 import re
 
-from grader.judging.asking import JudgeTimeout, Outcome
+from grader.judging.asking import JudgeTimeout
 from grader.sandbox.student import StudentError, StudentStopped
 from utils.checks import CheckFailed
-from utils.checks.core import Check
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
-from utils.checks.story import Outcome as Told
-from utils.checks.story import Story, hint_for
+from utils.checks.story import Outcome, Story, hint_for
 from utils.checks.tips import tip_for
 
 
-def told(outcome: Outcome, open_to_all: bool = True) -> Told:
-    """A test's outcome, as one tells that of a check.
+def told(outcome: Outcome, open_to_all: bool = True) -> Outcome:
+    """What came of a check, in words that may be told.
 
     Parameters
     ----------
     outcome : Outcome
+        As the judge saw it.
     open_to_all : bool
-        False where the student's code had company that no word may be told of: then visible
-        tests are told like hidden ones.
+        False where the student's code had company that no word may be told of: then the checks
+        that students see are told like hidden ones.
     """
-    mark = outcome.mark
-    check = Check(mark["exercise"], mark["title"], "", mark["hint"], mark["weight"], print)
-    return Told(check, outcome.error and failure_of(outcome, open_to_all and mark["visible"]))
+    if outcome.failure is None:
+        return outcome
+    visible = open_to_all and outcome.check.is_shown
+    return Outcome(outcome.check, failure_of(outcome, visible))
 
 
-def messages_of(story: Story) -> dict[Told, str]:
+def messages_of(story: Story) -> dict[Outcome, str]:
     """What to tell about each failed test; one cause is told once."""
     if story.first is None:
         return {}
@@ -45,7 +45,7 @@ def messages_of(story: Story) -> dict[Told, str]:
     }
 
 
-def text_of(outcome: Told, claim: Mistake | None = None) -> str:
+def text_of(outcome: Outcome, claim: Mistake | None = None) -> str:
     """What to tell about a failure, line by line."""
     failure, hint = outcome.failure, hint_for(outcome, claim)
     lines = [
@@ -60,7 +60,7 @@ def text_of(outcome: Told, claim: Mistake | None = None) -> str:
 
 def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     """Why a test failed, in words that may be told."""
-    error, exercise = outcome.error, outcome.mark["exercise"]
+    error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
         return Stopped(str(error))
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":

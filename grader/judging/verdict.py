@@ -42,7 +42,7 @@ class ExerciseResult:
     cause : str
         What to mend first, line by line; empty where nothing failed.
     first : str
-        Title of the check that this is about; empty where none failed or nothing was written.
+        Name of the check that this is about; empty where none failed or nothing was written.
     """
 
     name: str

@@ -5,14 +5,9 @@ import math
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_01 import assert_distances, assert_measures, assert_works
 from utils.checks.vocabulary import assert_rows
-
-
-@visible_checks("horizontal_distance", "drop_invalid")
-def test_visible(student, check):
-    check.run(getattr(student, check.exercise))
 
 
 @samples.remembered

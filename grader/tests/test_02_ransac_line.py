@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_02 import (
     as_result,
     assert_line_distances,
@@ -27,11 +27,6 @@ from utils.checks.lesson_02 import (
 )
 from utils.checks.lesson_02 import assert_measures as assert_plain_case
 from utils.checks.vocabulary import CheckFailed
-
-
-@visible_checks("line_through", "point_line_distance", "ransac_line")
-def test_visible(student, check):
-    check.run(getattr(student, check.exercise))
 
 
 def some_pairs(seed, n, reach=20.0):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_03 import (
     assert_about,
     assert_direction,
@@ -44,13 +44,6 @@ from utils.checks.lesson_03 import (
     scattered_plane,
 )
 from utils.checks.vocabulary import CheckFailed, needs
-
-
-@visible_checks(
-    "plane_through", "point_plane_distance", "ransac_plane", "fit_plane", "iterations_needed"
-)
-def test_visible(student, check):
-    check.run(getattr(student, check.exercise))
 
 
 def random_plane(rng):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_04 import (
     along_the_diagonal,
     assert_found,
@@ -40,11 +40,6 @@ from utils.checks.vocabulary import (
     needs,
     observe,
 )
-
-
-@visible_checks("insert", "search", "median_order")
-def test_visible(student, check):
-    check.run(student.median_order if check.exercise == "median_order" else student.KdTree)
 
 
 def order_of_medians(points):

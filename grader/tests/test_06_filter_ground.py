@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_06 import (
     assert_cells,
     assert_centroids,
@@ -25,11 +25,6 @@ from utils.checks.vocabulary import (
     assert_untouched,
     needs,
 )
-
-
-@visible_checks("filter_ground", "voxel_grid")
-def test_visible(student, check):
-    check.run(getattr(student, check.exercise))
 
 
 @samples.remembered

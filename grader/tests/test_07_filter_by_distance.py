@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_07 import (
     assert_boxed,
     assert_crops,
@@ -30,11 +30,6 @@ from utils.checks.vocabulary import (
 )
 
 MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.
-
-
-@visible_checks("filter_by_distance", "crop_region", "remove_ego_returns")
-def test_visible(student, check):
-    check.run(getattr(student, check.exercise))
 
 
 @samples.remembered

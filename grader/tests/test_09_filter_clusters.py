@@ -9,14 +9,9 @@ from collections import Counter
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.lesson_09 import assert_kept, assert_labels_kept, assert_works
 from utils.checks.vocabulary import assert_untouched
-
-
-@visible_checks("filter_clusters")
-def test_visible(student, check):
-    check.run(student.filter_clusters)
 
 
 def filtered_by_hand(labels, minimum):

@@ -9,18 +9,13 @@ import functools
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from grader.sandbox.student import StudentStopped
 from utils.checks.clusters import assert_works
 from utils.checks.lesson_10 import assert_in_clusters
 from utils.checks.vocabulary import CheckFailed, assert_partition, frozen
 
 NAME = "euclidean_clustering_accelerated"
-
-
-@visible_checks(NAME)
-def test_visible(student, check):
-    check.run(student.euclidean_clustering_accelerated)
 
 
 def assert_clusters(student, cloud, threshold=0.5):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden, visible_checks
+from grader.judging.marks import hidden
 from utils.checks.boxes import (
     LOOSE,
     as_cluster_boxes,
@@ -28,12 +28,6 @@ from utils.checks.lesson_11 import (
     assert_right_handed,
 )
 from utils.checks.vocabulary import frozen
-
-
-@visible_checks("principal_axes", "get_oriented_boxes")
-def test_visible(student, check):
-    check.run(getattr(student, check.exercise))
-
 
 # ---- oracles ----
 

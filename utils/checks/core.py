@@ -30,45 +30,49 @@ _CHECKS: dict[str, list[Check]] = {}
 
 @dataclass(frozen=True)
 class Check:
-    """One property that a right answer has.
+    """One property that a right answer has, shown in the notebook or asked by the judge alone.
 
     Attributes
     ----------
+    name : str
+        Short name, unique within the exercise: by it, and not by its title, it is known.
     exercise : str
         Name of the function under test.
     title : str
         The property, as a statement.
-    why : str
-        What goes wrong on the road without it.
     hint : str
         The first hint for someone who fails it.
     weight : float
         Its share of the exercise's points, relative to the other checks; 0 for a note, which
         says what costs no points and why later cells care.
-    run : callable
-        Takes the function; raises `CheckFailed` where the property does not hold.
+    why : str
+        What goes wrong on the road without it.
+    run : callable or None
+        Takes the function; raises `CheckFailed` where the property does not hold. None for a
+        hidden check, which the judge runs as a test of pytest.
     slow : str
         What to ask of a function that does not come back in this check, where that is rarely a
         loop without an end.
     """
 
+    name: str
     exercise: str
     title: str
-    why: str
     hint: str
-    weight: float
-    run: Callable
+    weight: float = 1.0
+    why: str = ""
+    run: Callable | None = None
     slow: str = ""
-
-    @property
-    def name(self) -> str:
-        """Short name, unique within the exercise."""
-        return self.run.__name__
 
     @property
     def lesson(self) -> str:
         """The module that declares it, such as "lesson_05"."""
         return self.run.__module__.rpartition(".")[2]
+
+    @property
+    def is_shown(self) -> bool:
+        """True where students see it in the notebook."""
+        return self.run is not None
 
     @property
     def is_note(self) -> bool:
@@ -104,8 +108,8 @@ def visible(
     """
 
     def declare(run: Callable) -> Callable:
-        one = Check(exercise, title, why, hint, weight, run, slow)
-        _CHECKS.setdefault(exercise, []).append(one)
+        declared = Check(run.__name__, exercise, title, hint, weight, why, run, slow)
+        _CHECKS.setdefault(exercise, []).append(declared)
         return run
 
     return declare

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from utils.checks.failures import CheckFailed, NotStarted, NotYet, Raised
+from utils.checks.failures import NotStarted, NotYet, Raised
 
 if TYPE_CHECKING:
     from utils.checks.core import Check
@@ -19,10 +19,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of running a check; `failure` is None where it passed."""
+    """What came of asking a check.
+
+    Attributes
+    ----------
+    check : Check
+    failure : Exception or None
+        Why it does not hold, None where it does. Whatever a check raised in the judge; a
+        `CheckFailed` where it is told.
+    """
 
     check: Check
-    failure: CheckFailed | None
+    failure: Exception | None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,107 @@
+"""Points add up, to the cent, wherever they are shown."""
+
+import json
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as some
+
+from grader.classroom.report import hardest_checks
+from grader.course.variants import fill_in, variants_of
+from grader.intake.handed_in import HandedIn
+from grader.judging.judge import judge_handed_in
+from grader.judging.points import points_of, shares, total
+from grader.judging.verdict import JUDGED, ExerciseResult, TestResult, Verdict
+from utils.checks import Check
+from utils.checks.failures import CheckFailed
+from utils.checks.story import Outcome
+
+WEIGHTS = some.lists(some.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), min_size=1, max_size=30)
+
+
+@given(some.integers(1, 10_000), WEIGHTS)
+def test_shares_add_up_and_are_just(cents, weights):
+    given_out = [round(100 * share) for share in shares(cents / 100, weights)]
+    assert sum(given_out) == cents
+    whole = sum(map(Fraction, weights))
+    for share, weight in zip(given_out, weights, strict=True):
+        assert abs(share - cents * Fraction(weight) / whole) < 1
+    for one, another in zip(weights, weights[1:], strict=False):
+        if one == another:
+            first, second = weights.index(one), weights.index(another)
+            assert abs(given_out[first] - given_out[second]) <= 1
+
+
+@pytest.mark.parametrize(
+    ("points", "weights", "expected"),
+    [
+        (1.0, [1, 1, 1], [0.34, 0.33, 0.33]),
+        (0.1, [1, 1, 1, 1, 1, 1], [0.02, 0.02, 0.02, 0.02, 0.01, 0.01]),
+        (20.0, [1, 2, 4], [2.86, 5.71, 11.43]),
+        (0.05, [3, 1], [0.04, 0.01]),
+        (5.0, [2.5], [5.0]),
+    ],
+)
+def test_cents_that_are_left_go_to_the_largest_fractions(points, weights, expected):
+    assert shares(points, weights) == expected
+
+
+@given(some.integers(1, 5000), WEIGHTS, some.data())
+def test_an_exercise_earns_what_is_shown_for_its_checks(cents, weights, data):
+    outcomes = [
+        Outcome(
+            Check(str(number), "f", "a title", "a hint", weight),
+            data.draw(some.sampled_from([None, CheckFailed("no")])),
+        )
+        for number, weight in enumerate(weights)
+    ]
+    earned = points_of(cents / 100, outcomes)
+    shown = shares(cents / 100, weights)
+    held = [share for share, one in zip(shown, outcomes, strict=True) if one.failure is None]
+    assert Fraction(round(100 * earned)) == sum(round(100 * share) for share in held)
+    if len(held) == len(outcomes):
+        assert earned == cents / 100
+
+
+@pytest.mark.slow
+def test_a_verdict_adds_up(lesson, sandbox):
+    """Right, wrong and untouched exercises side by side."""
+    answers = {}
+    for number, exercise in enumerate(lesson.machine_graded):
+        kept = variants_of(exercise.name)
+        if number % 3 != 2:
+            answers[exercise.name] = next(one.source for one in kept if one.right == bool(number))
+    handed_in = HandedIn(f"{lesson.name}.ipynb", fill_in(lesson, answers).encode())
+    verdict = judge_handed_in(handed_in, 11, sandbox, lesson)
+    published = json.loads(json.dumps(verdict.as_dict()))
+    for exercise in published["exercises"]:
+        assert total([test["score"] for test in exercise["tests"]]) == exercise["score"]
+        assert total([test["max_score"] for test in exercise["tests"]]) == exercise["max_score"]
+        for test in exercise["tests"]:
+            assert test["score"] == (test["max_score"] if test["passed"] else 0)
+            assert round(test["max_score"], 2) == test["max_score"] > 0
+    assert total([one["score"] for one in published["exercises"]]) == published["score"]
+    assert total([one["max_score"] for one in published["exercises"]]) == published["max_score"]
+
+
+@pytest.mark.slow
+def test_checks_are_known_by_their_names(lesson, sandbox):
+    """Titles may occur twice."""
+    handed_in = HandedIn(f"{lesson.name}.ipynb", lesson.solved.read_bytes())
+    for exercise in judge_handed_in(handed_in, 11, sandbox, lesson).exercises:
+        names = [test.name for test in exercise.tests]
+        assert len(names) == len(set(names)) >= 3
+        assert {test.visible for test in exercise.tests} == {True, False}
+
+
+def test_the_report_names_the_check_that_failed():
+    """Also where another one of the exercise has the same title, as 12 have."""
+    shown, hidden = (
+        TestResult(name, "Finds it", False, 0.0, 1.0, "", visible)
+        for name, visible in (("finds_it", True), ("test_finds_it", False))
+    )
+    exercise = ExerciseResult("f", 0.0, 2.0, (shown, hidden), "It is not found.", "test_finds_it")
+    verdict = Verdict("09", "ada", JUDGED, 0.0, 2.0, (exercise,), (), 0.0, "")
+    (found,) = hardest_checks([verdict])
+    assert (found.title, found.visible) == ("Finds it", False)
