@@ -116,7 +116,7 @@ def test_object(student):
     one.see([[0.0, 0.0, -2.0], [0.0, 0.0, -1.0]])
     assert one.z == -1.0
 """,
-    "tests/variants/highest.py": """\
+    "grader/variants/highest.py": """\
 # %% right: a loop
 def highest(cloud):
     z = cloud[0][2]
@@ -167,7 +167,7 @@ for variant in variants_of("highest"):
 def copy(tmp_path_factory):
     """The project with a thirteenth lesson in it."""
     root = tmp_path_factory.mktemp("project") / "lab"
-    for folder in ("grader", "utils", "solutions", "notebooks", "data", "tests/variants"):
+    for folder in ("grader", "utils", "solutions", "notebooks", "data"):
         shutil.copytree(
             PROJECT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__")
         )
@@ -241,7 +241,7 @@ def test_every_lesson_has_its_files(lesson):
     assert (PROJECT / "utils" / "checks" / f"lesson_{lesson.number}.py").is_file()
     assert (PROJECT / "grader" / "pictures" / f"lesson_{lesson.number}.py").is_file()
     for exercise in lesson.machine_graded:
-        assert (PROJECT / "tests" / "variants" / f"{exercise.name}.py").is_file()
+        assert (PROJECT / "grader" / "variants" / f"{exercise.name}.py").is_file()
         assert checks_of(exercise.name)
         assert lesson_of(exercise.name) == lesson
 

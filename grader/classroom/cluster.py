@@ -29,7 +29,7 @@ from grader.course.paths import PROJECT
 from grader.judging.key import versions
 
 TRAVELS = ("grader", "utils", "solutions", "notebooks", "data")
-STAYS_AT_HOME = ("__pycache__", "pictures")
+STAYS_AT_HOME = ("__pycache__", "pictures", "variants")
 
 PATIENCE = 15 * 60
 """Seconds without any worker that can judge, after which grading stops."""

@@ -1,6 +1,6 @@
 """Answers that students give: right ones in many styles, wrong ones from real mistakes.
 
-They lie in ``tests/variants/<exercise>.py``, one after another, each under a line such as
+They lie in ``grader/variants/<exercise>.py``, one after another, each under a line such as
 ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A wrong one goes on with
 ``# loses:`` (the checks that it fails, among others; with ``# loses only:`` no others),
 ``# says:`` (words that the message of one of them holds) and ``# claims:`` (words of the mistake
@@ -43,7 +43,7 @@ def variants_of(exercise: str) -> tuple[Variant, ...]:
     -------
     tuple of Variant
     """
-    text = (PROJECT / "tests" / "variants" / f"{exercise}.py").read_text("utf-8")
+    text = (PROJECT / "grader" / "variants" / f"{exercise}.py").read_text("utf-8")
     sections = re.split(r"^# %% (right|wrong): (.+)\n", text, flags=re.M)[1:]
     return tuple(
         _variant(exercise, kind == "right", name, body)

@@ -68,7 +68,7 @@ def test_walks_the_project_and_every_home():
         "reads a solution": "solutions/stage2_clustering/04_kd_tree.py",
         "reads a solved notebook": "solutions/stage2_clustering/04_kd_tree.ipynb",
         "reads a released notebook": "notebooks/stage2_clustering/04_kd_tree.ipynb",
-        "reads a right variant": "tests/variants/insert.py",
+        "reads a right variant": "grader/variants/insert.py",
         "reads what is true of the course's cloud": "data/cloud_truth.npz",
         "reads the course's history": ".git",
     },

@@ -18,7 +18,7 @@ FOLLOWED = "the hints followed to the letter"
 
 
 def source_of(exercise, variant=FOLLOWED):
-    """The answer to an exercise that `tests/variants` has under a name."""
+    """The answer to an exercise that `grader/variants` has under a name."""
     return next(one.source for one in variants_of(exercise) if one.name == variant)
 
 

@@ -1,4 +1,4 @@
-# Answers to get_bounding_boxes; see grader/variants.py.
+# Answers to get_bounding_boxes; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def get_bounding_boxes(cloud, cluster_labels):

@@ -1,4 +1,4 @@
-# Answers to detect_obstacles; see grader/variants.py.
+# Answers to detect_obstacles; see grader/course/variants.py.
 
 # %% right: the functions of the lessons, pasted into cells of their own
 import numpy as np

@@ -1,4 +1,4 @@
-# Answers to point_line_distance; see grader/variants.py.
+# Answers to point_line_distance; see grader/course/variants.py.
 
 # %% right: columns
 def point_line_distance(points, line):

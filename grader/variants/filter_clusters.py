@@ -1,4 +1,4 @@
-# Answers to filter_clusters; see grader/variants.py.
+# Answers to filter_clusters; see grader/course/variants.py.
 
 # %% right: counts for each point
 def filter_clusters(cluster_labels, min_num_points=100):

@@ -1,4 +1,4 @@
-# Answers to crop_region; see grader/variants.py.
+# Answers to crop_region; see grader/course/variants.py.
 
 # %% right: two tables and all
 def crop_region(cloud, minimum, maximum):

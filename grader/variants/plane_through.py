@@ -1,4 +1,4 @@
-# Answers to plane_through; see grader/variants.py.
+# Answers to plane_through; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def plane_through(p, q, r):

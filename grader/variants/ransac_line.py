@@ -1,4 +1,4 @@
-# Answers to ransac_line; see grader/variants.py. Each brings its own helpers, under other names,
+# Answers to ransac_line; see grader/course/variants.py. Each brings its own helpers, under other names,
 # so that it can stand beside any answer to the exercises before it.
 
 # %% right: the functions of the exercises before, in another cell

@@ -1,4 +1,4 @@
-# Answers to drop_invalid; see grader/variants.py.
+# Answers to drop_invalid; see grader/course/variants.py.
 
 # %% right: two masks
 def drop_invalid(cloud):

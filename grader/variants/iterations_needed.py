@@ -1,4 +1,4 @@
-# Answers to iterations_needed; see grader/variants.py.
+# Answers to iterations_needed; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 import math

@@ -1,4 +1,4 @@
-# Answers to point_plane_distance; see grader/variants.py.
+# Answers to point_plane_distance; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def point_plane_distance(points, plane):

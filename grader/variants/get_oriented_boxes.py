@@ -1,4 +1,4 @@
-# Answers to get_oriented_boxes; see grader/variants.py. The stub of principal_axes stands above
+# Answers to get_oriented_boxes; see grader/course/variants.py. The stub of principal_axes stands above
 # them, so those that use it bring their own.
 
 # %% right: the hints to the letter, principal axes in the plane

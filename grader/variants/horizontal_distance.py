@@ -1,4 +1,4 @@
-# Answers to horizontal_distance; see grader/variants.py.
+# Answers to horizontal_distance; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def horizontal_distance(cloud):

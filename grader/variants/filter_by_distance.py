@@ -1,4 +1,4 @@
-# Answers to filter_by_distance; see grader/variants.py.
+# Answers to filter_by_distance; see grader/course/variants.py.
 
 # %% right: hypot in one line
 def filter_by_distance(cloud, distance=10.0):

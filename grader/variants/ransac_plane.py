@@ -1,4 +1,4 @@
-# Answers to ransac_plane; see grader/variants.py. Each brings its own helpers, because the
+# Answers to ransac_plane; see grader/course/variants.py. Each brings its own helpers, because the
 # other exercises of the notebook may be unsolved.
 
 # %% right: the hints followed to the letter

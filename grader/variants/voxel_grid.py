@@ -1,4 +1,4 @@
-# Answers to voxel_grid; see grader/variants.py.
+# Answers to voxel_grid; see grader/course/variants.py.
 
 # %% right: np.unique and np.add.at
 def voxel_grid(cloud, voxel_size=0.2):

@@ -1,4 +1,4 @@
-# Answers to euclidean_clustering_accelerated; see grader/variants.py.
+# Answers to euclidean_clustering_accelerated; see grader/course/variants.py.
 
 # %% right: the lesson's plan, a KD-tree of cells and a loop over what is open
 def euclidean_clustering_accelerated(cloud, threshold=0.5):

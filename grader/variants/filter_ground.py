@@ -1,4 +1,4 @@
-# Answers to filter_ground; see grader/variants.py.
+# Answers to filter_ground; see grader/course/variants.py.
 
 # %% right: a mask in one line
 def filter_ground(cloud, ground_level=-1.2):

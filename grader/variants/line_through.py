@@ -1,4 +1,4 @@
-# Answers to line_through; see grader/variants.py.
+# Answers to line_through; see grader/course/variants.py.
 
 # %% right: a quarter turn of the direction
 def line_through(p, q):

@@ -1,4 +1,4 @@
-# Answers to insert of lesson 04; see grader/variants.py.
+# Answers to insert of lesson 04; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def insert(tree, point, index):

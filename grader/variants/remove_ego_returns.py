@@ -1,4 +1,4 @@
-# Answers to remove_ego_returns; see grader/variants.py.
+# Answers to remove_ego_returns; see grader/course/variants.py.
 
 # %% right: inside, inverted
 def remove_ego_returns(cloud, minimum, maximum):

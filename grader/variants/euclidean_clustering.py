@@ -1,4 +1,4 @@
-# Answers to euclidean_clustering; see grader/variants.py.
+# Answers to euclidean_clustering; see grader/course/variants.py.
 
 # %% right: a queue and NumPy
 from collections import deque

@@ -1,4 +1,4 @@
-# Answers to principal_axes; see grader/variants.py.
+# Answers to principal_axes; see grader/course/variants.py.
 
 # %% right: eigenvectors of the covariance
 def principal_axes(points):

@@ -1,4 +1,4 @@
-# Answers to median_order of lesson 04; see grader/variants.py.
+# Answers to median_order of lesson 04; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def median_order(points):

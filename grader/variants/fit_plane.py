@@ -1,4 +1,4 @@
-# Answers to fit_plane; see grader/variants.py.
+# Answers to fit_plane; see grader/course/variants.py.
 
 # %% right: the hints followed to the letter
 def fit_plane(points):

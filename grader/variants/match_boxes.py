@@ -1,4 +1,4 @@
-# Answers to match_boxes; see grader/variants.py.
+# Answers to match_boxes; see grader/course/variants.py.
 
 # %% right: the closest pair first
 def match_boxes(previous, current, max_distance):
