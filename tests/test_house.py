@@ -37,7 +37,8 @@ def test_no_room_of_the_grader_imports_upwards(room):
 
 def test_sandboxes_are_objects_and_not_names():
     """Which sandbox it is makes no difference to whoever uses one."""
-    for path in (PROJECT / "grader").rglob("*.py"):
+    variants = PROJECT / "grader" / "variants"
+    for path in set((PROJECT / "grader").rglob("*.py")) - set(variants.iterdir()):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Compare):
                 values = [getattr(part, "value", None) for part in (node.left, *node.comparators)]
