@@ -123,9 +123,9 @@ def test_lists_of_one_kind_and_of_others_cross_alike(value):
 def test_a_list_of_many_rows_is_quick():
     """Time grows with the number of arrays, not with its square (which would be minutes)."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
-    begin = time.perf_counter()
+    begin = time.process_time()
     assert np.array_equal(there_and_back(rows), rows)
-    assert time.perf_counter() - begin < 10.0
+    assert time.process_time() - begin < 10.0
 
 
 @pytest.mark.parametrize(
@@ -278,10 +278,10 @@ def test_keys_that_collide_are_refused():
     """Sets of equal hashes take a time that grows with the square of their size."""
     modulus = 2**61 - 1
     colliding = b",".join(b"%d" % (n * modulus) for n in range(1, 100_000))
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(WireError):
         wire.decode(b'{"set":[' + colliding + b"]}", b"")
-    assert time.perf_counter() - begin < 20  # else minutes
+    assert time.process_time() - begin < 20  # else minutes
 
 
 def test_half_characters_arrive_mended():

@@ -128,6 +128,6 @@ def packed_tools(lesson: str) -> bytes:
     return lzma.compress(buffer.getvalue(), preset=9 | lzma.PRESET_EXTREME)
 
 
-def is_setup_cell(source: str) -> bool:
-    """Whether a cell that was handed in is the one that unpacks the tools."""
-    return source.startswith(TITLE)
+def is_setup_cell(source: str, lesson: str) -> bool:
+    """Whether a cell that was handed in is, letter by letter, the one that unpacks the tools."""
+    return source.startswith(TITLE) and source.strip() == setup_cell(lesson)

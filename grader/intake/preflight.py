@@ -128,13 +128,15 @@ def _reading(draft: _Draft) -> Iterator[str]:
 
 def _retyped(draft: _Draft) -> Iterator[str]:
     """Solutions in cells that became Markdown or raw by a slip of the keyboard."""
+    names = _functions(draft.lesson)
+    written = {name for name in names if _cells_that_define(draft, name)}
     for place, cell in enumerate(draft.cells):
-        names = _functions(draft.lesson)
         if cell.kind == "code" or "```" in cell.source:
             continue
         marked = cell.grade_id in names
         holds = [name for name in names if _defines(cell, name)]
-        if holds and (marked or not _cells_that_define(draft, holds[0])):
+        if holds and (marked or holds[0] not in written):
+            written.update(holds)
             draft.cells[place] = dataclasses.replace(cell, kind="code")
             kind = {"markdown": "a text cell", "raw": "a raw cell"}[cell.kind]
             yield (
@@ -162,14 +164,14 @@ def _stubs_behind(draft: _Draft) -> Iterator[str]:
 def _graded_cells(draft: _Draft) -> Iterator[str]:
     """Which cell stands for each graded one: copied, moved, split, or without its metadata."""
     for name in _functions(draft.lesson):
-        marked = [
-            place
+        marked = {
+            place: cell
             for place, cell in enumerate(draft.cells)
             if cell.kind == "code" and cell.grade_id == name
-        ]
+        }
         written = _cells_that_define(draft, name)
         both = [place for place in written if place in marked]
-        found = both or written or marked
+        found = both or written or [*marked]
         if found:
             draft.graded[name] = found[-1]
     return ()
@@ -199,7 +201,7 @@ def _modules(draft: _Draft) -> Iterator[str]:
     used = [
         name
         for name in draft.handed_in.modules
-        if re.search(rf"^\s*(?:import|from)\s+{name}\b", text, re.MULTILINE)
+        if re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
     ]
     if used:
         files = ", ".join(f"{name}.py" for name in used)

@@ -60,7 +60,7 @@ def build_copy(prepared: Prepared) -> NotebookNode:
             where[name] = len(copy.cells)
             copy.cells.append(_filled(given[name], cell, prepared.answers.get(name)))
         if shown:
-            copy.cells.append(_shown(cell, ours.get(cell.source)))
+            copy.cells.append(_shown(cell, ours.get(cell.source), prepared.lesson))
     _add_missing(copy, given, where, prepared)
     for number, cell in enumerate(copy.cells):
         cell.id = cell.id if "nbgrader" in cell.metadata else f"handed-in-{number}"
@@ -128,9 +128,9 @@ def _released(lesson: Lesson) -> NotebookNode:
     return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
 
 
-def _shown(cell: Cell, ours: NotebookNode | None) -> NotebookNode:
+def _shown(cell: Cell, ours: NotebookNode | None, lesson: Lesson) -> NotebookNode:
     """A cell around the graded ones; as it was released where it says the same."""
-    if is_setup_cell(cell.source):
+    if is_setup_cell(cell.source, lesson.name):
         return _cell(f"{TITLE}\n# (The tools of the course, packed.)", kind="code")
     if ours is not None and ours.cell_type == "markdown" and cell.kind == "markdown":
         made = _cell(ours.source)

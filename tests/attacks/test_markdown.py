@@ -83,6 +83,9 @@ SCRIPTS = {
     "a backslash in it": "[x](javascript\\:alert(1))",
     "in angle brackets": "[x](<javascript:alert(1)>)",
     "with a tab": "[x](<java\tscript:alert(1)>)",
+    "with a tab, in entities": "[x](<&#106;ava\tscript:alert(1)>)",
+    "in long entities": f"[x](&#{'0' * 300}106;avascript:alert(1))",
+    "with nothing that is seen": "[x](java\u200bscript:alert(1))",
     "behind a space": "[x]( javascript:alert(1))",
     "on the next line": "[x](\njavascript:alert(1))",
     "by reference": "[x][y]\n\n[y]: javascript:alert(1)",
@@ -138,6 +141,8 @@ def test_gives_orders_to_mathjax(text):
         "a table": "| a | b |\n|---|---|\n| 1 | 2 |",
         "a formula": r"$\frac{a}{b} < \sqrt{c}$ and $a \le b$",
         "links": "[a](https://x.org/a:b) [b](notes.md#c) <3 [c]: mailto:x@y.org",
+        "more links": "[a](../b/c.ipynb) [d](#e) [f]( HTTP://g.org/?h=1&i=2 ) [j](<https://k.org>)",
+        "notes": "[1]: https://x.org 'a title'\n[2]: Über-uns.html\nx[0]: the first of [3]",
         "a picture of one's own": "![plot](attachment:plot.png)",
     },
 )
