@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from grader.sandbox import Limits
+from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student, StudentError, StudentStopped
+from grader.sandbox.student import Student
 from utils.checks.vocabulary import call_each, reach
 
 TREE = """

@@ -13,8 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
-from grader.sandbox.inside import wire
-from grader.sandbox.inside.wire import Opaque, TooLarge, WireClosed, WireError, WireTimeout
+from grader.sandbox.inside import wire, wire_format
+from grader.sandbox.inside.wire import WireClosed, WireTimeout
+from grader.sandbox.inside.wire_format import Opaque, TooLarge, WireError
 
 SCALARS = st.one_of(
     st.none(),
@@ -23,7 +24,7 @@ SCALARS = st.one_of(
     st.floats(),
     st.text(st.characters(exclude_categories=["Cs"])),
 )
-ARRAYS = st.sampled_from(wire.PLAIN_TYPES).flatmap(
+ARRAYS = st.sampled_from(wire_format.PLAIN_TYPES).flatmap(
     lambda dtype: st_numpy.arrays(dtype, st_numpy.array_shapes(min_dims=0, min_side=0))
 )
 VALUES = st.recursive(
@@ -40,13 +41,13 @@ VALUES = st.recursive(
 
 def parts(message):
     """Tree and blob of an encoded message."""
-    tree_size, blob_size = wire._HEADER.unpack(message[:8])
+    tree_size, blob_size = wire_format.HEADER.unpack(message[:8])
     assert len(message) == 8 + tree_size + blob_size
     return message[8 : 8 + tree_size], message[8 + tree_size :]
 
 
 def there_and_back(value):
-    return wire.decode(*parts(wire.encode(value)))
+    return wire_format.decode(*parts(wire_format.encode(value)))
 
 
 def same(one, other):
@@ -66,7 +67,9 @@ def same(one, other):
 
 def is_plain(value):
     if isinstance(value, np.ndarray):
-        return value.dtype.newbyteorder("<").str in wire.PLAIN_TYPES and value.flags.writeable
+        return (
+            value.dtype.newbyteorder("<").str in wire_format.PLAIN_TYPES and value.flags.writeable
+        )
     if isinstance(value, dict):
         return all(is_plain(item) for pair in value.items() for item in pair)
     if isinstance(value, (list, tuple, set)):
@@ -163,14 +166,14 @@ def test_too_large_is_said_before_it_is_sent(value):
         assert isinstance(there_and_back(value), Opaque)
         return
     with pytest.raises(TooLarge):
-        wire.encode(value)
+        wire_format.encode(value)
 
 
 def decodes_or_refuses(tree, blob=b""):
     """`decode` returns plain data or raises `WireError`, and takes little memory."""
     tracemalloc.start()
     try:
-        value = wire.decode(tree, blob)
+        value = wire_format.decode(tree, blob)
     except WireError:
         value = None
     finally:
@@ -187,7 +190,7 @@ JSON = st.recursive(
     | st.integers()
     | st.floats()
     | st.text()
-    | st.sampled_from([*wire.PLAIN_TYPES, "O", "V8", "f8,f8", "(2,)f8", "U9"]),
+    | st.sampled_from([*wire_format.PLAIN_TYPES, "O", "V8", "f8,f8", "(2,)f8", "U9"]),
     lambda inner: (
         st.lists(inner)
         | st.dictionaries(
@@ -215,7 +218,7 @@ def test_any_json(tree, blob):
 
 @given(VALUES, st.data())
 def test_a_message_with_bytes_changed(value, data):
-    tree, blob = map(bytearray, parts(wire.encode(value)))
+    tree, blob = map(bytearray, parts(wire_format.encode(value)))
     for part in (tree, blob):
         if part:
             part[data.draw(st.integers(0, len(part) - 1))] = data.draw(st.integers(0, 255))
@@ -264,14 +267,14 @@ def test_a_message_with_bytes_changed(value, data):
 )
 def test_lies_are_refused(tree):
     with pytest.raises(WireError):
-        wire.decode(tree, b"12345678")
+        wire_format.decode(tree, b"12345678")
 
 
 def test_two_arrays_cannot_stand_on_the_same_bytes():
     """A hundred thousand arrays of one megabyte of blob would be a hundred gigabytes."""
     claim = b'{"array":["|u1",[1048576]]}'
     with pytest.raises(WireError):
-        wire.decode(b'{"list":[' + b",".join([claim] * 100_000) + b"]}", bytes(2**20))
+        wire_format.decode(b'{"list":[' + b",".join([claim] * 100_000) + b"]}", bytes(2**20))
 
 
 def test_keys_that_collide_are_refused():
@@ -280,12 +283,12 @@ def test_keys_that_collide_are_refused():
     colliding = b",".join(b"%d" % (n * modulus) for n in range(1, 100_000))
     begin = time.process_time()
     with pytest.raises(WireError):
-        wire.decode(b'{"set":[' + colliding + b"]}", b"")
+        wire_format.decode(b'{"set":[' + colliding + b"]}", b"")
     assert time.process_time() - begin < 20  # else minutes
 
 
 def test_half_characters_arrive_mended():
-    assert wire.decode(b'"a\\ud800b"', b"") == "a?b"
+    assert wire_format.decode(b'"a\\ud800b"', b"") == "a?b"
 
 
 @pytest.mark.parametrize(
@@ -345,14 +348,14 @@ def test_silence_and_a_full_pipe_time_out(pipe):
 
 
 def test_half_a_message_times_out(pipe):
-    os.write(pipe[1], wire.encode(np.zeros(3))[:-1])
+    os.write(pipe[1], wire_format.encode(np.zeros(3))[:-1])
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], soon())
 
 
 def test_the_clock_decides_even_while_data_keep_coming(pipe):
     """A reader that always finds something to read must still look at the clock."""
-    os.write(pipe[1], wire.encode("here in full, and too late"))
+    os.write(pipe[1], wire_format.encode("here in full, and too late"))
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], wire.within(-1))
 
@@ -374,7 +377,7 @@ def test_data_that_are_taken_back_do_not_hang_the_reader(pipe, monkeypatch):
 
 @pytest.mark.parametrize("header", [(2**32 - 1, 0), (0, 2**32 - 1), (2**25, 2**26)])
 def test_a_message_larger_than_any_answer_is_refused_unread(pipe, header):
-    os.write(pipe[1], wire._HEADER.pack(*header))
+    os.write(pipe[1], wire_format.HEADER.pack(*header))
     with pytest.raises(WireError):
         wire.receive(pipe[0], soon())
 

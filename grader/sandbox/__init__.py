@@ -1,13 +1,13 @@
 """Where a student's code runs, and how the judge talks to it.
 
 `boundary` says what that code can see. `SANDBOXES` lists the ways to run it; another one is a
-module with a class that has the methods of `protocol.Sandbox`, and a line in the table.
+module with a class that has the methods of `protocol.Sandbox`, whose workers have those of
+`protocol.Worker`, and a line in the table.
 """
 
 from grader.sandbox.bubblewrap import Bubblewrap
-from grader.sandbox.process import PlainProcess
-from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable
-from grader.sandbox.workers import Worker
+from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable, Worker
+from grader.sandbox.unwalled import Unwalled
 
 __all__ = [
     "AUTO",
@@ -20,9 +20,7 @@ __all__ = [
 ]
 
 AUTO = "auto"
-SANDBOXES: dict[str, Sandbox] = {
-    sandbox.name: sandbox for sandbox in (Bubblewrap(), PlainProcess())
-}
+SANDBOXES: dict[str, Sandbox] = {sandbox.name: sandbox for sandbox in (Bubblewrap(), Unwalled())}
 
 
 def choose_sandbox(wish: str = AUTO) -> Sandbox:

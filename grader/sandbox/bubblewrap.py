@@ -27,11 +27,11 @@ from grader.sandbox.boundary import (
     files_of_packages,
     folders_of_packages,
 )
+from grader.sandbox.fork_client import client_for, preloaded
 from grader.sandbox.inside.syscalls import MACHINES
+from grader.sandbox.launcher import launch
 from grader.sandbox.program import PACKAGES
-from grader.sandbox.protocol import Limits, SandboxUnavailable
-from grader.sandbox.warm import nursery, preloaded
-from grader.sandbox.workers import Worker, launch
+from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 SECONDS_TO_BUILD = 60
 
@@ -84,8 +84,8 @@ class Bubblewrap:
         windows = _windows(packages, forbidden)
         walls = [*_walls(limits), *windows, "--remount-ro", "/"]
         if _can_go_behind_walls():
-            warm = nursery(preloaded(packages), forbidden)
-            return launch(walls, "/tmp", rules, limits, warm, bool(preloaded(tuple(named))))
+            client = client_for(preloaded(packages), forbidden)
+            return launch(walls, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
         return launch([*walls, "--"], "/tmp", rules, limits)
 
 
@@ -130,8 +130,8 @@ def _can_go_behind_walls() -> bool:
     }
     walls = [*_walls(Limits()), *_windows((), ()), "--remount-ro", "/"]
     try:
-        # The nursery of most lessons, which need not be started once more then.
-        launch(walls, "/tmp", rules, Limits(), nursery(preloaded(PACKAGES))).stop()
+        # The fork server of most lessons, which need not be started once more then.
+        launch(walls, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
     except SandboxUnavailable:
         return False
     return True

@@ -1,13 +1,14 @@
-"""What a sandbox is: something that can start a worker with nothing of the student in it yet."""
+"""What a sandbox is: something that can start a worker with nothing of the student in it yet.
+
+The worker is `inside/worker.py`, wherever and however it runs: a process, a container, another
+machine. What the judge's side wants of it is `Worker`, and no more.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
-
-if TYPE_CHECKING:
-    from grader.sandbox.workers import Worker
+from typing import Protocol
 
 MEBIBYTE = 2**20
 
@@ -45,6 +46,38 @@ class Limits:
             "RLIMIT_NOFILE": 128,
             "RLIMIT_CORE": 0,
         }
+
+
+class Worker(Protocol):
+    """A running worker that knows its rules, and that nobody has asked anything yet.
+
+    Attributes
+    ----------
+    read_end, write_end : int
+        Descriptors of the two pipes, or sockets, to and from it. They do not block.
+    """
+
+    read_end: int
+    write_end: int
+
+    def cpu_seconds(self) -> float:
+        """Processor time that it and all it started have had; at least never going back.
+
+        Where nobody can tell, the clock on the wall, which the processor's is never ahead of.
+        """
+
+    def has_ended(self, seconds: float) -> bool:
+        """Whether it ends by itself within some seconds; `stop` is called in any case."""
+
+    def stop(self) -> int | None:
+        """End it and all it started, close the descriptors, and tell its exit code.
+
+        Returns
+        -------
+        int or None
+            As `subprocess` has it, a signal as a negative number, or as a shell, 128 more than
+            the signal; None where nobody knows.
+        """
 
 
 class Sandbox(Protocol):

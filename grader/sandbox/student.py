@@ -7,64 +7,17 @@ that a function does to its arguments reaches our objects; `RemoteFunction.obser
 
 from __future__ import annotations
 
-import builtins
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
-from grader.sandbox.inside import wire
+from grader.sandbox.failures import StudentError, StudentStopped, why_it_ended
+from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.patience import Patience, stopwatch
 from grader.sandbox.program import Program
-from grader.sandbox.protocol import Limits, Sandbox
-from grader.sandbox.workers import Worker
-from utils.checks.vocabulary import Observed
-
-LONGEST_TEXT = 500
-MOST_PROBLEMS = 20
-# Names that say something and that student code did not choose.
-KNOWN_EXCEPTIONS = {
-    name
-    for name, value in vars(builtins).items()
-    if isinstance(value, type) and issubclass(value, BaseException)
-} | {"LinAlgError", "AxisError", "QhullError"}
-
-
-class StudentError(Exception):
-    """A student's function raised; `str()` is the sentence to show.
-
-    Attributes
-    ----------
-    type_name, message : str
-        The student's words: not for the messages of hidden tests.
-    place : str or None
-        Where in the notebook, in our words.
-    line : str
-        What stands there, in the student's.
-    inside : str
-        The exercise that it happened in; empty where it was in none.
-    without_words : str
-        The same in our words alone: a type that Python or NumPy defines, and the place.
-    """
-
-    def __init__(
-        self,
-        function: str,
-        type_name: str,
-        message: str = "",
-        place: str | None = None,
-        line: str = "",
-        inside: str = "",
-    ) -> None:
-        self.type_name, self.message = type_name, message
-        self.place, self.line, self.inside = place, line, inside
-        where = f" ({place})" if place else ""
-        known = type_name if type_name in KNOWN_EXCEPTIONS else "an exception of its own"
-        self.without_words = f"{function} raised {known}{where}."
-        super().__init__(f"{function} raised {type_name}: {message}{where}")
-
-
-class StudentStopped(Exception):
-    """A student's process hung, died or broke the protocol; `str()` is the sentence to show."""
+from grader.sandbox.protocol import Limits, Sandbox, Worker
+from grader.sandbox.untrusted import names_a_number, positions, readable, rows, texts
+from utils.remote import Observed, Remote
 
 
 @dataclass(frozen=True)
@@ -75,7 +28,7 @@ class _Held:
     worker: Worker
 
 
-class RemoteFunction:
+class RemoteFunction(Remote):
     """A function, a class or a method inside: call it, or observe what it does."""
 
     def __init__(self, student: Student, name: str, held: _Held | None = None) -> None:
@@ -103,7 +56,7 @@ class RemoteFunction:
         self._student._ask(self.__name__, calls, held=self._held)
 
 
-class RemoteObject:
+class RemoteObject(Remote):
     """An object of a student's own class. It stays inside; its attributes and methods answer.
 
     ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
@@ -191,6 +144,29 @@ class Student:
 
         Of several calls the last one's answer comes back, or the first exception.
         """
+        self._refuse_what_is_gone(name, held)
+        if call:
+            self._known.clear()
+        else:
+            for known in (self._methods, self._known):
+                if (held.number, name) in known:
+                    return known[held.number, name]
+        request = {
+            "name": name,
+            "calls": [list(arguments) for arguments in calls],
+            "keywords": keywords or {},
+            "object": held and held.number,
+            "observe": observe,
+        }
+        reply = self._reply_to(request)
+        result = self._result_in(reply, name, held, call)
+        self._remember(reply.get("beside"))
+        if not call:
+            return self._known.get((held.number, name), result)
+        return self._observed_in(reply, result, name, len(calls[0])) if observe else result
+
+    def _refuse_what_is_gone(self, name: str, held: _Held | None) -> None:
+        """Have a worker running; raise if what is wanted of it is not there."""
         if held is not None and held.worker is not self._worker:
             raise StudentStopped(
                 "The notebook's process was stopped, and what it had built is gone."
@@ -202,62 +178,57 @@ class Student:
                 "NameError",
                 "the notebook does not define it; keep the name of the function as it was given",
             )
-        if call:
-            self._known.clear()
-        else:
-            for known in (self._methods, self._known):
-                if (held.number, name) in known:
-                    return known[held.number, name]
+
+    def _reply_to(self, request: dict) -> dict:
+        """Ask, and see that the reply is one to this question, and no exception."""
         self._calls += 1
-        request = {
-            "id": self._calls,
-            "name": name,
-            "calls": [list(arguments) for arguments in calls],
-            "keywords": keywords or {},
-            "object": held and held.number,
-            "observe": observe,
-        }
+        name = request["name"]
         reply = self._exchange(
             f"{name} did not answer within {{seconds:.0f}} seconds; "
             "is there a loop that never ends?",
             self._limits.call_seconds,
-            request,
+            {"id": self._calls, **request},
         )
         number = reply.get("id") if isinstance(reply, dict) else None
         if type(number) is not int or number != self._calls:
-            self._stop(f"{name} did not answer the question that was asked")
+            self._stop_off_the_question(name)
         if "error" in reply:
             raise self._error(name, reply["error"])
-        if not _is_number(reply):
-            self._stop(f"{name} did not answer the question that was asked")
+        if not names_a_number(reply):
+            self._stop_off_the_question(name)
+        return reply
+
+    def _result_in(self, reply: dict, name: str, held: _Held | None, call: bool) -> object:
+        """What was returned, or a proxy of it where that stays inside."""
         if "object" not in reply:
-            result = reply.get("result")
-        elif reply.get("callable") is True and not call:
-            result = RemoteFunction(self, name, held)
-        else:
-            result = self._object(reply["object"], reply.get("type"))
-            for method in _texts(reply.get("methods")):
-                function = RemoteFunction(self, method, result._held)
-                self._methods[result._held.number, method] = function
-        self._remember(reply.get("beside"))
-        if not call:
-            result = self._known.get((held.number, name), result)
-        if not observe:
-            return result
+            return reply.get("result")
+        if reply.get("callable") is True and not call:
+            return RemoteFunction(self, name, held)
+        result = self._object(reply["object"], reply.get("type"))
+        for method in texts(reply.get("methods")):
+            function = RemoteFunction(self, method, result._held)
+            self._methods[result._held.number, method] = function
+        return result
+
+    def _observed_in(self, reply: dict, result: object, name: str, count: int) -> Observed:
+        """A call of `count` arguments, and what became of them."""
         after, shared = reply.get("arguments"), reply.get("shared")
-        if not isinstance(after, list) or len(after) != len(calls[0]):
-            self._stop(f"{name} did not answer the question that was asked")
-        return Observed(result, tuple(after), frozenset(_positions(shared)))
+        if not isinstance(after, list) or len(after) != count:
+            self._stop_off_the_question(name)
+        return Observed(result, tuple(after), frozenset(positions(shared)))
+
+    def _stop_off_the_question(self, name: str) -> NoReturn:
+        self._stop(f"{name} did not answer the question that was asked")
 
     def _object(self, number: int, kind: object) -> RemoteObject:
-        return RemoteObject(self, _Held(number, self._worker), wire.known_type(kind))
+        return RemoteObject(self, _Held(number, self._worker), wire_format.known_type(kind))
 
     def _remember(self, beside: object) -> None:
         """Keep what came with an attribute: whoever asks for one walks the whole tree."""
         plain, others = beside if isinstance(beside, list) and len(beside) == 2 else ((), ())
-        for number, name, value in _rows(plain, 3):
+        for number, name, value in rows(plain, 3):
             self._known[number, name] = value
-        for number, name, other, kind in _rows(others, 4):
+        for number, name, other, kind in rows(others, 4):
             if type(other) is int:
                 self._known[number, name] = self._object(other, kind)
 
@@ -265,10 +236,10 @@ class Student:
         if not isinstance(error, dict):
             return StudentError(name, "Exception")
         kind, message, place, inside = (
-            _readable(error.get(key)) for key in ("type", "message", "place", "function")
+            readable(error.get(key)) for key in ("type", "message", "place", "function")
         )
         line = self._program.line_at(place)
-        place, line = (None, "") if line is None else (place, _readable(line))
+        place, line = (None, "") if line is None else (place, readable(line))
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
         return StudentError(name, kind or "Exception", message, place, line, inside)
@@ -301,9 +272,9 @@ class Student:
             }
         )
         failed = self._start()
-        self._missing = set(_texts(failed.get("missing"))) & set(program.names)
+        self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._told:
-            self.problems += _texts(found.get("problems")) + _texts(failed.get("problems"))
+            self.problems += texts(found.get("problems")) + texts(failed.get("problems"))
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
             self._told = True
         if self._missing and self._run_whole:
@@ -313,7 +284,7 @@ class Student:
         """Run every cell, for names that nobody can read off the text."""
         try:
             found = self._start({"whole": True})
-            self._missing &= set(_texts(found.get("missing")))
+            self._missing &= set(texts(found.get("missing")))
         except StudentStopped:  # a cell that hangs or quits: only now does it do harm
             self._run_whole = False
             self._stops[self.exercise].pop()
@@ -338,7 +309,7 @@ class Student:
         except wire.WireTimeout:
             self.starved |= patience.starved
             self._stop(too_slow.format(seconds=seconds))
-        except wire.WireError:
+        except wire_format.WireError:
             self._stop(
                 "What came back was not an answer: code in the notebook wrote to the "
                 "judge's own channel."
@@ -354,51 +325,6 @@ class Student:
         by_itself = sentence is None and worker.has_ended(2)  # it may live on, pipe closed
         code = worker.stop()
         if sentence is None:
-            sentence = _why_it_ended(code if by_itself else None)
+            sentence = why_it_ended(code if by_itself else None)
         self._stops.setdefault(self.exercise, []).append(sentence)
         raise StudentStopped(sentence) from None
-
-
-def _why_it_ended(code: int | None) -> str:
-    if code in (137, -9):
-        return (
-            "The system stopped the notebook's process: it asked for too much memory, or "
-            "killed itself."
-        )
-    if code in (152, -24):
-        return "The notebook's process used up its processor time; is there a loop without end?"
-    if code in (139, -11):
-        return "The notebook's process crashed (segmentation fault)."
-    # Without the exit code: student code chooses it, and may have a hidden question in mind.
-    return "The notebook's process ended in the middle of a call, as os._exit and the like do."
-
-
-def _texts(values: object) -> list[str]:
-    """A stranger's list of sentences, of which the first few are enough."""
-    return (
-        [_readable(value) for value in values[:MOST_PROBLEMS]] if isinstance(values, list) else []
-    )
-
-
-def _readable(value: object) -> str:
-    """One line of text that is safe on a terminal: no colours, no commands, no turned lines."""
-    text = value[:LONGEST_TEXT] if isinstance(value, str) else ""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
-
-
-def _rows(columns: object, width: int) -> Iterator[tuple]:
-    """Rows of a stranger's table that begin with a number and a name."""
-    if not isinstance(columns, list) or [*map(type, columns)] != [list] * width:
-        return
-    for row in zip(*columns, strict=False):
-        if type(row[0]) is int and type(row[1]) is str:
-            yield row
-
-
-def _is_number(told: dict) -> bool:
-    """Whether an object that is told of comes under a number, if any is."""
-    return "object" not in told or type(told["object"]) is int
-
-
-def _positions(values: object) -> list[int]:
-    return [v for v in values[:MOST_PROBLEMS] if type(v) is int] if isinstance(values, list) else []

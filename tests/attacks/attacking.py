@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from grader.sandbox import SANDBOXES, Limits
+from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
-from grader.sandbox.student import Student, StudentStopped
+from grader.sandbox.student import Student
 
 WALLS = SANDBOXES["bubblewrap"]
 MEBIBYTE = 2**20

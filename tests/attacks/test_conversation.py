@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from grader.sandbox import Limits
-from grader.sandbox.inside.wire import Opaque
+from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.inside.wire_format import Opaque
 from grader.sandbox.program import Program
-from grader.sandbox.student import RemoteObject, Student, StudentError, StudentStopped
+from grader.sandbox.student import RemoteObject, Student
 from tests.attacks.attacking import (
     CLOUD,
     SHORT,

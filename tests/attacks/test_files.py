@@ -15,8 +15,9 @@ from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
 from grader.judging.judge import judge_handed_in
 from grader.sandbox import Limits
+from grader.sandbox.failures import StudentError
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student, StudentError
+from grader.sandbox.student import Student
 from tests.attacks.attacking import SEED, SHORT, WALLS, attack, outcome_of, tried
 from utils.notebooks.reading import UnreadableNotebook
 

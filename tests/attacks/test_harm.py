@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from grader.course.paths import PROJECT
-from grader.sandbox import Limits, workers
+from grader.sandbox import Limits, launcher
+from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.inside import syscalls
-from grader.sandbox.student import StudentError, StudentStopped
 from tests.attacks.attacking import MEBIBYTE, SHORT, attack, function, outcome_of, stopped_by, tried
 from tests.demands import not_here
 
@@ -204,7 +204,7 @@ except OSError:
     pass
 """
     source = HOLD + function(refuse + "held = hold(1500)\ntime.sleep(60)")
-    monkeypatch.setattr(workers, "memory_left", lambda: 0.01)
+    monkeypatch.setattr(launcher, "memory_left", lambda: 0.01)
     assert TOO_MUCH in stopped_by(source, call_seconds=20.0)
     with attack("def f(): return 1") as student:
         time.sleep(0.5)

@@ -14,9 +14,9 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap
 from grader.sandbox.boundary import SHOWN
-from grader.sandbox.processes import tree
+from grader.sandbox.failures import StudentError
 from grader.sandbox.program import PACKAGES
-from grader.sandbox.student import StudentError
+from grader.sandbox.usage import tree
 from tests.attacks.attacking import WALLS, attack, function, outcome_of, tried
 
 SPY = """

@@ -12,7 +12,7 @@ from grader.console import print_class, print_verdict
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.lms.autograded import score_output
-from grader.sandbox.student import KNOWN_EXCEPTIONS, StudentError
+from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
 from tests.attacks.attacking import attack, function, tried
 
 # A function that learns a question and wants to tell it: letters stand for its digits.

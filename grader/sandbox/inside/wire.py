@@ -1,57 +1,14 @@
-"""Plain data on a pipe: the only thing that passes between a student's code and the judge.
+"""Messages through a pipe, with a clock: whoever holds the other end may be hostile, or hang."""
 
-A message is a JSON tree followed by the bytes of its arrays. Numbers, strings, containers and
-arrays of plain dtype pass; anything else arrives as an `Opaque` that holds only the name of
-its type, if Python or NumPy gave it that name. Nothing is ever unpickled, and every size is
-checked before memory is taken, because whoever writes the other end may be hostile.
-"""
-
-import builtins
-import json
-import math
 import os
 import select
-import struct
 import time
-import types
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
-import numpy as np
-
-PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
-MAXIMUM_TREE = 16 * 2**20
-MAXIMUM_ARRAYS = 32 * 2**20
-MAXIMUM_DEPTH = 60
-MAXIMUM_DIMENSIONS = 16
-_SCALARS = (type(None), bool, int, float, str, np.generic)
-_HEADER = struct.Struct(">II")
-_DEEP = "a very deeply nested value"
-_LONG = "an integer beyond 64 bits"
-_KEYS = "a {} of more than numbers and texts"
-_OWN = "an object of a class of its own"
-# What a judge may repeat: a student's class could be named after a hidden question.
-_NAMES_OF_TYPES = {
-    value.__name__
-    for module in (builtins, types, np)
-    for value in vars(module).values()
-    if isinstance(value, type)
-} | {"dict_keys", "dict_values", "dict_items"}
-_KNOWN = {
-    *_NAMES_OF_TYPES,
-    *(f"an array of {name}" for name in _NAMES_OF_TYPES),
-    *(_KEYS.format(name) for name in ("dict", "set")),
-    _DEEP,
-    _LONG,
-}
-
-
-class WireError(Exception):
-    """What came over the pipe is not a message."""
-
-
-class TooLarge(Exception):
-    """A value is larger than any answer can be."""
+if __package__:
+    from grader.sandbox.inside import wire_format
+else:  # in the worker, which is shown this folder and nothing above it
+    import wire_format
 
 
 class WireTimeout(Exception):
@@ -60,254 +17,6 @@ class WireTimeout(Exception):
 
 class WireClosed(Exception):
     """The other end has gone."""
-
-
-@dataclass(frozen=True)
-class Opaque:
-    """Stands for a value that is not plain data."""
-
-    type_name: str
-
-
-def encode(value: object) -> bytes:
-    """Bytes of a message.
-
-    Parameters
-    ----------
-    value : object
-        Any tree; what is not plain data becomes an `Opaque`.
-
-    Returns
-    -------
-    bytes
-
-    Raises
-    ------
-    TooLarge
-    """
-    blob = bytearray()
-    tree = json.dumps(_to_tree(value, blob, 0), separators=(",", ":")).encode()
-    if len(tree) > MAXIMUM_TREE:
-        raise TooLarge
-    return b"".join((_HEADER.pack(len(tree), len(blob)), tree, blob))
-
-
-def decode(tree: bytes, blob: bytes) -> object:
-    """Value of a message; every claim in it is checked.
-
-    Parameters
-    ----------
-    tree, blob : bytes or bytearray
-
-    Returns
-    -------
-    object
-        Arrays come back writable.
-
-    Raises
-    ------
-    WireError
-        If the bytes are not what `encode` writes.
-    """
-    try:
-        return _from_tree(json.loads(tree), _Blob(blob), 0)
-    except WireError:
-        raise
-    except Exception as error:  # hostile bytes may break json or numpy in any way they like
-        raise WireError(f"not a message: {type(error).__name__}") from None
-
-
-def is_plain(value: object) -> bool:
-    """True for what crosses as it is; an object of a student's own class stays where it is."""
-    return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
-        value, "__array__"
-    )
-
-
-def _to_tree(value: object, blob: bytearray, depth: int) -> object:
-    if depth > MAXIMUM_DEPTH:
-        return {"opaque": _DEEP}
-    if value is None or isinstance(value, (bool, str)):
-        return str(value) if isinstance(value, str) else value
-    if isinstance(value, np.ndarray):
-        return _array_to_tree(np.asarray(value), blob, depth)
-    if isinstance(value, np.generic):
-        if isinstance(value, np.longdouble):
-            return float(value)  # its `item()` is itself
-        plain = value.dtype.kind in "biufU"
-        return _to_tree(value.item() if plain else Opaque(type(value).__name__), blob, depth)
-    if isinstance(value, int):
-        return int(value) if _is_small(value) else {"opaque": _LONG}
-    if isinstance(value, float):
-        return float(value)
-    if isinstance(value, (list, tuple)):
-        kind = "list" if isinstance(value, list) else "tuple"
-        if _is_flat(value) or set(map(type, value)) == {str}:
-            return {kind: list(value)}
-        return {kind: [_to_tree(item, blob, depth + 1) for item in value]}
-    if isinstance(value, (set, frozenset, dict)):
-        return _keyed_to_tree(value, blob, depth)
-    if _is_generator(value):
-        return {"generator": _state_of(value)}
-    if isinstance(value, Opaque):
-        return {"opaque": value.type_name}
-    if hasattr(value, "__array__"):  # a pandas or torch user answers correctly too
-        return _array_to_tree(np.asarray(value), blob, depth)
-    if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray, memoryview)):
-        return _to_tree(list(value), blob, depth)  # a range, a deque: NumPy reads them too
-    return {"opaque": type(value).__name__}
-
-
-def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
-    # Scalars only: a stranger can make a million tuples with one hash, and a set of those
-    # would take the other end hours to build.
-    name = "dict" if isinstance(value, dict) else "set"
-    if not all(isinstance(key, _SCALARS) for key in value):
-        return {"opaque": _KEYS.format(name)}
-    if name == "set":
-        return {"set": [_to_tree(item, blob, depth + 1) for item in value]}
-    return {
-        "dict": [
-            [_to_tree(key, blob, depth + 1), _to_tree(item, blob, depth + 1)]
-            for key, item in value.items()
-        ]
-    }
-
-
-def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
-    if array.dtype == np.longdouble:
-        array = array.astype(float)
-    little = array.dtype.newbyteorder("<")
-    if len(blob) + array.nbytes > MAXIMUM_ARRAYS:
-        raise TooLarge
-    if little.str not in PLAIN_TYPES or not _is_possible(array.shape):
-        if array.dtype.kind in "OU" and array.size < 1_000_000:
-            return _to_tree(array.tolist(), blob, depth + 1)
-        return {"opaque": f"an array of {array.dtype.type.__name__}"}
-    blob += np.ascontiguousarray(array, little).data.cast("B") if array.size else b""
-    return {"array": [little.str, list(array.shape)]}
-
-
-class _Blob:
-    """Bytes of arrays, taken from the front: a few bytes cannot stand for many arrays."""
-
-    def __init__(self, data: bytes) -> None:
-        self.rest = memoryview(data)
-
-    def take(self, size: int) -> memoryview:
-        if size > len(self.rest):
-            raise WireError("array outside its message")
-        taken, self.rest = self.rest[:size], self.rest[size:]
-        return taken
-
-
-def _from_tree(tree: object, blob: _Blob, depth: int) -> object:
-    if depth > MAXIMUM_DEPTH + 5:
-        raise WireError("nested too deeply")
-    if isinstance(tree, str):
-        return _writable_text(tree)
-    if tree is None or isinstance(tree, (bool, float)) or _is_small(tree):
-        return tree
-    if not isinstance(tree, dict) or len(tree) != 1:
-        raise WireError("unknown node")
-    ((kind, content),) = tree.items()
-    if kind in ("list", "tuple"):
-        flat = type(content) is list and _is_flat(content)
-        items = content if flat else [_from_tree(item, blob, depth + 1) for item in content]
-        return items if kind == "list" else tuple(items)
-    if kind == "set":
-        return {_key_from_tree(item, blob, depth) for item in content}
-    if kind == "dict":
-        return {
-            _key_from_tree(key, blob, depth): _from_tree(item, blob, depth + 1)
-            for key, item in content
-        }
-    if kind == "array":
-        return _array_from_tree(content, blob)
-    if kind == "generator":
-        return _generator_from(content)
-    if kind == "opaque" and isinstance(content, str):
-        return Opaque(known_type(content))
-    raise WireError("unknown kind of value")
-
-
-def _key_from_tree(tree: object, blob: _Blob, depth: int) -> object:
-    key = _from_tree(tree, blob, depth + 1)
-    if not isinstance(key, (*_SCALARS, Opaque)):
-        raise WireError("unknown kind of key")
-    return key
-
-
-def _array_from_tree(content: list, blob: _Blob) -> np.ndarray:
-    dtype, shape = content
-    # A list, because numpy reads types out of the strangest texts.
-    if dtype not in PLAIN_TYPES:
-        raise WireError("array of unknown type")
-    if not isinstance(shape, list) or not _is_possible(shape):
-        raise WireError("array of impossible shape")
-    dtype = np.dtype(dtype)
-    return np.frombuffer(bytearray(blob.take(math.prod(shape) * dtype.itemsize)), dtype).reshape(
-        shape
-    )
-
-
-def _is_generator(value: object) -> bool:
-    """A generator as `numpy.random.default_rng` makes them; importing numpy.random takes time."""
-    return type(value).__name__ == "Generator" and isinstance(
-        getattr(value, "bit_generator", None), np.random.PCG64
-    )
-
-
-def _state_of(generator: np.random.Generator) -> list:
-    state = generator.bit_generator.state
-    numbers = (state["state"]["state"], state["state"]["inc"])
-    # 128 bits each: as texts, because not every reader of JSON has such numbers.
-    return [*map(hex, numbers), state["has_uint32"], state["uinteger"]]
-
-
-def _generator_from(content: object) -> np.random.Generator:
-    """A generator that draws what the one at the other end would draw next."""
-    state, increment, has_uint32, uinteger = content
-    bits = np.random.PCG64()
-    bits.state = {
-        "bit_generator": "PCG64",
-        "state": {"state": int(state, 16), "inc": int(increment, 16)},
-        "has_uint32": int(has_uint32),
-        "uinteger": int(uinteger),
-    }
-    return np.random.Generator(bits)
-
-
-def _is_possible(shape: Sequence[int]) -> bool:
-    # Every single length counts: an array without elements can claim any other length for free.
-    return len(shape) <= MAXIMUM_DIMENSIONS and all(
-        type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
-    )
-
-
-def _is_small(value: object) -> bool:
-    return isinstance(value, int) and -(2**63) <= value < 2**63
-
-
-def _is_flat(values: Sequence) -> bool:
-    """Whether these are nothing but floats, or small integers: each crosses as it is.
-
-    Most lists are such, and looking at their items one by one takes ten times as long.
-    """
-    kinds = set(map(type, values))
-    if kinds == {int}:
-        return _is_small(min(values)) and _is_small(max(values))
-    return kinds == {float}
-
-
-def _writable_text(text: str) -> str:
-    """The text without half characters, which no file could hold."""
-    return text.encode("utf-8", "replace").decode()
-
-
-def known_type(name: object) -> str:
-    """What to call a type: by its name where no student can have chosen that."""
-    return name if isinstance(name, str) and name in _KNOWN else _OWN
 
 
 def within(seconds: float) -> Callable[[], float]:
@@ -345,9 +54,9 @@ def send(descriptor: int, value: object, patience: Callable[[], float] | None = 
 
     Raises
     ------
-    WireTimeout, WireClosed, TooLarge
+    WireTimeout, WireClosed, wire_format.TooLarge
     """
-    view = memoryview(encode(value))
+    view = memoryview(wire_format.encode(value))
     while view:
         pause = patience and patience()
         try:
@@ -370,13 +79,11 @@ def receive(descriptor: int, patience: Callable[[], float] | None = None) -> obj
 
     Raises
     ------
-    WireTimeout, WireClosed, WireError
+    WireTimeout, WireClosed, wire_format.WireError
     """
-    tree_size, blob_size = _HEADER.unpack(_read(descriptor, _HEADER.size, patience))
-    if tree_size > MAXIMUM_TREE or blob_size > MAXIMUM_ARRAYS:
-        raise WireError("a message larger than any answer can be")
-    tree = _read(descriptor, tree_size, patience)
-    return decode(tree, _read(descriptor, blob_size, patience))
+    header = _read(descriptor, wire_format.HEADER.size, patience)
+    tree, blob = (_read(descriptor, size, patience) for size in wire_format.sizes_in(header))
+    return wire_format.decode(tree, blob)
 
 
 def _read(descriptor: int, size: int, patience: Callable[[], float] | None) -> bytearray:

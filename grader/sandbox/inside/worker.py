@@ -27,6 +27,7 @@ sys.path.insert(0, str(_HERE))
 import importing  # noqa: E402
 import syscalls  # noqa: E402
 import wire  # noqa: E402
+import wire_format  # noqa: E402
 
 from utils.notebooks import slicing  # noqa: E402
 
@@ -215,7 +216,7 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     seen = observed(result, request["calls"][-1]) if request["observe"] else {}
     if not request["calls"] and not callable(result):
         seen["beside"] = beside(request["object"], objects)
-    if wire.is_plain(result):
+    if wire_format.is_plain(result):
         return {"result": result, **seen}
     kept = held(result, objects)
     if request["calls"]:
@@ -244,7 +245,7 @@ def beside(number: int, objects: dict[int, object]) -> list:
         for name, value in attributes.items():
             if is_small(value):
                 row, table = (number, str(name), value), plain
-            elif wire.is_plain(value) or callable(value):
+            elif wire_format.is_plain(value) or callable(value):
                 continue
             else:
                 kept = held(value, objects)
@@ -288,7 +289,7 @@ def reply(write_end: int, number: int, content: dict) -> None:
         wire.send(write_end, {"id": number, **content})
     except wire.WireClosed:
         raise
-    except wire.TooLarge:
+    except wire_format.TooLarge:
         wire.send(
             write_end,
             {

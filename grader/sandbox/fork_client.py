@@ -1,4 +1,4 @@
-"""Workers that need not start Python anew: asked of a nursery, which forks them."""
+"""Workers that need not start Python anew: asked of a fork server, which forks them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pathlib import Path
 from grader.sandbox.boundary import PYTHON
 from grader.sandbox.protocol import SandboxUnavailable
 
-PROGRAM = Path(__file__).with_name("nursery.py")
+PROGRAM = Path(__file__).with_name("fork_server.py")
 SECONDS_TO_FORK = 60
 SLOW_TO_IMPORT = ("scipy.spatial", "scipy.sparse.csgraph")
 # One thread each: classes are graded many notebooks at a time.
@@ -34,8 +34,8 @@ LONGEST_REPORT = 400
 
 
 @dataclass
-class Nursery:
-    """A process of `grader.sandbox.nursery`, started when it is first asked.
+class ForkClient:
+    """Asks a process of `grader.sandbox.fork_server`, which it starts when it is first asked.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Nursery:
                 self._requests.close()
                 self._requests = None
                 if attempt:
-                    raise SandboxUnavailable("The nursery of workers ends as it starts.") from None
+                    raise SandboxUnavailable("The fork server ends as it starts.") from None
 
     def _start(self) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -164,6 +164,6 @@ def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
 
 
 @functools.cache
-def nursery(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> Nursery:
-    """The nursery of this process whose workers may have imported some modules, and no others."""
-    return Nursery(modules, forbidden, ENVIRONMENT)
+def client_for(modules: tuple[str, ...] = (), forbidden: tuple[str, ...] = ()) -> ForkClient:
+    """What asks for workers that may have imported some modules, and never some others."""
+    return ForkClient(modules, forbidden, ENVIRONMENT)

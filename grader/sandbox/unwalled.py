@@ -6,12 +6,12 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from grader.sandbox.protocol import Limits
-from grader.sandbox.workers import Worker, launch
+from grader.sandbox.launcher import launch
+from grader.sandbox.protocol import Limits, Worker
 
 
 @dataclass(frozen=True)
-class PlainProcess:
+class Unwalled:
     """For a student's own machine and for the demo, never for strangers' code."""
 
     name: str = "process"

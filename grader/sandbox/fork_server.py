@@ -6,7 +6,7 @@ and, for each request, which walls to go behind and three ends of pipes. The wor
 enters the namespaces that bubblewrap has made, gives up every privilege, and is from there on what
 `worker.py` makes of it.
 
-Run by `grader.sandbox.warm`: ``python -I -B nursery.py SOCKET SETTINGS``.
+Run by `grader.sandbox.fork_client`: ``python -I -B fork_server.py SOCKET SETTINGS``.
 """
 
 import array

@@ -11,9 +11,9 @@ import pytest
 
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT
-from grader.sandbox import Limits, bubblewrap, warm
-from grader.sandbox.processes import tree
-from grader.sandbox.student import StudentStopped
+from grader.sandbox import Limits, bubblewrap, fork_client
+from grader.sandbox.failures import StudentStopped
+from grader.sandbox.usage import tree
 from tests.attacks.attacking import WALLS, attack, function, outcome_of
 from tests.demands import not_here
 
@@ -50,9 +50,9 @@ def forked():
         not_here("processes may not enter namespaces here; workers start anew")
 
 
-def looked(monkeypatch, is_warm):
+def looked(monkeypatch, forks):
     with monkeypatch.context() as patch:
-        if not is_warm:
+        if not forks:
             patch.setattr(bubblewrap, "_can_go_behind_walls", lambda: False)
         return outcome_of(LOOK)
 
@@ -81,7 +81,7 @@ def test_all_namespaces_are_its_own():
     assert shared <= {"time", "time_for_children", *(("user",) if bubblewrap._is_root() else ())}
 
 
-def test_the_nursery_and_the_judge_cannot_be_reached():
+def test_the_fork_server_and_the_judge_cannot_be_reached():
     """By signals, by their memory, or through a parent."""
     body = (
         "import os, signal\nreached = []\n"
@@ -108,7 +108,7 @@ def test_workers_do_not_draw_the_same_numbers():
 SCIPY_IN_MEMORY = """
 # scipy is named here, so it may have been imported.
 import gc, sys, types
-gc.unfreeze()  # shows what the nursery keeps from the collector
+gc.unfreeze()  # shows what the fork server keeps from the collector
 kinds = type, types.FunctionType, types.BuiltinFunctionType
 homes = {one.__module__ for one in gc.get_objects() if isinstance(one, kinds)}
 names = homes | set(sys.modules)
@@ -122,7 +122,7 @@ def test_nothing_is_preloaded_that_the_lesson_does_not_show():
 
 
 def test_what_is_slow_to_import_is_so_only_where_code_names_it():
-    forbidden = ("no_such_module",)  # so a nursery that nobody has asked before
+    forbidden = ("no_such_module",)  # so a fork server that nobody has asked before
     search = "import sys\nreturn sorted(name for name in sys.modules if name[:3] == 'sci')"
     assert outcome_of(function(search), forbidden=forbidden) == []
     named = outcome_of(function(f"# scipy\n{search}"), forbidden=forbidden)
@@ -167,12 +167,12 @@ def test_one_that_ends_takes_its_children_and_nobody_else():
         time.sleep(0.05)
 
 
-def test_a_killed_nursery_is_started_again():
+def test_a_killed_fork_server_is_started_again():
     """The kernel may end it when memory is short; a notebook that is being judged stays."""
     with attack(function("return 3")) as student:
         assert student.f() == 3
-        [nursery] = parents(student._worker.forked.pid)
-        os.kill(nursery, signal.SIGKILL)
+        [server] = parents(student._worker.forked.pid)
+        os.kill(server, signal.SIGKILL)
         assert student.f() == 3
         with attack(function("return 4")) as other:
             assert other.f() == 4
@@ -234,7 +234,7 @@ def test_where_entering_is_not_allowed_python_starts_behind_the_walls(monkeypatc
     def refused(*request):
         raise bubblewrap.SandboxUnavailable("not here")
 
-    monkeypatch.setattr(warm.Nursery, "fork", refused)
+    monkeypatch.setattr(fork_client.ForkClient, "fork", refused)
     bubblewrap._can_go_behind_walls.cache_clear()
     try:
         worker = WALLS.start(Limits())

@@ -1,4 +1,4 @@
-"""The process in which a student's code runs, seen from outside: its pipes, its memory, its end."""
+"""Starts the process in which a student's code runs, watches its memory, and ends it."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 from subprocess import Popen
 
 from grader.sandbox.boundary import PYTHON, WORKER
+from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, Forked, read_line
 from grader.sandbox.inside import wire
-from grader.sandbox.processes import cpu_of_tree, memory_left, memory_of_tree
-from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable
-from grader.sandbox.warm import ENVIRONMENT, Forked, Nursery, read_line
+from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Worker
+from grader.sandbox.usage import cpu_of_tree, memory_left, memory_of_tree
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
@@ -29,15 +29,15 @@ WAIT = "echo ready; exec sleep infinity"
 
 
 @dataclass
-class Worker:
-    """A running worker and the two ends of its pipes.
+class WorkerProcess:
+    """A `grader.sandbox.protocol.Worker` that is a process of this machine.
 
     Attributes
     ----------
     process : subprocess.Popen
         The walls, with all that is behind them; without walls, the worker.
     read_end, write_end : int
-    forked : grader.sandbox.warm.Forked, optional
+    forked : grader.sandbox.fork_client.Forked, optional
         The worker, where it was forked and went behind the walls later.
     """
 
@@ -105,9 +105,9 @@ def launch(
     home: str,
     rules: dict,
     limits: Limits,
-    nursery: Nursery | None = None,
+    client: ForkClient | None = None,
     preload: bool = False,
-) -> Worker:
+) -> WorkerProcess:
     """Start a worker behind some walls, and wait until it reports.
 
     Parameters
@@ -117,13 +117,14 @@ def launch(
     home : str
         The folder that the worker may write to.
     rules : dict
-        What the worker imposes on itself before it reads a line of the student:
-        ``user``, ``limits``, ``forbidden``.
+        What the worker imposes on itself before it reads a line of the student: ``user``, the
+        number of one to become, if any; ``limits``, as `Limits.resources` names them;
+        ``forbidden``, modules.
     limits : Limits
-    nursery : grader.sandbox.warm.Nursery, optional
-        Where workers are forked that go behind these walls; by default Python is started there.
+    client : grader.sandbox.fork_client.ForkClient, optional
+        Has workers forked that go behind these walls; by default Python is started there.
     preload : bool
-        That the nursery shall have imported beforehand what is slow to import.
+        That the fork server shall have imported beforehand what is slow to import.
 
     Raises
     ------
@@ -135,12 +136,12 @@ def launch(
     for end in (our_read, our_write):
         os.set_blocking(end, False)
     try:
-        if nursery is None:
+        if client is None:
             command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
             process, forked = _run(command, home, (their_read, their_write)), None
         else:
             request = {"own_users": rules["user"] is None, "home": home, "preload": preload}
-            process, forked = _go_behind(walls, request, nursery, their_read, their_write)
+            process, forked = _go_behind(walls, request, client, their_read, their_write)
     except SandboxUnavailable:
         for end in (our_read, our_write):
             os.close(end)
@@ -148,17 +149,34 @@ def launch(
     finally:
         os.close(their_read)
         os.close(their_write)
-    worker = Worker(process, our_read, our_write, forked)
+    worker = WorkerProcess(process, our_read, our_write, forked)
     try:
-        patience = wire.within(SECONDS_TO_REPORT)
-        wire.send(our_write, rules, patience)
-        wire.receive(our_read, patience)
+        introduce(worker, rules)
     except (wire.WireClosed, wire.WireTimeout):
         complaint = _last_words(process)
         worker.stop()
         raise SandboxUnavailable(f"The sandbox could not start Python: {complaint}") from None
     worker.watch_memory(limits.total_memory)
     return worker
+
+
+def introduce(worker: Worker, rules: dict) -> None:
+    """Tell a worker that has just started its rules, and wait until it has made them its own.
+
+    Parameters
+    ----------
+    worker : Worker
+    rules : dict
+        As for `launch`.
+
+    Raises
+    ------
+    grader.sandbox.inside.wire.WireClosed, grader.sandbox.inside.wire.WireTimeout
+        If it does not report.
+    """
+    patience = wire.within(SECONDS_TO_REPORT)
+    wire.send(worker.write_end, rules, patience)
+    wire.receive(worker.read_end, patience)
 
 
 def _kill(process: Popen) -> int | None:
@@ -192,7 +210,7 @@ def _run(command: Sequence[str], home: str, pipes: Sequence[int], **options: int
 
 
 def _go_behind(
-    walls: Sequence[str], request: dict, nursery: Nursery, read_end: int, write_end: int
+    walls: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, Forked]:
     """Build walls around something that only waits, and have a worker go behind them."""
     info, number = os.pipe()
@@ -209,7 +227,7 @@ def _go_behind(
             first = json.load(told)["child-pid"] if ready else None
         if first is None:
             raise SandboxUnavailable("The sandbox cannot be built.")
-        return process, nursery.fork({"walls": first, **request}, read_end, write_end)
+        return process, client.fork({"walls": first, **request}, read_end, write_end)
     except SandboxUnavailable as fault:
         complaint = _last_words(process)
         process.stderr.close()

@@ -1,4 +1,4 @@
-"""What a process and all it started take: memory, processor time, files; read from /proc.
+"""What a process and all it started use: memory, processor time, files; read from /proc.
 
 Each function gives 0 where there is no such process or no /proc, if it does not say else. What is
 read may be gone in the same moment, so every read may fail.

@@ -1,0 +1,112 @@
+"""Another kind of sandbox is a module and a line in the table: here is one, of 40 lines."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from grader import cli
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.sandbox import SANDBOXES, Limits, choose_sandbox
+from grader.sandbox.boundary import WORKER
+from grader.sandbox.failures import StudentStopped
+from grader.sandbox.launcher import introduce
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student
+
+
+class Streams:
+    """A worker that is talked to as one talks to a container: through its standard streams."""
+
+    def __init__(self):
+        command = [sys.executable, "-I", "-B", str(WORKER), "0", "1"]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.read_end, self.write_end = self.process.stdout.fileno(), self.process.stdin.fileno()
+        for end in (self.read_end, self.write_end):
+            os.set_blocking(end, False)
+
+    def cpu_seconds(self):
+        return time.monotonic()
+
+    def has_ended(self, seconds):
+        try:
+            return self.process.wait(seconds) is not None
+        except subprocess.TimeoutExpired:
+            return False
+
+    def stop(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self.process.stdin.close()
+        return self.process.returncode
+
+
+class Container:
+    """What starts such workers."""
+
+    name, warning = "container", "It stands for one, and has no walls."
+
+    def available(self):
+        pass
+
+    def walls(self):
+        return "none"
+
+    def start(self, limits, forbidden=(), packages=(), named=()):
+        worker = Streams()
+        rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
+        introduce(worker, rules)
+        return worker
+
+
+@pytest.fixture
+def container(monkeypatch):
+    """In the table, for the time of a test."""
+    monkeypatch.setitem(SANDBOXES, Container.name, Container())
+    return choose_sandbox(Container.name)
+
+
+@pytest.mark.slow
+def test_a_third_sandbox_judges_by_its_name(container, tmp_path, capsys):
+    """The whole way from the command line to the points."""
+    lesson = find_lesson("06_filter_ground")
+    right, wrong = (
+        next(answer for answer in variants_of("voxel_grid") if answer.right == is_right)
+        for is_right in (True, False)
+    )
+    ground = next(answer.source for answer in variants_of("filter_ground") if answer.right)
+    lost = {}
+    for answer in (right, wrong):
+        path = tmp_path / "06_filter_ground.ipynb"
+        path.write_text(fill_in(lesson, {"filter_ground": ground, "voxel_grid": answer.source}))
+        options = ["--seed", "1", "--json", "--sandbox", container.name]
+        assert cli.main(["judge", str(path), *options]) == 0
+        verdict = json.loads(capsys.readouterr().out)
+        exercises = verdict["exercises"]
+        lost[answer.right] = {
+            part["name"] for part in exercises if part["score"] < part["max_score"]
+        }
+    assert lost == {True: set(), False: {"voxel_grid"}}
+
+
+def test_what_hangs_or_ends_in_a_third_sandbox_is_told_apart(container):
+    """And is stopped there: the judge's side knows nothing of processes."""
+    source = (
+        "import os, time\n"
+        "def f(what):\n"
+        "    if what == 'hang': time.sleep(600)\n"
+        "    if what == 'kill': os.kill(os.getpid(), 9)\n"
+        "    return what"
+    )
+    with Student(Program((source,), ("f",)), container, Limits(call_seconds=0.5)) as student:
+        assert student.f("answer") == "answer"
+        with pytest.raises(StudentStopped, match="did not answer within"):
+            student.f("hang")
+        with pytest.raises(StudentStopped, match="killed itself"):
+            student.f("kill")
+        assert student.f("answer") == "answer"
