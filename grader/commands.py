@@ -221,8 +221,8 @@ def _grade_alone(
     warning: str,
     scheduler: str | None,
 ) -> int:
-    from grader.classroom.executors import ExecutorLost
     from grader.classroom.grade import judge_class
+    from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
     from grader.classroom.report import write_report
     from grader.classroom.submissions import unaccounted_files

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 
 import pytest
 
@@ -33,6 +34,59 @@ def test_no_room_of_the_grader_imports_upwards(room):
     for path in files:
         for name in imported_by(path):
             assert not any(name.startswith(f"grader.{other}") for other in above), (path, name)
+
+
+# Annotations alone, in a room that another change is about.
+NOT_YET = {
+    ("utils.checks.core", "utils.checks.display"),
+    ("utils.checks.story", "utils.checks.core"),
+}
+
+
+def imports_within(root, rooms):
+    """For each module of some folders, those of them that it imports, in whichever of its lines."""
+    files = {
+        ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
+        for room in rooms
+        for path in (root / room).rglob("*.py")
+    }
+    found = {}
+    for module, path in files.items():
+        names = set(imported_by(path)) & files.keys() - {module}
+        # `from package import module` imports the module, and uses nothing of the package.
+        found[module] = {name for name in names if not any(n.startswith(f"{name}.") for n in names)}
+    return found
+
+
+def circle_in(imports):
+    """Modules that import each other in a circle, or none."""
+    try:
+        TopologicalSorter(imports).prepare()
+    except CycleError as circle:
+        return circle.args[1]
+    return []
+
+
+def test_no_module_imports_what_imports_it():
+    """Neither at once, nor in a function, nor for its annotations: the seam would be missing."""
+    imports = imports_within(PROJECT, ("grader", "utils"))
+    assert "grader.sandbox.protocol" in imports["grader.sandbox.student"]
+    assert "utils.scene3d.viewer" in imports["utils.scene3d.output"], "in a function"
+    for module, imported in NOT_YET:
+        imports.get(module, set()).discard(imported)
+    assert circle_in(imports) == []
+
+
+@pytest.mark.parametrize(
+    "line", ["import b.c", "from b import c", "from b.c import x", "def f():\n    import b.c"]
+)
+def test_a_circle_is_found_wherever_the_import_stands(line, tmp_path):
+    for path, text in {"a/__init__.py": line, "b/__init__.py": "", "b/c.py": "import a"}.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text)
+    assert set(circle_in(imports_within(tmp_path, "ab"))) == {"a", "b.c"}
+    (tmp_path / "b" / "c.py").write_text("import math")
+    assert circle_in(imports_within(tmp_path, "ab")) == []
 
 
 def test_sandboxes_are_objects_and_not_names():

@@ -206,6 +206,25 @@ def test_a_check_asks_the_stub_itself():
         check(namespace["filter_ground"])
 
 
+def test_what_a_check_asks_is_not_recorded():
+    """Even of a helper that the checked function calls by its name in the notebook."""
+
+    def check(function):
+        assert len(function(CLOUD, 3.0)) == int((CLOUD[:, 2] >= 3.0).sum())
+        raise AssertionError("one did not pass")
+
+    namespace = {"keep": written, "check": check}
+    namespace["keep_twice"] = lambda cloud, level: namespace["keep"](cloud, level)
+    recorder = lent.Recorder(["keep"], [], namespace)
+    recorder.look_round()
+    recorder.look_round()
+    with pytest.raises(AssertionError, match="did not pass"):
+        namespace["check"](namespace["keep_twice"])
+    assert json.loads(recorder.text())["exercises"]["keep"] == {}
+    namespace["keep_twice"](CLOUD, 3.0)
+    assert len(json.loads(recorder.text())["exercises"]["keep"]) == 1
+
+
 def test_stubs_are_known():
     assert not lent.is_written(stub)
     assert lent.is_written(written) and lent.is_written(len)

@@ -24,7 +24,7 @@ import dask
 import distributed
 
 from grader.classroom import worker_plugin
-from grader.classroom.executors import ROOM, ExecutorLost
+from grader.classroom.protocol import ROOM, ExecutorLost
 from grader.course.paths import PROJECT
 from grader.judging.key import versions
 
@@ -71,7 +71,7 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
 
     Raises
     ------
-    grader.classroom.executors.ExecutorLost
+    grader.classroom.protocol.ExecutorLost
         If no scheduler answers, or there are no certificates for it.
     """
     # What goes wrong is told in sentences, and other versions only where they matter.

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor, Executor, Future
 
-from grader.classroom.executors import ExecutorLost, room
+from grader.classroom.protocol import ExecutorLost, room
 from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, find_lesson

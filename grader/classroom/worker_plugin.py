@@ -68,7 +68,7 @@ class JudgePlugin(WorkerPlugin):
     async def setup(self, worker: Worker) -> None:
         """Make the worker fit, or know why it is not; say which of the two."""
         self.threads = worker.state.nthreads
-        self.lock, self.host, self.over = threading.Lock(), None, False
+        self.lock, self.client, self.over = threading.Lock(), None, False
         try:
             await asyncio.to_thread(self._prepare, worker.local_directory)
             complaint = ""
@@ -89,8 +89,8 @@ class JudgePlugin(WorkerPlugin):
         """Leave nothing behind."""
         with self.lock:
             self.over = True
-            if self.host:
-                self.host.close()
+            if self.client:
+                self.client.close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def judge(self, job: bytes) -> bytes:
@@ -104,14 +104,14 @@ class JudgePlugin(WorkerPlugin):
         with self.lock:
             if self.over:
                 raise BrokenExecutor("This grading is over.")
-            if self.host is None or self.host.dead:
-                self.host = JudgeHost(self.folder, self.threads, self.sandbox)
-            host = self.host
-            answer = host.begin(job)
+            if self.client is None or self.client.dead:
+                self.client = JudgeClient(self.folder, self.threads, self.sandbox)
+            client = self.client
+            answer = client.begin(job)
         try:
             return answer.result(LONGEST_JOB)
         except TimeoutError:
-            host.close()
+            client.close()
             raise BrokenExecutor(
                 f"The process that judges has not answered for {LONGEST_JOB / 60:.0f} minutes."
             ) from None
@@ -125,23 +125,23 @@ class JudgePlugin(WorkerPlugin):
         # What student code is shown of it, the user that it runs as must be able to read.
         for path in self.folder.rglob("*"):
             path.chmod(0o755 if path.is_dir() else 0o644)
-        self.host = JudgeHost(self.folder, self.threads, self.sandbox)
-        found = self.host.hello["versions"]
+        self.client = JudgeClient(self.folder, self.threads, self.sandbox)
+        found = self.client.hello["versions"]
         other = [
             f"{name} {found[name]} instead of {wanted}"
             for name, wanted in self.versions.items()
             if found[name] != wanted
         ]
-        complaint = self.host.hello["complaint"]
+        complaint = self.client.hello["complaint"]
         if other:
             complaint = f"It has {', '.join(other)}. Install the course's requirements.txt there."
         if complaint:
-            self.host.close()
+            self.client.close()
             raise Unfit(complaint)
 
 
-class JudgeHost:
-    """A running process that judges, as `grader.classroom.judge_host` does.
+class JudgeClient:
+    """A process of `grader.classroom.judge_server`, which it starts, and its end of the pipe.
 
     Attributes
     ----------
@@ -152,10 +152,10 @@ class JudgeHost:
 
     def __init__(self, folder: Path, threads: int, sandbox: str) -> None:
         self._pipe, theirs = multiprocessing.Pipe()
-        code = f"from grader.classroom.judge_host import serve; serve({theirs.fileno()}, {threads}"
+        serve = f"serve({theirs.fileno()}, {threads}, {sandbox!r})"
         with open(folder / "errors.txt", "w+b") as errors, theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", f"{code}, {sandbox!r})"],
+                [sys.executable, "-c", f"from grader.classroom.judge_server import serve; {serve}"],
                 cwd=folder,
                 env={**os.environ, "PYTHONPATH": _path_with(folder)},
                 pass_fds=[theirs.fileno()],

@@ -8,11 +8,11 @@ calls that the notebook makes, and says whose answer it is.
 
 from __future__ import annotations
 
+import contextlib
 import dis
 import functools
 import json
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from utils.lent.encoding import decode, encode, key_of, rng_states, set_rng_states
@@ -47,12 +47,13 @@ def is_written(function: Callable) -> bool:
     Returns
     -------
     bool
+        A class counts as written, and whatever else has no Python code to look at.
     """
     code = getattr(own(function), "__code__", None)
     if code is None or "NotImplementedError" not in code.co_names:
         return True
     # A stub may begin with a line that is given, and it never comes to a return.
-    return any(one.opname.startswith("RETURN_") for one in dis.get_instructions(code))
+    return any(step.opname.startswith("RETURN_") for step in dis.get_instructions(code))
 
 
 def own(function: Callable) -> Callable:
@@ -61,10 +62,12 @@ def own(function: Callable) -> Callable:
     Parameters
     ----------
     function : callable
+        Perhaps one that lends or records answers.
 
     Returns
     -------
     callable
+        The function itself where it is somebody's own already.
     """
     return function.__wrapped__ if hasattr(function, "is_lent_answers") else function
 
@@ -138,6 +141,7 @@ class Recorder(Lender):
     exercises, experiments : iterable of str
         Names of functions.
     namespace : dict
+        The notebook's.
     """
 
     def __init__(self, exercises: list[str], experiments: list[str], namespace: dict) -> None:
@@ -146,7 +150,7 @@ class Recorder(Lender):
             "experiments": {name: {} for name in experiments},
         }
         super().__init__(stored, namespace)
-        # What an experiment asks is part of its own answer.
+        # What an experiment asks is part of its own answer, and what `check` asks of nobody's.
         self._depth = 0
         self._faults: list[str] = []
 
@@ -158,18 +162,35 @@ class Recorder(Lender):
                 if callable(function) and not hasattr(function, "is_recorded"):
                     # Without what was stored before and may be lent already.
                     self._namespace[name] = self._lending(name, own(function), answers)
+        check = self._namespace.get("check")
+        if callable(check) and not hasattr(check, "is_unheard"):
+            self._namespace["check"] = self._unheard(check)
+
+    def _unheard(self, check: Callable) -> Callable:
+        @functools.wraps(check)
+        def unheard(*arguments: object, **keywords: object) -> object:
+            with self._deeper():
+                return check(*arguments, **keywords)
+
+        unheard.is_unheard = True
+        return unheard
+
+    @contextlib.contextmanager
+    def _deeper(self) -> Iterator[None]:
+        self._depth += 1
+        try:
+            yield
+        finally:
+            self._depth -= 1
 
     def _lending(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def recorded(*arguments: object, **keywords: object) -> object:
-            if self._depth or _checking():
+            if self._depth:
                 return function(*arguments, **keywords)
             key = key_of(arguments, keywords)
-            self._depth += 1
-            try:
+            with self._deeper():
                 answer = function(*arguments, **keywords)
-            finally:
-                self._depth -= 1
             try:
                 answers[key] = {"answer": encode(answer, arguments)}
             except TypeError as error:
@@ -204,16 +225,6 @@ def record_answers(exercises: list[str], experiments: list[str], path: str) -> N
         Path(path).write_text(recorder.text(), "utf-8")
 
     shell().events.register("post_run_cell", after_cell)
-
-
-def _checking() -> bool:
-    """Whether `check` is asking: its questions are its own."""
-    frame = sys._getframe()
-    while frame:
-        if frame.f_globals.get("__name__") == "utils.checks.core":
-            return True
-        frame = frame.f_back
-    return False
 
 
 def _missing(error: NotImplementedError) -> str:

@@ -14,12 +14,11 @@ import numpy as np
 
 from utils.scene3d import opengl
 from utils.scene3d.cameras import Camera, as_camera
+from utils.scene3d.parts import Drawable
 from utils.showing import shell
 
 if TYPE_CHECKING:
     from PIL import Image
-
-    from utils.scene3d.scene import Scene
 
 NOT_TRUSTED = "<p>To turn it, run this cell, or trust the notebook.</p>"
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
@@ -43,7 +42,7 @@ def _say_once(sentence: str) -> None:
 
 
 def picture_of(
-    scene: Scene, camera: str | Camera, size: tuple[int, int], renderer: str | None
+    scene: Drawable, camera: str | Camera, size: tuple[int, int], renderer: str | None
 ) -> np.ndarray:
     """Draw a scene: uint8, (height, width, 3)."""
     camera, size = as_camera(camera), _as_size(size)
@@ -58,7 +57,7 @@ def picture_of(
 
 
 def show(
-    scene: Scene,
+    scene: Drawable,
     camera: str | Camera,
     interactive: bool,
     size: tuple[int, int],
@@ -82,7 +81,7 @@ def show(
 
 
 def bundle_of(
-    scene: Scene,
+    scene: Drawable,
     camera: str | Camera,
     interactive: bool,
     size: tuple[int, int],
@@ -137,7 +136,7 @@ def in_few_colours(image: np.ndarray, colours: int, like: Image.Image | None = N
 
 
 def save(
-    scene: Scene, path: str | os.PathLike, camera: str | Camera, size: tuple[int, int]
+    scene: Drawable, path: str | os.PathLike, camera: str | Camera, size: tuple[int, int]
 ) -> Path:
     """Write a picture or the interactive view, by the suffix of `path`."""
     path = Path(path)
@@ -155,7 +154,7 @@ def save(
     return path
 
 
-def describe(scene: Scene, camera: str | Camera) -> str:
+def describe(scene: Drawable, camera: str | Camera) -> str:
     """The scene's own description, or one made of its parts."""
     if scene.alt:
         return scene.alt

@@ -1,11 +1,13 @@
 """What a scene is made of: points, segments, faces and labels, each on a layer.
 
-Whatever draws (PyVista, matplotlib, the viewer in the browser) has to know these four only.
+Whatever draws (PyVista, matplotlib, the viewer in the browser) has to know these four, and that
+a scene is `Drawable`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -88,6 +90,29 @@ class Label:
 
 
 Part = Points | Segments | Faces | Label
+
+
+class Drawable(Protocol):
+    """All that whatever draws wants of a `utils.scene3d.Scene`.
+
+    Attributes
+    ----------
+    title, caption : str
+        Written above the picture, and below it.
+    alt : str
+        What the picture shows, in words; empty where its parts say it.
+    switches : dict of str to bool
+        Which layers are on.
+    all_parts, parts : tuple of Part
+        Everything, and what is switched on.
+    """
+
+    title: str
+    caption: str
+    alt: str
+    switches: dict[str, bool]
+    all_parts: tuple[Part, ...]
+    parts: tuple[Part, ...]
 
 
 def bytes_of(colour: str) -> np.ndarray:

@@ -13,16 +13,12 @@ import json
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from utils.scene3d.cameras import CAMERAS, Camera
 from utils.scene3d.lettering import legend_of
-from utils.scene3d.parts import LAYERS, Faces, Label, Points, Segments, dot_size
-
-if TYPE_CHECKING:
-    from utils.scene3d.scene import Scene
+from utils.scene3d.parts import LAYERS, Drawable, Faces, Label, Points, Segments, dot_size
 
 MOST_POINTS = 20_000
 STEPS = 65_535  # places along each axis: 3 mm in a cloud of 200 m
@@ -30,7 +26,9 @@ STEPS = 65_535  # places along each axis: 3 mm in a cloud of 200 m
 OWN = "Chosen"
 
 
-def frame(scene: Scene, camera: Camera, size: tuple[int, int], alt: str, instead: str = "") -> str:
+def frame(
+    scene: Drawable, camera: Camera, size: tuple[int, int], alt: str, instead: str = ""
+) -> str:
     """The view for a notebook: a page within the page, so that neither disturbs the other.
 
     `instead` is HTML for readers that run no scripts, such as a notebook that is not trusted or
@@ -44,7 +42,7 @@ def frame(scene: Scene, camera: Camera, size: tuple[int, int], alt: str, instead
     )
 
 
-def page(scene: Scene, camera: Camera, alt: str) -> str:
+def page(scene: Drawable, camera: Camera, alt: str) -> str:
     """The view as a page of its own."""
     content = json.dumps(_content(scene, camera, alt), separators=(",", ":"), allow_nan=False)
     # Within a page "</script>" ends the script, wherever it stands.
@@ -56,7 +54,7 @@ def _template() -> str:
     return (Path(__file__).parent / "viewer.html").read_text("utf-8")
 
 
-def _content(scene: Scene, camera: Camera, alt: str) -> dict:
+def _content(scene: Drawable, camera: Camera, alt: str) -> dict:
     """All that the page has to know, as JSON takes it."""
     parts = scene.all_parts
     cameras = dict(CAMERAS)
@@ -112,7 +110,7 @@ def _camera(camera: Camera) -> dict:
     }
 
 
-def _layers(scene: Scene) -> Iterator[dict]:
+def _layers(scene: Drawable) -> Iterator[dict]:
     """The layers that hold something, with what their parts are called."""
     for name, on in scene.switches.items():
         parts = [part for part in scene.all_parts if part.layer == name]

@@ -7,7 +7,6 @@ matplotlib knows no depth. Its own 3-D axes cannot stand in the middle of a clou
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,16 +17,13 @@ from matplotlib.figure import Figure
 from utils.plots.style import PAPER, canvas
 from utils.scene3d.cameras import NEAREST, Camera, as_camera, cut_off
 from utils.scene3d.lettering import write
-from utils.scene3d.parts import Faces, Label, Part, Points, Segments
+from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
 from utils.scene3d.shading import eye_dome
-
-if TYPE_CHECKING:
-    from utils.scene3d.scene import Scene
 
 DOTS_PER_INCH = 100
 
 
-def picture(scene: Scene, camera: Camera, size: tuple[int, int]) -> np.ndarray:
+def picture(scene: Drawable, camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """Draw a scene: uint8, (height, width, 3)."""
     width, height = size
     figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
@@ -38,7 +34,7 @@ def picture(scene: Scene, camera: Camera, size: tuple[int, int]) -> np.ndarray:
     return write(image, scene.parts, camera, scene.title, scene.caption)
 
 
-def draw(scene: Scene, camera: str | Camera, axes: Axes | None = None) -> Axes:
+def draw(scene: Drawable, camera: str | Camera, axes: Axes | None = None) -> Axes:
     """Draw a scene into `axes`, or into the axes of a new figure of notebook width."""
     camera = as_camera(camera)
     axes = canvas(axes)
@@ -63,7 +59,7 @@ def draw(scene: Scene, camera: str | Camera, axes: Axes | None = None) -> Axes:
     return axes
 
 
-def _fill(axes: Axes, scene: Scene, camera: Camera, size: tuple[int, int]) -> None:
+def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) -> None:
     """Draw all that is no text, in coordinates of pixels."""
     axes.set_axis_off()
     parts = scene.parts

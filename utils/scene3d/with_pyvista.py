@@ -11,13 +11,11 @@ from utils.plots.style import INK, PAPER
 from utils.scene3d.cameras import CAMERAS, Camera
 from utils.scene3d.lettering import write
 from utils.scene3d.opengl import quiet, without_screen
-from utils.scene3d.parts import Faces, Label, Part, Points, Segments
+from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
 from utils.scene3d.shading import eye_dome
 
 if TYPE_CHECKING:
     import pyvista
-
-    from utils.scene3d.scene import Scene
 
 SMOOTHED = 2
 """How much wider dots and lines are drawn where super-sampling makes them thinner again."""
@@ -45,7 +43,7 @@ class Studio:
         self.plotter.enable_anti_aliasing("ssaa")
         self.size = size
 
-    def picture(self, scene: Scene, camera: Camera) -> np.ndarray:
+    def picture(self, scene: Drawable, camera: Camera) -> np.ndarray:
         """Draw a scene: uint8, (height, width, 3)."""
         self.plotter.clear_actors()
         for part in scene.parts:
@@ -101,7 +99,7 @@ class Window:
         self.plotter.iren.add_observer("ExitEvent", self._leave)  # q, or the window's own cross
         aim(self.plotter, camera)
 
-    def put(self, scene: Scene) -> None:
+    def put(self, scene: Drawable) -> None:
         """Show a scene in place of the one before; the reader's view stays."""
         self.plotter.clear_actors()
         for part in scene.parts:
@@ -181,7 +179,7 @@ def add(plotter: pyvista.Plotter, part: Part, widening: float = 1) -> None:
         )
 
 
-def _add_labels(plotter: pyvista.Plotter, scene: Scene) -> None:
+def _add_labels(plotter: pyvista.Plotter, scene: Drawable) -> None:
     """Add text that follows the camera: in a window the reader turns the scene."""
     labels = [part for part in scene.parts if isinstance(part, Label)]
     if labels:
