@@ -54,7 +54,12 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m grader", description="Build the course, judge notebooks, grade a class."
     )
     kinds = top.add_subparsers(metavar="COMMAND", required=True)
+    for add in COMMANDS:
+        add(kinds)
+    return top
 
+
+def _build(kinds: argparse._SubParsersAction) -> None:
     build = kinds.add_parser("build", help="write every notebook from its source")
     build.add_argument(
         "--check",
@@ -63,6 +68,8 @@ def parser() -> argparse.ArgumentParser:
     )
     build.set_defaults(run=commands.run_build)
 
+
+def _release(kinds: argparse._SubParsersAction) -> None:
     release = kinds.add_parser("release", help="write notebooks that need no file beside them")
     release.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
     release.add_argument(
@@ -74,12 +81,16 @@ def parser() -> argparse.ArgumentParser:
     release.add_argument("--to", type=Path, required=True, metavar="DIR", help="where to write")
     release.set_defaults(run=commands.run_release)
 
+
+def _judge(kinds: argparse._SubParsersAction) -> None:
     judge = kinds.add_parser("judge", help="judge one notebook")
     judge.add_argument("notebook", type=Path, metavar="NOTEBOOK.ipynb")
     judge.add_argument("--json", action="store_true", help="print the verdict as one JSON object")
     add_judging_options(judge)
     judge.set_defaults(run=commands.run_judge)
 
+
+def _grade(kinds: argparse._SubParsersAction) -> None:
     grade = kinds.add_parser("grade", help="grade the class in submitted/")
     grade.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
     add_judging_options(grade)
@@ -91,19 +102,27 @@ def parser() -> argparse.ArgumentParser:
     )
     grade.set_defaults(run=commands.run_grade, workers=None)
 
+
+def _report(kinds: argparse._SubParsersAction) -> None:
     report = kinds.add_parser("report", help="write the report on what has been graded")
     report.set_defaults(run=commands.run_report)
 
+
+def _export(kinds: argparse._SubParsersAction) -> None:
     export = kinds.add_parser("export", help="write the scores of the gradebook to a file")
     export.add_argument(
         "--format", choices=tuple(EXPORTERS), default=next(iter(EXPORTERS)), help="of the file"
     )
     export.set_defaults(run=commands.run_export)
 
+
+def _doctor(kinds: argparse._SubParsersAction) -> None:
     doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
     add_workers(doctor)
     doctor.set_defaults(run=commands.run_doctor)
 
+
+def _demo(kinds: argparse._SubParsersAction) -> None:
     demo = kinds.add_parser("demo", help="grade a pretend class, end to end, in demo/")
     demo.add_argument(
         "--students",
@@ -120,7 +139,19 @@ def parser() -> argparse.ArgumentParser:
     )
     add_workers(demo)
     demo.set_defaults(run=commands.run_demo)
-    return top
+
+
+COMMANDS = (
+    _build,
+    _release,
+    _judge,
+    _grade,
+    _report,
+    _export,
+    _doctor,
+    _demo,
+)
+"""Each adds a command, in the order of ``--help``."""
 
 
 def add_judging_options(command: argparse.ArgumentParser) -> None:

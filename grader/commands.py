@@ -3,6 +3,8 @@
 What a command needs is imported when it runs, so that ``--help`` is quick.
 """
 
+from __future__ import annotations
+
 import argparse
 import contextlib
 import functools
@@ -11,11 +13,15 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from typing import TYPE_CHECKING
 
 from grader import console
 from grader.course.lessons import stages
 from grader.course.paths import PROJECT, Course
 from grader.sandbox import AUTO, SANDBOXES, Sandbox, SandboxUnavailable, choose_sandbox
+
+if TYPE_CHECKING:
+    from grader.classroom.grade import Judged
 
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
 
@@ -221,26 +227,14 @@ def _grade_alone(
     warning: str,
     scheduler: str | None,
 ) -> int:
-    from grader.classroom.grade import judge_class
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
     from grader.classroom.report import write_report
     from grader.classroom.submissions import unaccounted_files
 
-    warning = warning or sandbox.warning
     begin = time.perf_counter()
-    counts = []
     try:
-        with (
-            _executors(scheduler, sandbox) as open_executor,
-            console.progress_bar("Judging") as advance,
-        ):
-
-            def count(done: int, total: int, what: object) -> None:
-                counts.append(done)
-                advance(done, total, what)
-
-            judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count)
+        judged, before = _judge_all(course, wanted, seed, sandbox, workers, scheduler)
     except (RehearsalFailed, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return FAULT
@@ -252,27 +246,62 @@ def _grade_alone(
             file=sys.stderr,
         )
         return WRONG_CALL
-    # nbgrader takes a second to import; by now the verdicts are there.
-    from grader.lms.gradebook import GradebookTrouble, address, enter
-
-    status = GOOD
-    with console.progress_bar("Entering into the gradebook") as advance:
-        try:
-            enter(course, judged, wanted or stages(), advance)
-        except GradebookTrouble as error:
-            print(console.plain(error), file=sys.stderr)
-            status = FAULT
+    status = _enter(course, judged, wanted or stages())
     left = unaccounted_files(course)
-    path = write_report(course, judged, seconds, warning, left)
+    path = write_report(course, judged, seconds, warning or sandbox.warning, left)
     console.print_class(judged)
     console.print_unaccounted(left)
-    before = counts[0]
-    print(
-        f"{len(judged)} notebooks: {len(judged) - before} judged in {seconds:.1f} s"
-        f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
-    )
+    _print_end(course, len(judged), before, seconds)
     print(f"Report: {path}")
     return status
+
+
+def _judge_all(
+    course: Course,
+    wanted: Sequence[str],
+    seed: int,
+    sandbox: Sandbox,
+    workers: int,
+    scheduler: str | None,
+) -> tuple[Judged, int]:
+    """What there is to grade, each with its verdict; and how many had one before."""
+    from grader.classroom.grade import judge_class
+
+    counts = []
+    with (
+        _executors(scheduler, sandbox) as open_executor,
+        console.progress_bar("Judging") as advance,
+    ):
+
+        def count(done: int, total: int, what: object) -> None:
+            counts.append(done)
+            advance(done, total, what)
+
+        judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count)
+    return judged, counts[0]
+
+
+def _enter(course: Course, judged: Judged, wanted: Sequence[str]) -> int:
+    """Enter verdicts into the gradebook; the exit status that this means."""
+    # nbgrader takes a second to import; by now the verdicts are there.
+    from grader.lms.gradebook import GradebookTrouble, enter
+
+    with console.progress_bar("Entering into the gradebook") as advance:
+        try:
+            enter(course, judged, wanted, advance)
+        except GradebookTrouble as error:
+            print(console.plain(error), file=sys.stderr)
+            return FAULT
+    return GOOD
+
+
+def _print_end(course: Course, count: int, before: int, seconds: float) -> None:
+    from grader.lms.gradebook import address
+
+    print(
+        f"{count} notebooks: {count - before} judged in {seconds:.1f} s"
+        f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
+    )
 
 
 @contextlib.contextmanager

@@ -84,12 +84,7 @@ sys.meta_path.append(_Renamed)
 
 
 def health() -> str:
-    """One line on whether this machine is ready for the course.
-
-    Returns
-    -------
-    str
-    """
+    """One line on whether this machine is ready for the course."""
     import platform
     from importlib import metadata, util
     from pathlib import Path

@@ -95,6 +95,7 @@ def fetch_recording(name: str) -> Recording:
     Parameters
     ----------
     name : {"udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005"}
+        Whose recording, and which drive.
 
     Returns
     -------

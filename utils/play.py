@@ -149,9 +149,10 @@ def load_detector(
             "notebook; or leave out --detector to see the true boxes."
         )
     parameters = inspect.signature(detect).parameters.values()
-    known = [one.name for one in parameters][1:]
+    known = [parameter.name for parameter in parameters][1:]
     unknown = [name for name in settings or {} if name not in known]
-    if unknown and not any(one.kind is one.VAR_KEYWORD for one in parameters):
+    takes_all = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters)
+    if unknown and not takes_all:
         raise ValueError(
             f"{DETECTOR} has no parameter {unknown[0]}. "
             + (f"It has {', '.join(known)}." if known else "It has none but the cloud.")

@@ -147,10 +147,6 @@ def score_boxes(
         Least overlap of a box that counts as found.
     overlap : callable
         `plane_iou` or `space_iou`.
-
-    Returns
-    -------
-    Score
     """
     hits = int(np.count_nonzero(match(overlap(found, truth), minimum_overlap) >= 0))
     return Score(hits, len(found) - hits, len(truth) - hits)
@@ -242,10 +238,6 @@ def name_mistakes(things: Iterable[np.ndarray], names: Iterable[np.ndarray]) -> 
         For each frame the true thing of each box, from `holders`.
     names : iterable of ndarray of int
         For each frame the name of each box.
-
-    Returns
-    -------
-    NameMistakes
     """
     known: dict[int, set[int]] = {}
     bearers: dict[int, set[int]] = {}

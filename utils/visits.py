@@ -173,14 +173,10 @@ def told(
         Counted from 1; 0 is before the search.
     target : (k,) array_like of float
     tolerance : float
-
-    Returns
-    -------
-    str
     """
     if not 0 < step <= len(visited):
         return "Before the search: only the root waits."
-    node = next(one for one in nodes_of(root) if one.index == visited[step - 1])
+    node = next(node for node in nodes_of(root) if node.index == visited[step - 1])
     made = fates(root, visited)
     axis = _depth_in(root, node) % len(target)
     branches = [

@@ -91,10 +91,6 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
         Whether one of them attacks the grader; leave that out without a sandbox.
     stages : sequence of str
         What everybody hands in.
-
-    Returns
-    -------
-    grader.course.paths.Course
     """
     course = Course(DEMO)
     shutil.rmtree(course.root, ignore_errors=True)
@@ -166,6 +162,6 @@ def answers(lesson: Lesson, number: int) -> dict[str, str]:
 def best_answers(lesson: Lesson) -> dict[str, str]:
     """A right answer to every exercise."""
     return {
-        exercise.name: next(one.source for one in variants_of(exercise.name) if one.right)
+        exercise.name: next(answer.source for answer in variants_of(exercise.name) if answer.right)
         for exercise in lesson.machine_graded
     }

@@ -115,18 +115,14 @@ def judge_class(
         Called with (done, total, submission) after each notebook, and with a sentence in its place
         when something else takes long.
 
-    Returns
-    -------
-    list of (Submission, grader.judging.verdict.Verdict)
-
     Raises
     ------
     grader.classroom.rehearsals.RehearsalFailed
         Before anybody of that lesson is judged; verdicts on others are kept.
     """
     submissions = find_submissions(course, stages)
-    verdicts = {one: stored_verdict(course, one, seed) for one in submissions}
-    waiting = [one for one, verdict in verdicts.items() if verdict is None]
+    verdicts = {submission: stored_verdict(course, submission, seed) for submission in submissions}
+    waiting = [submission for submission, verdict in verdicts.items() if verdict is None]
     done = len(submissions) - len(waiting)
     progress(done, len(submissions), None)
     suspects = []
@@ -147,9 +143,13 @@ def judge_class(
 
     if waiting:
         with open_executor(workers) as executor:
-            rehearsals = Rehearsals(course, {one.lesson for one in waiting}, seed, sandbox, tell)
+            rehearsals = Rehearsals(
+                course, {submission.lesson for submission in waiting}, seed, sandbox, tell
+            )
             suspects = _judge_all(waiting, job, executor, workers, note, rehearsals)
-    suspects += [one for one, verdict in verdicts.items() if verdict and verdict.starved]
+    suspects += [
+        submission for submission, verdict in verdicts.items() if verdict and verdict.starved
+    ]
     for submission in suspects:
         with open_executor(1) as executor:
             note(submission, executor.submit(judge_one, *job(submission), True))

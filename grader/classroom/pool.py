@@ -34,6 +34,7 @@ class Pool(Executor):
     Parameters
     ----------
     workers : int
+        How many jobs that is.
     """
 
     def __init__(self, workers: int) -> None:

@@ -98,7 +98,7 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
 
 def _forbidden() -> bytes:
     """What each lesson's header forbids, for `check`, which has no header at hand."""
-    rules = {f"lesson_{one.number}": one.header.forbidden for one in all_lessons()}
+    rules = {f"lesson_{lesson.number}": lesson.header.forbidden for lesson in all_lessons()}
     return (
         json.dumps({name: rule for name, rule in rules.items() if rule}, indent=1) + "\n"
     ).encode()
@@ -149,10 +149,6 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
     others : collection of bytes
         The students' notebooks of the other lessons. What was taken from an earlier one and stands
         there for all to see, because that lesson gives it, is nobody's solution.
-
-    Returns
-    -------
-    list of str
     """
     secret = set()
     for cell in json.loads(solved)["cells"]:
@@ -267,10 +263,6 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
         One of `COMMON_CELLS`.
     lesson : Lesson
     origin : Origin
-
-    Returns
-    -------
-    str
     """
     text = (PROJECT / "solutions" / COMMON_CELLS[tag]).read_text("utf-8")
     variants = re.split(r"\n(?:# )?---\n", text)
@@ -290,7 +282,8 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
 
 def _linked(lesson: Lesson, found: re.Match) -> str:
     """The line that names the next lesson, with a link to it."""
-    following = next((one for one in all_lessons() if one.number == found["number"]), None)
+    lessons = {lesson.number: lesson for lesson in all_lessons()}
+    following = lessons.get(found["number"])
     if following is None:
         return found[0]
     folder = "" if following.stage == lesson.stage else f"../{following.stage}/"

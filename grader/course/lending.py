@@ -29,10 +29,6 @@ class NotLendable(Exception):
 def record(lesson: Lesson) -> bytes:
     """Run the solved notebook of a lesson, and listen to its functions.
 
-    Parameters
-    ----------
-    lesson : Lesson
-
     Returns
     -------
     bytes
@@ -95,10 +91,6 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
     lesson : Lesson
     path : pathlib.Path
         That `listen` named.
-
-    Returns
-    -------
-    bytes
 
     Raises
     ------

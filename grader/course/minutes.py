@@ -26,10 +26,6 @@ STOP = "**A good place to stop.**"
 def sections(notebook: NotebookNode) -> dict[str, float]:
     """Minutes of each section of a solved notebook, by its title.
 
-    Parameters
-    ----------
-    notebook : nbformat.NotebookNode
-
     Returns
     -------
     dict of str to float
@@ -91,16 +87,7 @@ def in_all(notebook: NotebookNode) -> int:
 
 
 def sittings(notebook: NotebookNode) -> list[float]:
-    """Minutes between the marked places to stop.
-
-    Parameters
-    ----------
-    notebook : nbformat.NotebookNode
-
-    Returns
-    -------
-    list of float
-    """
+    """Minutes between the marked places to stop of a solved notebook."""
     from nbformat.v4 import new_notebook
 
     parts: list[list] = [[]]

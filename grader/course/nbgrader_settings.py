@@ -91,10 +91,6 @@ def course_settings(root: Path) -> Config:
     ----------
     root : pathlib.Path
         The course.
-
-    Returns
-    -------
-    traitlets.config.Config
     """
     settings = configure(Config(), root)
     path = root / "nbgrader_config.py"
@@ -116,10 +112,6 @@ def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dic
         nbgrader's assignment.
     **settings : dict
         Traits to configure, by class name.
-
-    Returns
-    -------
-    nbgrader.converters.BaseConverter
     """
     from nbgrader.coursedir import CourseDirectory
 

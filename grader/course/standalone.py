@@ -42,10 +42,6 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
     stages : iterable of str, optional
         Only these; by default all.
 
-    Returns
-    -------
-    list of pathlib.Path
-
     Raises
     ------
     NotStandalone
@@ -57,7 +53,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
         if stages and lesson.stage not in stages:
             continue
         text = standalone(lesson.released.read_bytes())
-        others = [one.released.read_bytes() for one in all_lessons() if one != lesson]
+        others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
         given_away = leaks(lesson.solved.read_bytes(), text, others)
         if given_away or len(text) > LARGEST:
             why = f"gives away {given_away[0]!r}" if given_away else f"has {len(text)} bytes"
@@ -113,7 +109,7 @@ def setup_cell(lesson: str) -> str:
 
 def packed_tools(lesson: str) -> bytes:
     """``utils`` for one lesson, compressed; the same bytes for the same files."""
-    numbers = [one.number for one in all_lessons() if one.name != lesson]
+    numbers = [other.number for other in all_lessons() if other.name != lesson]
     others = [f"lesson_{number}{suffix}" for number in numbers for suffix in (".py", ".json")]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:

@@ -33,16 +33,7 @@ class Variant:
 
 
 def variants_of(exercise: str) -> tuple[Variant, ...]:
-    """All variants of an exercise.
-
-    Parameters
-    ----------
-    exercise : str
-
-    Returns
-    -------
-    tuple of Variant
-    """
+    """All variants of the exercise of this name, in the order of their file."""
     text = (PROJECT / "grader" / "variants" / f"{exercise}.py").read_text("utf-8")
     sections = re.split(r"^# %% (right|wrong): (.+)\n", text, flags=re.M)[1:]
     return tuple(

@@ -65,10 +65,6 @@ class ForkClient:
         read_end, write_end : int
             The worker's ends of its pipes.
 
-        Returns
-        -------
-        Forked
-
         Raises
         ------
         SandboxUnavailable

@@ -85,7 +85,9 @@ class Student:
     Parameters
     ----------
     program : grader.sandbox.program.Program
+        The notebook's code, and what its lesson allows.
     sandbox : grader.sandbox.Sandbox
+        Starts a worker, and another one where that was stopped.
     limits : grader.sandbox.Limits, optional
 
     Attributes

@@ -11,11 +11,13 @@ def inside(cloud: np.ndarray, box: Box) -> np.ndarray:
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
+        In metres, in the frame that the box is given in.
     box : Box
 
     Returns
     -------
     ndarray, shape (n,), bool
+        True for a point in the box.
     """
     offsets = cloud[:, :3] - np.asarray(box.centre)
     along = np.array([np.cos(box.yaw), np.sin(box.yaw)])

@@ -15,6 +15,7 @@ def plane_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     boxes : ndarray, shape (N, 8, 3)
+        Corners in metres.
     others : ndarray, shape (M, 8, 3)
 
     Returns

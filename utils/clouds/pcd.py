@@ -44,6 +44,7 @@ def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4), float32 or float64
+        Written as the type that it has.
     encoding : {"binary", "ascii", "binary_compressed"}
 
     Raises

@@ -87,10 +87,6 @@ def watch(
         From the boxes before, the boxes now and a distance in metres to the partner of each box
         now, -1 for none: `match_boxes` of lesson 12. It gives the boxes their names.
 
-    Yields
-    ------
-    Sight
-
     Raises
     ------
     Exception
@@ -182,10 +178,6 @@ def record(
     frames_per_second : float
     renderer : {"pyvista", "matplotlib"}, optional
         By default PyVista where it can draw, else matplotlib.
-
-    Returns
-    -------
-    Film
 
     Raises
     ------

@@ -22,15 +22,6 @@ def key_of(arguments: tuple, keywords: dict) -> str:
     """A short text that is the same for the same call on every machine.
 
     Numbers count to eight digits, as another machine may round the last ones differently.
-
-    Parameters
-    ----------
-    arguments : tuple
-    keywords : dict
-
-    Returns
-    -------
-    str
     """
     said = "\n".join(_walk([arguments, sorted(keywords.items())]))
     return hashlib.sha256(said.encode()).hexdigest()[:10]
@@ -62,7 +53,7 @@ def _walk(start: list) -> Iterator[str]:
         elif is_dataclass(value) and not isinstance(value, type):
             seen.add(id(value))
             yield type(value).__name__
-            waiting.extend(getattr(value, one.name, None) for one in reversed(fields(value)))
+            waiting.extend(getattr(value, part.name, None) for part in reversed(fields(value)))
         else:
             yield getattr(value, "__name__", type(value).__name__)
 
@@ -78,7 +69,7 @@ def _of_array(array: np.ndarray) -> str:
 
 def rng_states(arguments: tuple, keywords: dict) -> list:
     """The states of the random generators among the arguments, in order."""
-    return [one.bit_generator.state for one in _generators(arguments, keywords)]
+    return [rng.bit_generator.state for rng in _generators(arguments, keywords)]
 
 
 def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
@@ -89,7 +80,7 @@ def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
 
 def _generators(arguments: tuple, keywords: dict) -> list[np.random.Generator]:
     given = [*arguments, *keywords.values()]
-    return [one for one in given if isinstance(one, np.random.Generator)]
+    return [value for value in given if isinstance(value, np.random.Generator)]
 
 
 def encode(answer: object, arguments: tuple = ()) -> object:
@@ -216,10 +207,6 @@ def decode(stored: object, arguments: tuple, namespace: dict) -> object:
         Of the call that is answered.
     namespace : dict
         Where the classes of the notebook are.
-
-    Returns
-    -------
-    object
     """
     has_objects = isinstance(stored, dict) and "objects" in stored
     table = stored["objects"] if has_objects else []

@@ -75,7 +75,7 @@ def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
     _LOADING.add(path)
     try:
         # Sliders run what they decorate.
-        statements = [one for one in _statements(path) if not _is_slider(one.node)]
+        statements = [found for found in _statements(path) if not _is_slider(found.node)]
         names = _functions(statements)
         return SimpleNamespace(**_execute(_needed(names, statements), names, path.name))
     finally:

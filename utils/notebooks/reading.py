@@ -94,10 +94,6 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
     name : str
         What sentences call the file.
 
-    Returns
-    -------
-    Notebook
-
     Raises
     ------
     UnreadableNotebook

@@ -53,33 +53,13 @@ def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
 
 
 def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Statement]:
-    """The statements that `names` need, in the order of the notebook.
-
-    Parameters
-    ----------
-    names : iterable of str
-    statements : list of Statement
-
-    Returns
-    -------
-    list of Statement
-    """
+    """The statements that the functions of some names need, in the order of the notebook."""
     kept = set().union(*(_needed_by(name, statements) for name in names))
     return [statements[position] for position in sorted(kept)]
 
 
 def is_checked(name: str, statements: list[Statement]) -> bool:
-    """Whether a `check(name)` follows the last definition: then it is an exercise.
-
-    Parameters
-    ----------
-    name : str
-    statements : list of Statement
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a `check(name)` follows the last definition: then it is an exercise."""
     return _end_of_exercise(name, statements) < len(statements)
 
 
@@ -149,10 +129,6 @@ def compile_statement(statement: Statement, filename: str) -> CodeType:
     statement : Statement
     filename : str
         What tracebacks will say.
-
-    Returns
-    -------
-    types.CodeType
     """
     module = ast.Module([statement.node], type_ignores=[])
     return compile(module, filename, "exec", flags=statement.future, dont_inherit=True)
@@ -161,13 +137,10 @@ def compile_statement(statement: Statement, filename: str) -> CodeType:
 def imported_modules(statements: Iterable[Statement]) -> Iterator[tuple[int, str]]:
     """Find what statements import, wherever it stands in them.
 
-    Parameters
-    ----------
-    statements : iterable of Statement
-
     Yields
     ------
     cell : int
+        Of the statement, counted from 1.
     module : str
         Its dotted name.
     """

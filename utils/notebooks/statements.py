@@ -46,10 +46,6 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     node : ast.stmt
     future : int
         Compiler flags under which it stands.
-
-    Returns
-    -------
-    Statement
     """
     inside = _without_functions(node)
     table = symtable.symtable(_source(node, inside), "<cell>", "exec")

@@ -61,10 +61,6 @@ def from_above(
     axes : matplotlib.axes.Axes, optional
         Where to draw; a new figure by default.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     ValueError
@@ -101,10 +97,6 @@ def from_side(
         Do not stretch: a metre up is as long as a metre forward.
     limits : ((x_low, x_high), (z_low, z_high)) or four numbers, optional
         Visible region in metres.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     view = "side to scale" if to_scale else "side"
     return _coloured(cloud, view, values, span, label, level, title, limits, axes)
@@ -131,10 +123,6 @@ def kept_and_removed(
     view : {"above", "side", "side to scale"}
     title, limits, axes
         As in :func:`from_above`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     cloud = as_cloud(cloud)
     keep = as_mask(keep, len(cloud))

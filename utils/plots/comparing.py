@@ -58,10 +58,6 @@ def difference(
     view : {"above", "side", "side to scale"}
     title, limits, axes
         As in :func:`utils.plots.from_above`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     cloud = as_cloud(cloud)
     yours = as_mask(yours_mask, len(cloud), "yours_mask")
@@ -172,10 +168,6 @@ def label_confusion(
         1 and above for clusters; 0 or less for noise. The twelve biggest of each are shown.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     true = as_labels(true, len(np.atleast_1d(true)), "true")
     predicted = as_labels(predicted, len(true), "predicted")

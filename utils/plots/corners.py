@@ -61,10 +61,6 @@ def boxes(
         As in :func:`utils.plots.from_above`.
     limits : ((low, high), (low, high)) or four numbers, optional
         By default what `axes` show already, or all boxes.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     corners = _as_corners(corners)
     names = as_names(names, len(corners))
@@ -108,10 +104,6 @@ def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | Non
         In metres.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     box = _as_corners(np.asarray(box, dtype=float)[None])[0]
     axes = canvas(axes, size=(5.5, 4.2))

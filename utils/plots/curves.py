@@ -48,10 +48,6 @@ def histogram(
         Named values, drawn as vertical lines with their names written at them.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     values = np.asarray(values, dtype=float).ravel()
     finite = values[np.isfinite(values)]
@@ -113,10 +109,6 @@ def curves(
         Names and units of the two axes.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = canvas(axes)
     measured = measured or {}
@@ -157,10 +149,6 @@ def compare(
         Name and unit of the numbers.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     lengths = as_values(list(values.values()), len(values))
     axes = canvas(axes, size=(8.5, 1.4 + 0.42 * max(1, len(values))))

@@ -70,10 +70,6 @@ def clusters(
         its colour.
     title, limits, axes
         As in :func:`utils.plots.from_above`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     cloud = as_cloud(cloud, planar=True)
     labels = as_labels(labels, len(cloud))
@@ -214,10 +210,6 @@ def graph(
         Write the row number at each point.
     title, limits, axes
         As in :func:`utils.plots.from_above`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     cloud = as_cloud(cloud, planar=True)
     labels = np.ones(len(cloud), int) if labels is None else as_labels(labels, len(cloud))
@@ -287,6 +279,7 @@ def growth(
     Returns
     -------
     (steps,) array of matplotlib.axes.Axes
+        One for each picture.
     """
     cloud = as_cloud(cloud, planar=True)
     frames = [

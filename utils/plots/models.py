@@ -39,10 +39,6 @@ def line_model(
     title : str, optional
     limits : ((x_low, x_high), (y_low, y_high)) or four numbers, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     points = as_points(points)
     groups = _groups(inliers, len(points), VERMILION)
@@ -81,10 +77,6 @@ def plane_model(
     view : {"side", "above"}
     title, limits, axes
         As in :func:`utils.plots.from_above`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     cloud = as_cloud(cloud)
     # In a whole scan the outliers are so many that in a strong colour they would hide the plane.

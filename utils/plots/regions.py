@@ -79,10 +79,6 @@ def kd_splits(
     title : str, optional
     limits : ((x_low, x_high), (y_low, y_high)) or four numbers, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     points = as_points(points)
     axes = canvas(axes)
@@ -132,10 +128,6 @@ def kd_search(
         Explain the marks above the picture.
     names, title, limits, axes
         As in :func:`kd_splits`.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     points = as_points(points)
     target = np.asarray(target, dtype=float)
@@ -203,7 +195,7 @@ def _draw_left_out(axes: Axes, root: Node | None, visited: list[int], steps: int
             if made[id(place.node)] == fate and above == VISITED:
                 size = place.upper - place.lower
                 axes.add_patch(Rectangle(place.lower, *size, linewidth=0, zorder=0.9, **look))
-        count = sum(one == fate for one in made.values())
+        count = sum(its_fate == fate for its_fate in made.values())
         if count:
             handle = Rectangle((0, 0), 0, 0, label=f"{count} {fate}", linewidth=0.6, **look)
             axes.add_patch(handle)

@@ -22,10 +22,6 @@ def ring(axes: Axes, x: float, y: float, *, radius: float, text: str = "") -> Ax
         Along x, in data coordinates; up it is as long on the page.
     text : str
         Written above the ring.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     window = axes.get_window_extent()

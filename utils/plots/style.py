@@ -127,8 +127,8 @@ def panels(
     axes = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if len(axes) != count:
         raise ValueError(f"axes must hold one Axes per panel: {count}, not {len(axes)}.")
-    for one in axes:
-        canvas(one)
+    for panel in axes:
+        canvas(panel)
     return axes
 
 

@@ -33,10 +33,6 @@ def timing(
         "naive: n^2.0".
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = canvas(axes)
     axes.set_xscale("log")

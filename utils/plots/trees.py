@@ -67,10 +67,6 @@ def kd_tree(
         Explain the marks above the picture.
     title : str, optional
     axes : matplotlib.axes.Axes, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     axes = canvas(axes)
     order = _in_order(root)

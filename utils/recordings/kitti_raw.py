@@ -59,10 +59,6 @@ def read_kitti_raw(folder: str | os.PathLike) -> Recording:
 def read_tracklets(path: str | os.PathLike) -> dict[int, tuple]:
     """Read the boxes of a drive from ``tracklet_labels.xml``.
 
-    Parameters
-    ----------
-    path : str or path
-
     Returns
     -------
     dict of int to tuple of utils.boxes.Box

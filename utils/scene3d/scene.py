@@ -245,6 +245,7 @@ class Scene:
         Returns
         -------
         ndarray of uint8, shape (height, width, 3)
+            Red, green and blue.
         """
         return output.picture_of(self, camera, size, renderer)
 

@@ -32,6 +32,7 @@ def eye_dome(image: np.ndarray, depth: np.ndarray, strength: float = STRENGTH) -
     Returns
     -------
     ndarray of uint8, shape (height, width, 3)
+        Another image.
     """
     covered = np.isfinite(depth)
     steps = np.log2(np.where(covered, depth, 1.0), dtype=np.float32)

@@ -121,10 +121,6 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
     sensor : Sensor, optional
         `hdl64()` unless given.
 
-    Returns
-    -------
-    Frame
-
     Raises
     ------
     ValueError

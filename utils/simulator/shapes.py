@@ -214,10 +214,6 @@ def box(
     taper : tuple of float
         How far the roof's front, rear and two side edges lie inside the floor's, in metres:
         a windscreen leans by ``taper[0]``, a rear window by ``taper[1]``.
-
-    Returns
-    -------
-    Convex
     """
     front, rear, side = taper
     x, y, z = length / 2, width / 2, height / 2

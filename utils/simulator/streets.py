@@ -91,15 +91,6 @@ def street(rng: np.random.Generator, plan: Plan) -> Iterator[Obstacle]:
     """Things along both sides of a street, in road coordinates, the traffic on the right.
 
     Within a row all that moves has one speed and direction, so nothing ever collides.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-    plan : Plan
-
-    Yields
-    ------
-    Obstacle
     """
     for first, last in plan.spans:
         for side in (1, -1):

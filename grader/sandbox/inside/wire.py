@@ -22,10 +22,6 @@ class WireClosed(Exception):
 def within(seconds: float) -> Callable[[], float]:
     """Patience for so many seconds from now on, by the clock on the wall.
 
-    Parameters
-    ----------
-    seconds : float
-
     Returns
     -------
     callable

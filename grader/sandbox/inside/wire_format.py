@@ -66,10 +66,6 @@ def encode(value: object) -> bytes:
     value : object
         Any tree; what is not plain data becomes an `Opaque`.
 
-    Returns
-    -------
-    bytes
-
     Raises
     ------
     TooLarge
@@ -106,6 +102,7 @@ def decode(tree: bytes, blob: bytes) -> object:
     Parameters
     ----------
     tree, blob : bytes or bytearray
+        What follows the header, in parts as long as it says.
 
     Returns
     -------

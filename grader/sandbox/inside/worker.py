@@ -108,7 +108,7 @@ def with_given_code(
         elif not statement.changes & theirs:
             kept.append(statement)
     bound = frozenset().union(*(statement.binds for statement in kept))
-    methods = [one for one in methods if one.binds <= set(names) - bound]
+    methods = [method for method in methods if method.binds <= set(names) - bound]
     # No place in the notebook is the lesson's fault.
     released = [dataclasses.replace(statement, cell=0) for statement in released]
     return [*released, *kept, *methods]
@@ -124,7 +124,7 @@ def without_forbidden(
     kept, sentences = [], {}
     for statement in statements:
         modules = [module for _, module in slicing.imported_modules([statement])]
-        refused = next((one for one in modules if importing.is_forbidden(one, forbidden)), None)
+        refused = next((name for name in modules if importing.is_forbidden(name, forbidden)), None)
         if refused:
             sentences[
                 f"Code cell {statement.cell} imports {refused}, which is not allowed in this "
@@ -138,7 +138,8 @@ def without_forbidden(
 
 def used_by(name: str, names: list[str], statements: list[slicing.Statement]) -> list[str]:
     """The other functions among `names` that one of them calls, directly or not."""
-    bound = set().union(*(one.binds for one in slicing.slice_for((name,), statements)))
+    needed = slicing.slice_for((name,), statements)
+    bound = set().union(*(statement.binds for statement in needed))
     return [other for other in names if other in bound and other != name]
 
 
@@ -262,7 +263,7 @@ def is_small(value: object) -> bool:
     if type(value) is np.ndarray:
         return value.size <= MOST_NUMBERS
     if type(value) in (list, tuple):
-        return len(value) <= MOST_NUMBERS and all(isinstance(one, SCALARS) for one in value)
+        return len(value) <= MOST_NUMBERS and all(isinstance(item, SCALARS) for item in value)
     return isinstance(value, SCALARS)
 
 
