@@ -23,8 +23,8 @@ import pytest
 
 from grader import cli, commands
 from grader.classroom import cluster, grade
-from grader.classroom.protocol import ExecutorLost, room
 from grader.classroom.lock import only_one
+from grader.classroom.protocol import ExecutorLost, room
 from grader.course.paths import Course
 from grader.course.variants import fill_in
 from grader.judging.verdict import read_verdict

@@ -1,6 +1,7 @@
 """What is loaded when something of utils is imported, and what utils never imports."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -53,6 +54,16 @@ def test_what_draws_loads_matplotlib_and_nothing_else_heavy(module):
 
 def test_utils_alone_does_not_even_load_numpy():
     assert "numpy" not in loaded_with("utils")
+
+
+@pytest.mark.parametrize("part", ["ground", "streets", "traffic"])
+def test_lessons_find_parts_of_the_simulator_by_shorter_names(part):
+    """The very module: a `Ground` of the one is a `Ground` of the other."""
+    short = importlib.import_module(f"utils.{part}")
+    assert short is importlib.import_module(f"utils.simulator.{part}")
+    assert short is getattr(importlib.import_module("utils"), part)
+    with pytest.raises(ModuleNotFoundError, match=f"utils.{part}_"):
+        importlib.import_module(f"utils.{part}_")
 
 
 def imported_by(path):

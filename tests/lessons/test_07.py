@@ -6,10 +6,10 @@ import pytest
 from tests.lessons.taught import taught
 from utils import load_cloud
 from utils.datasets import DATA
-from utils.ground import Ground
 from utils.simulator import Sensor, World, hdl64, layers, scan
-from utils.streets import numbered, placed
-from utils.traffic import pedestrian
+from utils.simulator.ground import Ground
+from utils.simulator.streets import numbered, placed
+from utils.simulator.traffic import pedestrian
 
 REGION = (-10, -5, -2), (30, 6, 1)
 EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
