@@ -1,11 +1,13 @@
 """An exercise that calls a wrong one keeps what its own work is worth."""
 
 import ast
+import shutil
 
 import pytest
 
-from grader.course.lessons import find_lesson
+from grader.course.lessons import Lesson, find_lesson
 from grader.course.variants import fill_in, variants_of
+from grader.judging import judge as judging
 from grader.judging.judge import judge
 from utils.notebooks import slicing
 
@@ -75,3 +77,44 @@ def test_a_right_helper_is_not_blamed(sandbox, tmp_path):
     calls = judged({"ransac_line": gives_up}, sandbox, tmp_path)["ransac_line"]
     assert calls.score < calls.max_score
     assert "which ransac_line calls" not in calls.cause
+
+
+PLANE = find_lesson("03_ransac_plane")
+
+
+@pytest.fixture
+def moved(tmp_path, monkeypatch):
+    """The lesson on planes, of which source and solution lie where a test can spoil them."""
+    folder = tmp_path / "solutions"
+    folder.mkdir()
+    for path in (PLANE.source, PLANE.solved):
+        shutil.copy(path, folder)
+    monkeypatch.setattr(Lesson, "source", property(lambda lesson: folder / f"{lesson.name}.py"))
+    monkeypatch.setattr(judging, "verdict_key", lambda *about: "")  # is of the project's own files
+    return Lesson(PLANE.name, PLANE.stage)
+
+
+def spoil(path):
+    """Let an author slip: plane_through returns normals of any length."""
+    text = path.read_text("utf-8")
+    assert text.count("normal = normal / length") == 1
+    path.write_text(text.replace("normal = normal / length", "normal = normal * length"), "utf-8")
+
+
+@pytest.mark.slow
+def test_a_slip_in_a_source_that_was_not_built_has_no_say(moved, sandbox, tmp_path):
+    path = tmp_path / PLANE.solved.name
+    shutil.copy(PLANE.solved, path)
+    spoil(path)  # the student's own slip
+    spoil(moved.source)
+    results = {one.name: one for one in judge(path, 7, sandbox, moved).exercises}
+    assert results["plane_through"].score < results["plane_through"].max_score
+    assert results["ransac_plane"].score == results["ransac_plane"].max_score
+    assert "plane_through, which ransac_plane calls, is wrong." in results["ransac_plane"].cause
+
+
+@pytest.mark.slow
+def test_a_slip_in_what_was_built_is_found_before_anybody_is_judged(moved, sandbox):
+    find_fault = judging.complaints_about_reference.__wrapped__  # it remembers other answers
+    spoil(moved.solved)
+    assert any(one.startswith("plane_through, ") for one in find_fault(moved, 7, sandbox))

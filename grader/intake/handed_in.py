@@ -69,10 +69,12 @@ def read_handed_in(path: Path) -> HandedIn:
 def _modules_beside(path: Path) -> dict[str, str]:
     modules = {}
     for file in sorted(path.parent.glob("*.py"))[:MOST_MODULES]:
+        if not file.stem.isidentifier():
+            continue  # nobody can import it
         try:
             source = read_file(file)
         except UnreadableNotebook:
             continue
-        if file.stem.isidentifier() and len(source) <= LARGEST_MODULE:
+        if len(source) <= LARGEST_MODULE:
             modules[file.stem] = source.decode("utf-8", "replace")
     return modules

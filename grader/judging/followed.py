@@ -12,6 +12,7 @@ import dataclasses
 from dataclasses import dataclass
 
 from grader.course.lessons import Exercise, Lesson
+from grader.intake.notebook import read_notebook
 from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.points import points_of
 from grader.sandbox import Limits, Sandbox
@@ -94,8 +95,11 @@ def follow_through(
 def _with_right(
     lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
 ) -> Program:
-    """The notebook, with the lesson's own helpers in the place of the student's."""
-    statements, _ = slicing.parse_notebook([lesson.text])
+    """The notebook, with the lesson's own helpers in the place of the student's.
+
+    They are what the lesson's rehearsal has judged, and not what an author has written since.
+    """
+    statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     right = [
         ast.unparse(one.node)
         for one in slicing.slice_for(helpers, statements)
