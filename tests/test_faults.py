@@ -501,23 +501,6 @@ def test_the_doctor_sees_a_course_that_student_code_could_read(tmp_path, monkeyp
     assert not finding.good and str(tmp_path) in finding.text
 
 
-def test_a_comment_in_a_plotting_module_judges_nobody_again():
-    from grader.judging.key import _files, _files_of
-
-    files = {path.as_posix() for path in _files() | _files_of(LESSON)}
-    assert not [path for path in files if "/plots/" in path or "/scene3d/" in path]
-    assert not [path for path in files if "/classroom/" in path or "lesson_07" in path]
-    for part in (
-        "data/cloud.txt",
-        "tests/test_06_filter_ground.py",
-        "checks/lesson_06.py",
-        "sandbox/inside/worker.py",
-        "judging/samples.py",
-        "simulator/scanner.py",
-    ):
-        assert any(path.endswith(part) for path in files), part
-
-
 @pytest.mark.slow
 def test_what_shows_students_words_is_asked_before_any_hidden_question(lesson):
     """Else a function could keep a hidden question, and tell it in a check that is shown."""

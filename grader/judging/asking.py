@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib
 import os
 import signal
 import threading
@@ -178,6 +179,7 @@ def run_tests(
         pytest would keep it to itself.
     """
     asking = _Asking(student, seed, asked)
+    importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # and no other lesson's
     with one_run():
         for exercise in lesson.machine_graded:
             for check in filter(asked, checks_of(exercise.name)):

@@ -1,7 +1,8 @@
 """The key of a verdict: a fingerprint of all that it depends on, and of nothing else.
 
 So a verdict on disk holds as long as its key does, and a comment in a plotting module judges
-nobody again.
+nobody again. No list says which code decides: statements that import are followed, from the judge,
+what runs a student's code, and the lesson's own tests and checks.
 """
 
 from __future__ import annotations
@@ -10,30 +11,27 @@ import functools
 import hashlib
 import re
 import sys
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
 from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
 from grader.intake.handed_in import HandedIn
+from grader.sandbox.boundary import SHOWN
 
-# What decides, beside the lesson's own files: the judge, the wall, the slicer, the data.
-DECIDES = (
-    "grader/course/header.py",
-    "grader/course/lessons.py",
-    "grader/intake",
-    "grader/judging",
-    "grader/sandbox",
-    "utils/boxes",
-    "utils/checks",
-    "utils/clouds",
-    "utils/notebooks",
-    "utils/simulator",
-    "utils/scenes.py",
-    "utils/scoring.py",
-    "data/cloud.txt",
+# Where judging begins: here, and in the process that students' code is forked from.
+ENTRIES = (
+    PROJECT / "grader" / "judging" / "judge.py",
+    PROJECT / "grader" / "sandbox" / "fork_server.py",
 )
+# What only shows a result, and is imported when somebody looks. Judging does not even read it.
+SHOWS = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
+
+# Text instead of a syntax tree, which takes ten times as long; what it finds in a docstring
+# does no harm.
+_IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|.*)|import (.*))$", re.M)
 
 
 def versions() -> dict[str, str]:
@@ -56,31 +54,52 @@ def rules_key(lesson: Lesson) -> str:
     digest = hashlib.sha256(lesson.name.encode())
     for name, version in versions().items():
         digest.update(f"{name} {version}\0".encode())
-    for path in sorted({*_files(), *_files_of(lesson)}):
-        digest.update(f"{path.relative_to(PROJECT)}\0".encode() + path.read_bytes())
+    for path in sorted(files_that_decide(lesson)):
+        digest.update(f"{path.relative_to(PROJECT).as_posix()}\0".encode() + _digest_of(path))
     return digest.hexdigest()
 
 
-def _files() -> set[Path]:
-    """The files of `DECIDES`, less what belongs to single lessons."""
-    found = set()
-    for name in DECIDES:
-        path = PROJECT / name
-        found |= set(path.rglob("*.py")) if path.is_dir() else {path}
-    return {path for path in found if not re.match(r"lesson_\d\d", path.name)}
+def files_that_decide(lesson: Lesson) -> frozenset[Path]:
+    """The files of this project that a verdict on a lesson depends on."""
+    entries = {*ENTRIES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
+    # The source says what is forbidden; the solution holds right helpers, borrowed ones as well.
+    notebooks = {lesson.source, lesson.solved, lesson.released}
+    shown = {file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))}
+    return frozenset(_with_all_imported(entries) | notebooks | shown)
 
 
-def _files_of(lesson: Lesson) -> set[Path]:
-    """The notebook as released, the tests, and the checks that these use."""
-    found = {lesson.released, lesson.tests}
-    waiting = [lesson.number, *_lessons_named_in(lesson.tests)]
+def _with_all_imported(files: Iterable[Path]) -> set[Path]:
+    """Some files, and all of this project that they import, directly or not."""
+    found, waiting = set(), set(files)
     while waiting:
-        checks = PROJECT / "utils" / "checks" / f"lesson_{waiting.pop()}.py"
-        if checks not in found:
-            found.add(checks)
-            waiting += _lessons_named_in(checks)
+        file = waiting.pop()
+        found.add(file)
+        waiting |= _imported_by(file) - found
     return found
 
 
-def _lessons_named_in(path: Path) -> list[str]:
-    return re.findall(r"utils\.checks\.lesson_(\d\d)", path.read_text("utf-8"))
+@functools.cache
+def _imported_by(file: Path) -> set[Path]:
+    """The files of this project that one imports, at its head or within a function."""
+    modules = set()
+    for package, names, whole in _IMPORT.findall(file.read_text("utf-8")):
+        modules |= {f"{package}.{name}" for name in re.findall(r"\w+", names)}
+        modules |= set(re.findall(r"[\w.]+", whole))
+    # With a module come the packages that it lies in.
+    parts = [module.split(".") for module in modules]
+    modules = {".".join(part[:end]) for part in parts for end in range(1, len(part) + 1)}
+    modules = {module for module in modules if not f"{module}.".startswith(SHOWS)}
+    return {file for module in modules if (file := _file_of(module))}
+
+
+@functools.cache
+def _file_of(module: str) -> Path | None:
+    """Where a module of this project is written; None for any other."""
+    path = PROJECT.joinpath(*module.split("."))
+    files = (path.with_suffix(".py"), path / "__init__.py")
+    return next((file for file in files if file.is_file()), None)
+
+
+@functools.cache
+def _digest_of(file: Path) -> bytes:
+    return hashlib.sha256(file.read_bytes()).digest()
