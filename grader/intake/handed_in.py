@@ -48,13 +48,20 @@ class HandedIn:
             raise UnreadableNotebook(self.complaint)
         return decode_notebook(self.data, self.name)
 
-    def fingerprint(self) -> bytes:
-        """A digest of all that was handed in."""
-        said = "\0".join((self.complaint, *self.notes))
-        digest = hashlib.sha256(self.data + said.encode(errors="replace"))
-        for name, source in sorted(self.modules.items()):
-            digest.update(f"\0{name}\0{source}".encode(errors="replace"))
-        return digest.digest()
+    def fingerprint(self) -> str:
+        """A digest of all that was handed in.
+
+        Before each part stands its length, so that none can be taken for a piece of another.
+        """
+        modules = [text for module in sorted(self.modules.items()) for text in module]
+        texts = (self.name, self.complaint, *self.notes, *modules)
+        # The name of a file may hold what is no text.
+        parts = (self.data, *(text.encode(errors="surrogatepass") for text in texts))
+        digest = hashlib.sha256(b"%d notes, %d modules: " % (len(self.notes), len(self.modules)))
+        for part in parts:
+            digest.update(b"%d " % len(part))
+            digest.update(part)
+        return digest.hexdigest()
 
 
 def read_handed_in(path: Path) -> HandedIn:

@@ -43,9 +43,8 @@ def versions() -> dict[str, str]:
 
 def verdict_key(handed_in: HandedIn, lesson: Lesson, seed: int, student: str = "") -> str:
     """Fingerprint of a submission and of the rules that it is judged by."""
-    digest = hashlib.sha256(f"{seed}\0{student}\0{rules_key(lesson)}\0".encode(errors="replace"))
-    digest.update(handed_in.fingerprint())
-    return digest.hexdigest()
+    about = (str(seed), student, rules_key(lesson), handed_in.fingerprint())
+    return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
