@@ -38,6 +38,19 @@ c.Judge.sandbox = {sandbox!r}
 """
 
 
+# Another file comes to lie where the judged one lay.
+JUDGE_AND_REPLACE = """
+from grader.lms import nbgrader_plugin
+right = nbgrader_plugin.current_verdict
+def judge_and_replace(course, submission, *about):
+    verdict = right(course, submission, *about)
+    if submission.student == "half":
+        submission.path.write_bytes(submission.path.read_bytes() + b" ")
+    return verdict
+nbgrader_plugin.current_verdict = judge_and_replace
+"""
+
+
 def answer(*wrong):
     """A notebook of lesson 06: right, but for the exercises named."""
     return fill_in(
@@ -260,6 +273,81 @@ def test_second_run_judges_only_what_changed(judged_course, sandbox, monkeypatch
     }
     assert changed == {"untouched"}
     assert scores_by_verdict(judged)["untouched", LESSON.stage, LESSON.name] == 30
+
+
+@pytest.mark.slow
+def test_a_verdict_that_does_not_say_of_what_is_reached_again(judged_course, sandbox):
+    """As those do that were written before it was noted."""
+    path = judged_course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json"
+    verdict = json.loads(path.read_text("utf-8"))
+    fingerprint = verdict.pop("fingerprint")
+    path.write_text(json.dumps(verdict), "utf-8")
+    (half,) = [one for one in find_submissions(judged_course) if one.student == "half"]
+    assert grade.stored_verdict(judged_course, half, SEED) is None
+    judged = {one.student: verdict for one, verdict in judge_it(judged_course, sandbox)}
+    assert json.loads(path.read_text("utf-8"))["fingerprint"] == fingerprint
+    assert judged["half"] == grade.stored_verdict(judged_course, half, SEED)
+    assert not {"fingerprint", "key"} & judged["half"].as_dict().keys()  # whom does it concern?
+
+
+@pytest.mark.slow
+def test_what_was_replaced_after_it_was_judged_is_not_entered(
+    judged_course, sandbox, monkeypatch, capsys
+):
+    def place(student):
+        return judged_course.submitted / student / LESSON.stage
+
+    def judge_and_replace(*about):
+        judged = right(*about)
+        (place("half") / f"{LESSON.name}.ipynb").write_text(answer(), "utf-8")
+        (place("untouched") / "helper.py").write_text("x = 1", "utf-8")
+        (place("broken") / f"{LESSON.name}.ipynb").unlink()
+        return judged
+
+    right = grade.judge_class
+    monkeypatch.setattr(grade, "judge_class", judge_and_replace)
+    grading = (judged_course, (), SEED, sandbox, 2)
+    assert commands.grade_course(*grading) == commands.FAULT
+    said = " ".join(capsys.readouterr().err.split())
+    for student in ("half", "untouched", "broken"):
+        told = (
+            f"{student}, {LESSON.stage}: {LESSON.name}.ipynb, or a module beside it, was replaced"
+        )
+        assert f"{told} after it was judged" in said
+        assert said.count(f"{student}, {LESSON.stage}") == 1
+    assert [student for student, *_ in entered(judged_course)] == ["right"]
+    assert [path.name for path in judged_course.autograded.glob("*/*")] == [LESSON.stage]
+
+    monkeypatch.setattr(grade, "judge_class", right)
+    assert commands.grade_course(*grading) == commands.GOOD
+    scores = {student: score for (student, *_), score in entered(judged_course).items()}
+    assert scores == {"right": 30, "half": 30, "untouched": 0}
+
+
+@pytest.mark.slow
+def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_course):
+    with (judged_course.root / "nbgrader_config.py").open("a", encoding="utf-8") as file:
+        file.write(JUDGE_AND_REPLACE)
+    with gradebook.open_gradebook(judged_course) as book:
+        gradebook.register(judged_course, book, [LESSON.stage])
+    done = nbgrader(judged_course, "autograde", LESSON.stage)
+    assert done.returncode == 1
+    assert f"half, {LESSON.stage}: {LESSON.name}.ipynb, or a module" in done.stderr
+    scores = {student: score for (student, *_), score in entered(judged_course).items()}
+    assert scores["right"] == 30 and not scores.get("half")
+    assert not (judged_course.autograded / "half" / LESSON.stage).exists()
+
+
+@pytest.mark.slow
+def test_a_module_is_shown_as_it_was_judged(judged_course, sandbox):
+    """Whatever is done to it while it is copied."""
+    place = judged_course.submitted / "half" / LESSON.stage
+    (place / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
+    (place / "seen.txt").write_bytes(b"\xfc")
+    gradebook.enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    copies = judged_course.autograded / "half" / LESSON.stage
+    assert (copies / "helper.py").read_bytes() == "x = 'J\ufffdrgen'\r\n".encode()
+    assert (copies / "seen.txt").read_bytes() == b"\xfc"
 
 
 @pytest.mark.slow

@@ -43,7 +43,8 @@ def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict
         return None
     handed_in = submission.read(course)
     key = verdict_key(handed_in, submission.lesson, seed, submission.student)
-    return verdict if verdict.key == key else None
+    same = (verdict.key, verdict.fingerprint) == (key, handed_in.fingerprint())
+    return verdict if same else None
 
 
 def judge_one(

@@ -14,6 +14,10 @@ from grader.course.paths import Course
 from grader.intake.handed_in import HandedIn, read_handed_in
 
 
+class Replaced(Exception):
+    """What was handed in is no longer what was judged; `str()` is the sentence to show."""
+
+
 @dataclass(frozen=True)
 class Submission:
     """One notebook that a student handed in.
@@ -47,6 +51,28 @@ class Submission:
                 f"{self.path.name} lies behind a link to another folder. Hand in the file itself.",
             )
         return dataclasses.replace(read_handed_in(self.path), notes=tuple(self._notes()))
+
+    def read_again(self, course: Course, fingerprint: str) -> HandedIn:
+        """What lies there, if it is what was judged.
+
+        Parameters
+        ----------
+        course : grader.course.paths.Course
+        fingerprint : str
+            Of what was judged, as its verdict has it.
+
+        Raises
+        ------
+        Replaced
+        """
+        handed_in = self.read(course)
+        if handed_in.fingerprint() != fingerprint:
+            raise Replaced(
+                f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module beside it, "
+                "was replaced after it was judged, so nothing of this stage was entered. "
+                "Run grade again."
+            )
+        return handed_in
 
     def _notes(self) -> Iterator[str]:
         name = f"{self.lesson.name}.ipynb"

@@ -140,6 +140,7 @@ def judge_handed_in(
         key=verdict_key(handed_in, lesson, seed, student),
         faults=tuple(faults),
         starved=starved,
+        fingerprint=handed_in.fingerprint(),
     )
 
 

@@ -75,6 +75,8 @@ class Verdict:
         What went wrong in the judge, with tracebacks, for whoever grades.
     starved : bool
         Whether a time limit was reached by code that hardly had a processor.
+    fingerprint : str
+        Of what was judged; empty where that is not known.
     """
 
     lesson: str
@@ -88,11 +90,12 @@ class Verdict:
     key: str
     faults: tuple = ()
     starved: bool = False
+    fingerprint: str = ""
 
     def as_dict(self) -> dict:
         """The published form: one JSON object."""
         content = dataclasses.asdict(self)
-        for private in ("key", "faults", "starved"):
+        for private in ("key", "faults", "starved", "fingerprint"):
             del content[private]
         for exercise in content["exercises"]:
             # A summary for reports: the messages of the tests say it all.

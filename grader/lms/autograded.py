@@ -17,7 +17,8 @@ from nbgrader.utils import is_grade, is_solution
 
 from grader.course.lessons import Lesson
 from grader.course.standalone import TITLE, is_setup_cell
-from grader.intake.preflight import Answer, Prepared
+from grader.intake.handed_in import HandedIn
+from grader.intake.preflight import Answer, Prepared, prepare_to_show
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
 from utils.notebooks.reading import Cell
@@ -27,6 +28,13 @@ LOOK_FOR_IT = (
     "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
     "please look for it.*"
 )
+
+
+def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> NotebookNode:
+    """The autograded copy of what was judged, with its scores and messages."""
+    copy = build_copy(prepare_to_show(handed_in, lesson))
+    write_into(copy, verdict)
+    return copy
 
 
 def build_copy(prepared: Prepared) -> NotebookNode:

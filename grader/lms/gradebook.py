@@ -36,15 +36,14 @@ from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solut
 from sqlalchemy import make_url
 from sqlalchemy.orm import Session
 
-from grader.classroom.submissions import Submission
+from grader.classroom.submissions import Replaced, Submission
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.intake.notebook import read_file
-from grader.intake.preflight import prepare_to_show
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
-from grader.lms.autograded import build_copy, graded_cells, write_into
+from grader.lms.autograded import graded_cells, judged_copy
 from grader.lms.results import ClassResults, NotebookResult
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -127,11 +126,7 @@ def enter(
             except _NoTime as error:
                 trouble.append(str(error))
             if differences(course, book, entry, late):
-                try:
-                    _enter_one(course, book, entry, late)
-                except Exception as error:  # one student must not stop the others
-                    trouble.append(f"{entry.name}: {type(error).__name__}: {error}")
-                trouble += differences(course, book, entry, late)
+                trouble += _enter_or_say_why_not(course, book, entry, late)
             progress(done, len(entries), entry.student)
     if trouble:
         raise GradebookTrouble(
@@ -260,15 +255,31 @@ def _entries(
     return entries, trouble
 
 
+def _enter_or_say_why_not(
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties
+) -> list[str]:
+    """Write one submission; a sentence on each thing that is not as it should be then."""
+    trouble = []
+    try:
+        _enter_one(course, book, entry, late)
+    except Replaced as replaced:  # what is there stays, until somebody judges again
+        return [str(replaced)]
+    except Exception as error:  # one student must not stop the others
+        trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
+    return trouble + differences(course, book, entry, late)
+
+
 def _enter_one(course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties) -> None:
     """Write one submission: files beside their place, the gradebook, then the files' place."""
-    copies = {
-        submission.lesson.name: _copy_of(course, submission, verdict)
-        for submission, verdict in entry.judged
-    }
+    copies, modules = {}, {}
+    for submission, verdict in entry.judged:
+        handed_in = submission.read_again(course, verdict.fingerprint)
+        copies[submission.lesson.name] = judged_copy(handed_in, submission.lesson, verdict)
+        for name, source in handed_in.modules.items():
+            modules[submission.path.with_name(f"{name}.py")] = source.encode()
     folder = course.autograded / entry.student / entry.stage
     draft = folder.with_name(f".{folder.name}.part")
-    _write_files(course, entry, copies, draft)
+    _write_files(course, entry, copies, modules, draft)
     known = read_known(course, entry.student, entry.stage)
     answers = {name: fingerprints(copy) for name, copy in copies.items()}
     with _one_transaction(book):
@@ -289,12 +300,6 @@ def _enter_one(course: Course, book: Gradebook, entry: Entry, late: AssignLatePe
             notebook.late_submission_penalty = _penalty(submission, notebook, late)
     _replace(draft, folder)
     write_known(course, entry.student, entry.stage, answers)
-
-
-def _copy_of(course: Course, submission: Submission, verdict: Verdict) -> nbformat.NotebookNode:
-    copy = build_copy(prepare_to_show(submission.read(course), submission.lesson))
-    write_into(copy, verdict)
-    return copy
 
 
 def _save(
@@ -445,14 +450,16 @@ def _key_of_copy(course: Course, entry: Entry, lesson_name: str) -> str | None:
         return None
 
 
-def _write_files(course: Course, entry: Entry, copies: dict, draft: Path) -> None:
-    """Write the copies, and whatever else was handed in, into a folder of their own."""
+def _write_files(
+    course: Course, entry: Entry, copies: dict, modules: dict[Path, bytes], draft: Path
+) -> None:
+    """Write into a folder of their own the copies, modules as judged, and all other files."""
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)
     place = course.submitted / entry.student / entry.stage
-    for path in _other_files(place):
+    for path in {*_other_files(place), *modules}:
         with contextlib.suppress(UnreadableNotebook):
-            content = read_file(path)
+            content = modules[path] if path in modules else read_file(path)
             copy = draft / path.relative_to(place)
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(content)

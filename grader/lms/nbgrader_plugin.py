@@ -23,7 +23,7 @@ from grader.intake.handed_in import read_handed_in
 from grader.intake.preflight import prepare_to_show
 from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
-from grader.lms.autograded import build_copy, write_into
+from grader.lms.autograded import build_copy, judged_copy
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -51,7 +51,7 @@ class ClearEarlier(NbGraderPreprocessor):
 
 
 class Judge(NbGraderPreprocessor):
-    """Judge the submission and write its scores and messages under the graded cells."""
+    """Judge the submission; its copy gets the scores and messages under the graded cells."""
 
     seed = Integer(
         None,
@@ -65,7 +65,7 @@ class Judge(NbGraderPreprocessor):
     ).tag(config=True)
 
     def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
-        """Replace the outputs of all cells by what the judge says.
+        """Build the copy of what was judged, in place of what nbgrader has read of the file.
 
         Parameters
         ----------
@@ -81,16 +81,14 @@ class Judge(NbGraderPreprocessor):
         course = Course(Path(self.parent.parent.coursedir.root))
         lesson = find_lesson(about["notebook"])
         path = course.submitted / about["student"] / about["assignment"] / f"{lesson.name}.ipynb"
+        submission = Submission(about["student"], lesson, path)
         verdict = current_verdict(
-            course,
-            Submission(about["student"], lesson, path),
-            course_seed(course, self.seed),
-            choose_sandbox(self.sandbox),
+            course, submission, course_seed(course, self.seed), choose_sandbox(self.sandbox)
         )
         if verdict.status != JUDGED:  # no mark is better than a wrong one
             raise RuntimeError(verdict.problems[0])
-        write_into(nb, verdict)
-        return nb, resources
+        handed_in = submission.read_again(course, verdict.fingerprint)
+        return judged_copy(handed_in, lesson, verdict), resources
 
 
 class SaveGrades(SaveAutoGrades):
