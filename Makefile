@@ -5,7 +5,7 @@ BIN := .venv/bin
 # Jupyter refuses to run as root, which is who you are in most containers.
 AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 
-.PHONY: help lab demo grade test proof colab bench build check pictures clean
+.PHONY: help lab demo grade test proof colab bench build check pictures constraints clean
 
 help:
 	@echo "make lab      open the notebooks in JupyterLab"
@@ -18,15 +18,25 @@ help:
 	@echo "make build    write the notebooks from their sources"
 	@echo "make check    are the notebooks fresh, is the code clean?"
 	@echo "make pictures draw the pictures of the README and the lessons"
+	@echo "make constraints  pin anew what the requirements need in turn"
 
-# The stamp is newer than requirements.txt when everything is installed.
-.venv/ready: requirements.txt
+# A stamp is newer than its requirements when they are installed.
+INSTALL := pip install --quiet --disable-pip-version-check
+
+# What a student and a grader need.
+.venv/ready: requirements.txt constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' || \
 		{ echo "This needs Python 3.11, 3.12 or 3.13. Name one: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
 	@$(PYTHON) -m venv .venv || \
 		{ echo "Python cannot make virtual environments. Install the missing part: sudo apt-get install python3-venv"; exit 1; }
 	@echo "Installing what the course needs into .venv; this takes a minute or two the first time."
-	@$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.txt
+	@$(BIN)/$(INSTALL) -r requirements.txt
+	@touch $@
+
+# What development needs besides.
+.venv/ready-dev: .venv/ready requirements-dev.txt requirements-3d.txt requirements-cluster.txt
+	@echo "Installing what the tests need into .venv, too."
+	@$(BIN)/$(INSTALL) -r requirements-dev.txt
 	@touch $@
 
 # PYTHONPATH is for authors: a lesson's .py has no setup cell before it is built.
@@ -39,30 +49,38 @@ demo: .venv/ready
 grade: .venv/ready
 	$(BIN)/python -m grader grade
 
-test: .venv/ready
+test: .venv/ready-dev
 	$(BIN)/python -m pytest -m "not proof and not colab"
 
-proof: .venv/ready
+proof: .venv/ready-dev
 	$(BIN)/python -m pytest -m "not colab" -o faulthandler_timeout=1800
 
 # Installs half a gigabyte of Colab's versions, once.
-colab: .venv/ready
+colab: .venv/ready-dev
 	$(BIN)/python -m pytest -m colab -o faulthandler_timeout=1800
 
-bench: .venv/ready
+bench: .venv/ready-dev
 	@for file in tests/benchmarks/bench_*.py; do echo "== $$file"; PYTHONPATH=. $(BIN)/python $$file || exit 1; done
 
 build: .venv/ready
 	$(BIN)/python -m grader build
 
-check: .venv/ready
+check: .venv/ready-dev
 	$(BIN)/python -m grader build --check
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-pictures: .venv/ready
+pictures: .venv/ready-dev
 	$(BIN)/python -m grader.pictures
 	$(BIN)/python -m grader build
+
+# One file for every Python: the newest versions that go with what requirements*.txt name.
+# uv stands apart, as .venv/ready cannot be made while requirements and constraints differ.
+constraints:
+	@$(PYTHON) -m venv .venv/uv && .venv/uv/bin/$(INSTALL) uv==0.13.9
+	@cat requirements*.txt | grep -v '^-' | .venv/uv/bin/uv pip compile - --quiet --upgrade --no-config \
+		--universal --python-version 3.11 --fork-strategy fewest --annotation-style line \
+		--custom-compile-command "make constraints" --output-file constraints.txt
 
 clean:
 	rm -rf .venv demo

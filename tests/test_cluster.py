@@ -23,6 +23,7 @@ import pytest
 
 from grader import cli, commands
 from grader.classroom import cluster, grade
+from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import only_one
 from grader.classroom.protocol import ExecutorLost, room
 from grader.course.paths import Course
@@ -327,6 +328,14 @@ def test_nobody_answers(course, sandbox, monkeypatch, capsys):
     assert "names none" in capsys.readouterr().err
     with only_one(course):  # the lock is free
         pass
+
+
+@pytest.mark.parametrize("missing", ["cloudpickle", "dask", "distributed"])
+def test_without_dask_the_command_that_installs_it_is_named(missing, sandbox, monkeypatch):
+    monkeypatch.delitem(sys.modules, "grader.classroom.cluster")
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(ExecutorLost, match=f"{missing} .* pip install -r requirements-cluster.txt"):
+        EXECUTORS["scheduler"]("tcp://127.0.0.1:9", sandbox.name, print)
 
 
 def test_nobody_works(sandbox, monkeypatch, tmp_path):

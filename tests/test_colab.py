@@ -174,7 +174,7 @@ def test_a_wrong_setting_is_named(repository, revision):
 def test_binder_and_vs_code_have_what_they_need():
     requirements = PROJECT / ".binder" / "requirements.txt"
     included = requirements.read_text().split()[-1]
-    assert (requirements.parent / included).resolve() == PROJECT / "requirements.txt"
+    assert (requirements.parent / included).resolve() == PROJECT / "requirements-3d.txt"
     runtime = (PROJECT / ".binder" / "runtime.txt").read_text().strip()
     assert runtime in ("python-3.11", "python-3.12", "python-3.13")
     extensions = json.loads((PROJECT / ".vscode" / "extensions.json").read_text())
@@ -183,7 +183,7 @@ def test_binder_and_vs_code_have_what_they_need():
 
 
 def test_colab_gets_the_pyvista_of_the_requirements():
-    pins = re.findall(r"^(\w+==\S+)", (PROJECT / "requirements.txt").read_text(), re.M)
+    pins = re.findall(r"^(\w+==\S+)", (PROJECT / "requirements-3d.txt").read_text(), re.M)
     assert set(colab.PYVISTA) <= set(pins)
 
 

@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from importlib import metadata
 from types import SimpleNamespace
 
 import numpy as np
@@ -493,6 +494,25 @@ def test_the_doctor_names_what_is_wrong(course, sandbox, monkeypatch):
     subjects = [finding.subject for finding in findings]
     for subject in ("Python", "packages", "boundary", "disk", "oracles", "sandbox bubblewrap"):
         assert subject in subjects
+
+
+@pytest.mark.parametrize("with_dask", [False, True])
+def test_the_doctor_compares_dask_where_it_is(monkeypatch, with_dask):
+    found = {"rich": "0.1"} | dict.fromkeys(("dask", "distributed"), "0.2" if with_dask else None)
+
+    def version(name, version=metadata.version):
+        if name in found and found[name] is None:
+            raise metadata.PackageNotFoundError(name)
+        return found.get(name) or version(name)
+
+    monkeypatch.setattr(doctor.metadata, "version", version)
+    wrong = [finding.text for finding in doctor._versions() if not finding.good]
+    assert len(wrong) == 1 + with_dask
+    assert wrong[0].startswith("rich 0.1 instead of ")
+    assert wrong[0].endswith(". Run: pip install -r requirements.txt")
+    if with_dask:
+        assert "dask 0.2 instead of " in wrong[1] and "distributed 0.2 instead of " in wrong[1]
+        assert wrong[1].endswith(". Run: pip install -r requirements-cluster.txt")
 
 
 def test_the_doctor_sees_a_course_that_student_code_could_read(tmp_path, monkeypatch):

@@ -11,6 +11,7 @@ from PIL import Image
 
 from utils import play, scenes
 from utils.clouds import write_cloud
+from utils.films import writers
 from utils.scene3d import with_pyvista
 
 SMALL = ["--size", "160x90"]
@@ -74,7 +75,14 @@ def test_without_a_screen_the_film_goes_into_a_file_of_the_same_name(tmp_path, c
     pytest.importorskip("imageio_ffmpeg")
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert (tmp_path / "highway.mp4").stat().st_size > 0
-    assert "no screen here, so the film goes into highway.mp4" in capsys.readouterr().out
+    assert "so the film goes into highway.mp4" in capsys.readouterr().out
+
+
+def test_where_no_mp4_can_be_written_that_film_is_a_gif(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(writers.importlib.util, "find_spec", lambda name: None)
+    assert play.main(["highway", "--frames", "2", *SMALL]) == 0
+    assert Image.open(tmp_path / "highway.gif").n_frames == 2
+    assert "so the film goes into highway.gif" in capsys.readouterr().out
 
 
 def test_a_notebook_is_the_detector(notebook, capsys):

@@ -13,7 +13,7 @@ import tempfile
 from importlib import metadata
 from pathlib import Path
 
-PYVISTA = ("pyvista==0.49.1", "vtk==9.7.2")  # as in requirements.txt, which Colab does not fetch
+PYVISTA = ("pyvista==0.49.1", "vtk==9.7.2")  # as in requirements-3d.txt
 
 
 def in_colab() -> bool:

@@ -24,6 +24,7 @@ from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
 from utils.films.filming import SIZE, Sight, record, scene_of, watch
+from utils.films.writers import suffix_of_films
 from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
@@ -222,9 +223,9 @@ def _run(options: argparse.Namespace) -> None:
     if options.record is None and has_screen():
         play(programme, detect, options.camera, options.size, match)
         return
-    path = options.record or Path(f"{Path(options.what).stem}.mp4")
+    path = options.record or Path(Path(options.what).stem + suffix_of_films())
     if options.record is None:
-        print(f"There is no screen here, so the film goes into {path}.")
+        print(f"No window can be opened here, so the film goes into {path}.")
     film = record(
         programme.frames,
         path,

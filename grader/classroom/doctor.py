@@ -50,22 +50,32 @@ def examine(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> 
 
 def _versions() -> Iterator[Finding]:
     yield Finding("Python", True, f"{platform.python_version()} on {platform.platform()}")
-    pins = re.findall(r"^([\w-]+)==(\S+)", (PROJECT / "requirements.txt").read_text("utf-8"), re.M)
-    other = []
-    for name, wanted in pins:
-        try:
-            found = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found = "missing"
-        if found != wanted:
-            other.append(f"{name} {found} instead of {wanted}")
-    yield Finding(
+    yield _packages("requirements.txt")
+    if _version("distributed"):  # most have no cluster
+        yield _packages("requirements-cluster.txt")
+
+
+def _packages(file: str) -> Finding:
+    pins = re.findall(r"^([\w-]+)==(\S+)", (PROJECT / file).read_text("utf-8"), re.M)
+    other = [
+        f"{name} {_version(name) or 'missing'} instead of {wanted}"
+        for name, wanted in pins
+        if _version(name) != wanted
+    ]
+    return Finding(
         "packages",
         not other,
-        f"{', '.join(other)}. Run: pip install -r requirements.txt"
+        f"{', '.join(other)}. Run: pip install -r {file}"
         if other
-        else f"all {len(pins)} as in requirements.txt",
+        else f"all {len(pins)} as in {file}",
     )
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
 
 
 def _sandboxes() -> Iterator[Finding]:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 from grader.classroom.pool import Pool
 
+NEEDED_BY_CLUSTERS = ("cloudpickle", "dask", "distributed")
+
 
 def processors() -> int:
     """How many processors there are for us: a container may have less than its machine."""
@@ -25,7 +27,15 @@ def processors() -> int:
 
 def scheduler(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor:
     """The workers of a Dask cluster; see `grader.classroom.cluster.connect`."""
-    from grader.classroom.cluster import connect  # Dask takes a second, and few have a cluster
+    try:
+        from grader.classroom.cluster import connect  # Dask takes a second, and few have a cluster
+    except ModuleNotFoundError as error:
+        if error.name not in NEEDED_BY_CLUSTERS:
+            raise
+        raise ExecutorLost(
+            f"A cluster needs Dask, and {error.name} is not installed here. "
+            "Run: pip install -r requirements-cluster.txt"
+        ) from None
 
     return connect(address, sandbox, tell)
 

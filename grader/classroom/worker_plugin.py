@@ -134,7 +134,9 @@ class JudgePlugin(WorkerPlugin):
         ]
         complaint = self.client.hello["complaint"]
         if other:
-            complaint = f"It has {', '.join(other)}. Install the course's requirements.txt there."
+            complaint = (
+                f"It has {', '.join(other)}. Install the course's requirements-cluster.txt there."
+            )
         if complaint:
             self.client.close()
             raise Unfit(complaint)
@@ -200,7 +202,7 @@ class JudgeClient:
             said = (folder / "errors.txt").read_text("utf-8", "replace").strip().splitlines()
             raise Unfit(
                 f"It cannot run the course's code: {said[-1] if said else 'no reason given'}. "
-                "Install the course's requirements.txt there."
+                "Install the course's requirements-cluster.txt there."
             ) from None
 
     def _listen(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+import importlib.util
 import statistics
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -94,6 +95,11 @@ def write_mp4(path: Path, images: Iterator[np.ndarray], frames_per_second: float
     with imageio.get_writer(path, format="FFMPEG", fps=frames_per_second, **options) as writer:
         for image in images:
             writer.append_data(image)
+
+
+def suffix_of_films() -> str:
+    """The better kind of film that can be written here: ".mp4", or ".gif"."""
+    return ".mp4" if importlib.util.find_spec("imageio_ffmpeg") else ".gif"
 
 
 def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:

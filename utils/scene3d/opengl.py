@@ -21,7 +21,10 @@ WITHOUT_SCREEN = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", "EGL_LOG_LE
 LAST_RESORT = "vtkOSOpenGLRenderWindow"
 OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
-NOT_INSTALLED = "PyVista is not installed, so matplotlib draws. To install it: pip install pyvista"
+NOT_INSTALLED = (
+    "PyVista is not installed, so matplotlib draws. "
+    f"To install it: pip install {' '.join(colab.PYVISTA)}"
+)
 NO_OPENGL = (
     "PyVista finds no OpenGL that works without a screen, so matplotlib draws. "
     "On Debian, Ubuntu and Colab: sudo apt-get install libegl1 libgl1-mesa-dri"

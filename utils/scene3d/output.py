@@ -77,7 +77,7 @@ def show(
         window.stay()
         window.close()
     else:
-        print('There is no screen here. Keep the picture instead: scene.save("scene.png")')
+        print('No window can be opened here. Keep the picture instead: scene.save("scene.png")')
 
 
 def bundle_of(
