@@ -10,6 +10,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from grader.classroom.pool import Pool
+from grader.classroom.protocol import ExecutorLost
 
 NEEDED_BY_CLUSTERS = ("cloudpickle", "dask", "distributed")
 
