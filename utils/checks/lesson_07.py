@@ -11,17 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
-    as_array,
-    assert_all_columns,
-    assert_nothing_left,
-    assert_order,
     assert_places,
-    assert_untouched,
     frozen,
     needs,
     points_text,
@@ -304,95 +301,46 @@ def follows_the_distance(filter_by_distance: Callable) -> None:
         assert_near(filter_by_distance(cloud.copy(), distance), cloud, distance, near)
 
 
-@visible(
+_NEARBY = Case(
+    __name__,
     "filter_by_distance",
-    weight=1,
+    {"cloud": _PLACES, "distance": 10.0},
+    expected=_NEAR,
+    look=assert_near,
+    basic=assert_measures,
+)
+
+
+@promises.default(
+    _NEARBY,
+    "distance=10.0",
     title="The distance is 10 m unless another one is given",
     why="Later cells call filter_by_distance(cloud) and rely on it.",
-    hint="Keep the first line of the function as it was given: distance=10.0.",
 )
 def keeps_the_default(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
     cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
     near = np.array([True, False, True, False])
     given = f"points {points_text(cloud)}, no distance"
     assert_places(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
 
 
-@visible(
-    "filter_by_distance",
-    weight=1,
-    title="The parameters keep their names",
-    why="Others may call filter_by_distance(cloud, distance=25).",
-    hint="Keep the first line of the function as it was given.",
+promises.names(
+    _NEARBY, "keeps_the_names", why="Others may call filter_by_distance(cloud, distance=25)."
 )
-def keeps_the_names(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
-    answer = filter_by_distance(cloud=_PLACES.copy(), distance=10.0)
-    assert_near(answer, _PLACES, 10.0, _NEAR)
-
-
-@visible(
-    "filter_by_distance",
-    weight=2,
-    title="Keeps all columns: the intensity stays with its point",
-    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
-    hint="Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
-)
-def keeps_the_columns(filter_by_distance: Callable) -> None:
-    assert_all_columns(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, _NEAR)
-
-
-@visible(
-    "filter_by_distance",
-    weight=2,
-    title="Keeps the order of the rows",
-    why="Whoever knows the true object of each return finds it by its place among the rows.",
-    hint="A mask keeps the order by itself: sort nothing.",
-)
-def keeps_the_order(filter_by_distance: Callable) -> None:
-    assert_order(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, _NEAR)
-
-
-@visible(
-    "filter_by_distance",
-    weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
+promises.all_columns(_NEARBY, "keeps_the_columns", weight=2)
+promises.order(_NEARBY, "keeps_the_order", weight=2)
+promises.three_columns(
+    _NEARBY,
+    "takes_three_columns",
     hint="Name the columns that you need, cloud[:, 0] and cloud[:, 1], and let the others be.",
 )
-def takes_three_columns(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
-    xyz = _PLACES[:, :3]
-    assert_near(filter_by_distance(xyz.copy(), 10.0), xyz, 10.0, _NEAR)
-
-
-@visible(
-    "filter_by_distance",
-    weight=2,
-    title="Takes no points, one point, and a cloud of which nothing is left",
-    why="After other filters nothing may be left, or a single return.",
+promises.nothing_left(
+    _NEARBY,
+    "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
-)
-def takes_the_smallest(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
-    columns = as_array(filter_by_distance(_PLACES.copy(), 10.0)).shape[1]
-    for cloud in (np.empty((0, 4)), _PLACES[1:2], _PLACES[[1, 3, 4]]):
-        assert_nothing_left(filter_by_distance(cloud.copy(), 10.0), cloud, columns)
-    one = _PLACES[:1]
-    assert_near(filter_by_distance(one.copy(), 10.0), one, 10.0, np.array([True]))
-
-
-@visible(
-    "filter_by_distance",
     weight=2,
-    title="Leaves its input untouched",
-    why="The next step of the pipeline may need the full cloud again.",
-    hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
-def leaves_its_input(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
-    assert_untouched(filter_by_distance, _PLACES, 10.0)
+promises.untouched(_NEARBY, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -511,82 +459,26 @@ def takes_any_corners(crop_region: Callable) -> None:
         assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
-@visible(
+_CROP = Case(
+    __name__,
     "crop_region",
-    weight=1,
-    title="The parameters keep their names",
+    {"cloud": _ROOM, "minimum": _MINIMUM, "maximum": _MAXIMUM},
+    expected=_INSIDE,
+    look=assert_boxed,
+    basic=assert_crops,
+)
+promises.names(
+    _CROP,
+    "names_the_corners",
     why="Others may call crop_region(cloud, minimum=..., maximum=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def names_the_corners(crop_region: Callable) -> None:
-    assert_crops(crop_region)
-    answer = crop_region(cloud=_ROOM.copy(), minimum=_MINIMUM, maximum=_MAXIMUM)
-    assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
-
-
-@visible(
-    "crop_region",
-    weight=2,
-    title="Keeps all columns: the intensity stays with its point",
-    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
-    hint="Compare cloud[:, :3], but index cloud itself.",
+promises.all_columns(
+    _CROP, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-def crops_all_columns(crop_region: Callable) -> None:
-    assert_all_columns(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _INSIDE)
-
-
-@visible(
-    "crop_region",
-    weight=1,
-    title="Keeps the order of the rows",
-    why="Whoever knows the true object of each return finds it by its place among the rows.",
-    hint="A mask keeps the order by itself: sort nothing.",
-)
-def crops_in_order(crop_region: Callable) -> None:
-    assert_order(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM), _ROOM, _INSIDE)
-
-
-@visible(
-    "crop_region",
-    weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
-    hint="cloud[:, :3] is there in both.",
-)
-def crops_three_columns(crop_region: Callable) -> None:
-    assert_crops(crop_region)
-    room = _ROOM[:, :3]
-    answer = crop_region(room.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, room, _MINIMUM, _MAXIMUM, _INSIDE)
-
-
-@visible(
-    "crop_region",
-    weight=2,
-    title="Takes no points, one point, and a cloud of which nothing is left",
-    why="After other filters nothing may be left, or a single return.",
-    hint="The same lines serve every case: an empty mask takes no row.",
-)
-def crops_the_smallest(crop_region: Callable) -> None:
-    assert_crops(crop_region)
-    columns = as_array(crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM)).shape[1]
-    for cloud in (np.empty((0, 4)), _ROOM[1:2], _ROOM[[1, 3, 4]]):
-        assert_nothing_left(crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, columns)
-    one = _ROOM[:1]
-    answer = crop_region(one.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, one, _MINIMUM, _MAXIMUM, np.array([True]))
-
-
-@visible(
-    "crop_region",
-    weight=1,
-    title="Leaves its input untouched",
-    why="The next step of the pipeline may need the full cloud again.",
-    hint="cloud[mask] is already a new array. Do not assign into cloud.",
-)
-def crops_a_copy(crop_region: Callable) -> None:
-    assert_crops(crop_region)
-    assert_untouched(crop_region, _ROOM, _MINIMUM, _MAXIMUM)
+promises.order(_CROP, "crops_in_order")
+promises.three_columns(_CROP, "crops_three_columns", hint="cloud[:, :3] is there in both.")
+promises.nothing_left(_CROP, "crops_the_smallest", weight=2)
+promises.untouched(_CROP, "crops_a_copy")
 
 
 @visible(
@@ -687,80 +579,26 @@ def takes_any_ego_box(remove_ego_returns: Callable) -> None:
         assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
 
 
-@visible(
+_FREE = Case(
+    __name__,
     "remove_ego_returns",
-    weight=1,
-    title="The parameters keep their names",
+    {"cloud": _AROUND, "minimum": _EGO[0], "maximum": _EGO[1]},
+    expected=frozen(~_OURS),
+    look=assert_boxed,
+    basic=assert_frees,
+)
+promises.names(
+    _FREE,
+    "names_the_ego_box",
     why="Others may call remove_ego_returns(cloud, minimum=..., maximum=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def names_the_ego_box(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
-    answer = remove_ego_returns(cloud=_AROUND.copy(), minimum=_EGO[0], maximum=_EGO[1])
-    assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
-
-
-@visible(
-    "remove_ego_returns",
-    weight=2,
-    title="Keeps all columns: the intensity stays with its point",
-    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
-    hint="Compare cloud[:, :3], but index cloud itself.",
+promises.all_columns(
+    _FREE, "leaves_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-def leaves_all_columns(remove_ego_returns: Callable) -> None:
-    assert_all_columns(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, ~_OURS)
-
-
-@visible(
-    "remove_ego_returns",
-    weight=1,
-    title="Keeps the order of the rows",
-    why="Whoever knows the true object of each return finds it by its place among the rows.",
-    hint="A mask keeps the order by itself: sort nothing.",
-)
-def leaves_the_order(remove_ego_returns: Callable) -> None:
-    assert_order(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, ~_OURS)
-
-
-@visible(
-    "remove_ego_returns",
-    weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
-    hint="cloud[:, :3] is there in both.",
-)
-def frees_three_columns(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
-    around = _AROUND[:, :3]
-    assert_boxed(remove_ego_returns(around.copy(), *_EGO), around, *_EGO, ~_OURS)
-
-
-@visible(
-    "remove_ego_returns",
-    weight=2,
-    title="Takes no points, one point, and a cloud of which nothing is left",
-    why="After other filters nothing may be left, or a single return.",
-    hint="The same lines serve every case: an empty mask takes no row.",
-)
-def frees_the_smallest(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
-    columns = as_array(remove_ego_returns(_AROUND.copy(), *_EGO)).shape[1]
-    for cloud in (np.empty((0, 4)), _AROUND[:1], _AROUND[[0, 2, 5]]):
-        assert_nothing_left(remove_ego_returns(cloud.copy(), *_EGO), cloud, columns)
-    one = _AROUND[1:2]
-    assert_boxed(remove_ego_returns(one.copy(), *_EGO), one, *_EGO, np.array([True]))
-
-
-@visible(
-    "remove_ego_returns",
-    weight=1,
-    title="Leaves its input untouched",
-    why="The next step of the pipeline may need the full cloud again.",
-    hint="cloud[mask] is already a new array. Do not assign into cloud.",
-)
-def frees_a_copy(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
-    assert_untouched(remove_ego_returns, _AROUND, *_EGO)
+promises.order(_FREE, "leaves_the_order")
+promises.three_columns(_FREE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
+promises.nothing_left(_FREE, "frees_the_smallest", weight=2)
+promises.untouched(_FREE, "frees_a_copy")
 
 
 def _at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:

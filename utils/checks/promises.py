@@ -1,0 +1,350 @@
+"""Promises that return in exercise after exercise: declared in a few lines, and asked in one way.
+
+A lesson describes a plain call of its exercise once, and says under which name, with what weight
+and in which words it makes each promise. The promise is then a visible check like any other, in
+the place where it is declared::
+
+    _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
+                 expected=_INSIDE, look=assert_boxed, basic=assert_crops)
+
+    promises.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
+    promises.untouched(_CROP, "crops_a_copy")
+
+Words that have a default are the same wherever the promise is made; `hint` and `why` of `untouched`
+are those of a function that chooses rows.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from utils.checks.core import visible
+from utils.checks.vocabulary import (
+    as_array,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
+    assert_untouched,
+)
+
+_FIRST_LINE = "Keep the first line of the function as it was given"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A plain call of an exercise whose right answer is known.
+
+    Attributes
+    ----------
+    lesson : str
+        The module that declares the promises, its `__name__`.
+    exercise : str
+        Name of the student's function.
+    given : mapping of str to object
+        The arguments by name, in the order of the first line. What varies from promise to promise
+        is the first of them: a cloud, points, labels.
+    expected : object
+        What `look` compares with: for a function that chooses rows the mask of those that stay.
+    look : callable
+        Takes an answer, the arguments and `expected`; raises `CheckFailed` where it is wrong.
+    basic : callable, optional
+        Takes the function; raises `NotYet` where a promise cannot be looked at.
+    """
+
+    lesson: str
+    exercise: str
+    given: Mapping[str, object]
+    expected: object
+    look: Callable
+    basic: Callable = lambda function: None
+
+    @property
+    def first(self) -> np.ndarray:
+        """The argument that varies."""
+        return next(iter(self.given.values()))
+
+    @property
+    def copies(self) -> dict[str, object]:
+        """The arguments, for a function that may do with them what it likes."""
+        return copy.deepcopy(dict(self.given))
+
+    def of(self, first: np.ndarray, **more: object) -> Case:
+        """The same call of something else; `more` are other fields, such as ``expected``."""
+        name = next(iter(self.given))
+        return replace(self, given={**self.given, name: first}, **more)
+
+    def rows(self, which: slice | np.ndarray) -> Case:
+        """The same call of some of the points, where `expected` has an entry for each."""
+        return self.of(self.first[which], expected=self.expected[which])
+
+    def ask(self, function: Callable) -> object:
+        """What a function answers."""
+        return function(*self.copies.values())
+
+    def assert_right(self, function: Callable) -> None:
+        """A function answers what is expected."""
+        self.assert_right_answer(self.ask(function))
+
+    def assert_right_answer(self, answer: object) -> None:
+        """An answer is what is expected."""
+        self.look(answer, *self.given.values(), self.expected)
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A promise that an exercise makes.
+
+    Attributes
+    ----------
+    kind : str
+        Which one, by the name of the function that declares it.
+    case : Case
+    name : str
+        Of the check.
+    """
+
+    kind: str
+    case: Case
+    name: str
+
+
+_MADE: list[Promise] = []
+
+
+def made() -> tuple[Promise, ...]:
+    """All promises of the lessons that are imported, in the order in which they are declared."""
+    return tuple(_MADE)
+
+
+def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
+    """Declare a function as the check that holds an exercise to a promise.
+
+    Parameters
+    ----------
+    kind : str
+        Which promise.
+    case : Case
+    name : str
+        Of the check, unique within the exercise.
+    **words : object
+        Title, why, hint and weight, as `visible` takes them.
+
+    Returns
+    -------
+    callable
+        The decorator. The function takes the student's, and raises `CheckFailed` where it breaks
+        the promise.
+    """
+
+    def declare(ask: Callable) -> Callable:
+        ask.__name__, ask.__module__ = name, case.lesson
+        _MADE.append(Promise(kind, case, name))
+        return visible(case.exercise, **words)(ask)
+
+    return declare
+
+
+# ---- what every exercise promises --------------------------------------------------------------
+
+
+def names(
+    case: Case,
+    name: str,
+    *,
+    why: str,
+    title: str = "The parameters keep their names",
+    weight: float = 1,
+) -> None:
+    """The arguments may be passed by name."""
+    hint = f"{_FIRST_LINE}."
+
+    @promise("names", case, name, title=title, why=why, hint=hint, weight=weight)
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        case.assert_right_answer(function(**case.copies))
+
+
+def default(case: Case, argument: str, *, title: str, why: str, weight: float = 1) -> Callable:
+    """An argument may be left out. Decorates the function that leaves it out and looks.
+
+    Parameters
+    ----------
+    case : Case
+    argument : str
+        As in the first line of the exercise: ``"distance=10.0"``.
+    title, why : str
+    weight : float
+
+    Returns
+    -------
+    callable
+        The decorator; the function stays as it is.
+    """
+    hint = f"{_FIRST_LINE}: {argument}."
+
+    def declare(look: Callable) -> Callable:
+        @promise("default", case, look.__name__, title=title, why=why, hint=hint, weight=weight)
+        def ask(function: Callable) -> None:
+            case.basic(function)
+            look(function)
+
+        return look
+
+    return declare
+
+
+def untouched(
+    case: Case,
+    name: str,
+    *,
+    title: str = "Leaves its input untouched",
+    why: str = "The next step of the pipeline may need the full cloud again.",
+    hint: str = "cloud[mask] is already a new array. Do not assign into cloud.",
+    weight: float = 1,
+) -> None:
+    """The arguments are afterwards what they were before, whatever there is to write into."""
+    arguments = in_general_position(case.given).values()
+
+    @promise("untouched", case, name, title=title, why=why, hint=hint, weight=weight)
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        assert_untouched(function, *arguments)
+
+
+def in_general_position(given: Mapping[str, object]) -> dict[str, object]:
+    """The arguments of a call, such that nothing can be written unseen.
+
+    A cloud has its fourth column, labels hold a 0, and no line or plane runs through the origin.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        By the names that the course gives them.
+
+    Returns
+    -------
+    dict of str to object
+    """
+    general, labels = dict(given), given.get("cluster_labels")
+    strays = labels is not None and 0 not in labels
+    if strays:
+        general["cluster_labels"] = np.append(labels, [0, 0])
+    for name in {"cloud", "points"} & set(general):
+        cloud = general[name]
+        if cloud.shape[1] == 3:
+            cloud = np.column_stack([cloud, np.linspace(0.9, 0.1, len(cloud))])
+        general[name] = np.vstack([cloud, cloud[:2] + 5.0]) if strays else cloud
+    for name in {"line", "plane"} & set(general):
+        if general[name][-1] == 0:
+            general[name] = np.append(general[name][:-1], 0.7)
+    return general
+
+
+# ---- columns -----------------------------------------------------------------------------------
+
+
+def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+    """A cloud may have no intensity. The case is of one that has."""
+
+    @promise(
+        "three_columns",
+        case,
+        name,
+        title="Takes three columns as well as four",
+        why="Some files hold no intensity.",
+        hint=hint,
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        case.of(case.first[:, :3]).assert_right(function)
+
+
+def fourth_column(
+    case: Case,
+    name: str,
+    intensities: Sequence[float],
+    *,
+    title: str,
+    why: str,
+    hint: str,
+    weight: float = 1,
+) -> None:
+    """The answer is the same whatever the intensities are. The case is of three columns."""
+
+    @promise("fourth_column", case, name, title=title, why=why, hint=hint, weight=weight)
+    def ask(function: Callable) -> None:
+        case.of(np.column_stack([case.first, intensities])).assert_right(function)
+
+
+# ---- what chooses rows: `expected` is the mask of those that stay ------------------------------
+
+
+def all_columns(
+    case: Case,
+    name: str,
+    *,
+    hint: str = "Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
+    weight: float = 1,
+) -> None:
+    """Rows that stay are whole."""
+
+    @promise(
+        "all_columns",
+        case,
+        name,
+        title="Keeps all columns: the intensity stays with its point",
+        why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
+        hint=hint,
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        assert_all_columns(case.ask(function), case.first, case.expected)
+
+
+def order(case: Case, name: str, *, weight: float = 1) -> None:
+    """Rows that stay have the order that they had."""
+
+    @promise(
+        "order",
+        case,
+        name,
+        title="Keeps the order of the rows",
+        why="Whoever knows the true object of each return finds it by its place among the rows.",
+        hint="A mask keeps the order by itself: sort nothing.",
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        assert_order(case.ask(function), case.first, case.expected)
+
+
+def nothing_left(
+    case: Case,
+    name: str,
+    *,
+    hint: str = "The same lines serve every case: an empty mask takes no row.",
+    weight: float = 1,
+) -> None:
+    """No point, one point, and points none of which stays, are clouds like any others."""
+    cloud, gone = case.first, np.flatnonzero(~case.expected)[:3]
+    left = case.rows(np.flatnonzero(case.expected)[:1])
+
+    @promise(
+        "nothing_left",
+        case,
+        name,
+        title="Takes no points, one point, and a cloud of which nothing is left",
+        why="After other filters nothing may be left, or a single return.",
+        hint=hint,
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        columns = as_array(case.ask(function)).shape[1]
+        for few in (cloud[:0], cloud[gone[:1]], cloud[gone]):
+            assert_nothing_left(case.of(few).ask(function), few, columns)
+        left.assert_right(function)
