@@ -6,20 +6,19 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     TOLERANCE,
     CheckFailed,
     WrongForm,
     as_array,
-    assert_all_columns,
     assert_nothing_left,
-    assert_order,
     assert_places,
     assert_same_set_of_rows,
-    assert_untouched,
     frozen,
     needs,
     points_text,
@@ -101,95 +100,46 @@ def follows_the_level(filter_ground: Callable) -> None:
         assert_standing(filter_ground(_HEIGHTS.copy(), level), _HEIGHTS, keep, level)
 
 
-@visible(
+_ROAD = Case(
+    __name__,
     "filter_ground",
-    weight=1,
+    {"cloud": _HEIGHTS, "ground_level": -1.2},
+    expected=_STANDING,
+    look=lambda answer, cloud, level, keep: assert_standing(answer, cloud, keep, level),
+    basic=assert_filters,
+)
+
+
+@promises.default(
+    _ROAD,
+    "ground_level=-1.2",
     title="The ground level is -1.2 m unless another one is given",
     why="Later cells call filter_ground(cloud) and rely on it.",
-    hint="Keep the first line of the function as it was given: ground_level=-1.2.",
 )
 def keeps_the_default(filter_ground: Callable) -> None:
-    assert_filters(filter_ground)
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
     given = f"{_heights(cloud)}, no ground_level"
     assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights)
 
 
-@visible(
-    "filter_ground",
-    weight=1,
-    title="The parameters keep their names",
-    why="Later lessons call filter_ground(cloud, ground_level=-1.5).",
-    hint="Keep the first line of the function as it was given.",
+promises.names(
+    _ROAD, "keeps_the_names", why="Later lessons call filter_ground(cloud, ground_level=-1.5)."
 )
-def keeps_the_names(filter_ground: Callable) -> None:
-    assert_filters(filter_ground)
-    answer = filter_ground(cloud=_HEIGHTS.copy(), ground_level=-1.2)
-    assert_standing(answer, _HEIGHTS, _STANDING, -1.2)
-
-
-@visible(
-    "filter_ground",
-    weight=2,
-    title="Keeps all columns: the intensity stays with its point",
-    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
-    hint="Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
-)
-def keeps_the_columns(filter_ground: Callable) -> None:
-    assert_all_columns(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING)
-
-
-@visible(
-    "filter_ground",
-    weight=2,
-    title="Keeps the order of the rows",
-    why="Whoever knows the true object of each return finds it by its place among the rows.",
-    hint="A mask keeps the order by itself: sort nothing.",
-)
-def keeps_the_order(filter_ground: Callable) -> None:
-    assert_order(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING)
-
-
-@visible(
-    "filter_ground",
-    weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
+promises.all_columns(_ROAD, "keeps_the_columns", weight=2)
+promises.order(_ROAD, "keeps_the_order", weight=2)
+promises.three_columns(
+    _ROAD,
+    "takes_three_columns",
     hint="Name the column that you compare, cloud[:, 2], and let the others be.",
 )
-def takes_three_columns(filter_ground: Callable) -> None:
-    assert_filters(filter_ground)
-    xyz = _HEIGHTS[:, :3]
-    assert_standing(filter_ground(xyz.copy(), -1.2), xyz, _STANDING, -1.2)
-
-
-@visible(
-    "filter_ground",
-    weight=2,
-    title="Takes no points, one point, and a cloud of which nothing is left",
-    why="After other filters nothing may be left, or a single return.",
+promises.nothing_left(
+    _ROAD,
+    "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
-)
-def takes_the_smallest(filter_ground: Callable) -> None:
-    assert_filters(filter_ground)
-    columns = as_array(filter_ground(_HEIGHTS.copy(), -1.2)).shape[1]
-    for cloud in (np.empty((0, 4)), _HEIGHTS[:1], _HEIGHTS[[0, 2, 5]]):
-        assert_nothing_left(filter_ground(cloud.copy(), -1.2), cloud, columns)
-    one = _HEIGHTS[1:2]
-    assert_standing(filter_ground(one.copy(), -1.2), one, np.array([True]), -1.2)
-
-
-@visible(
-    "filter_ground",
     weight=2,
-    title="Leaves its input untouched",
-    why="The next step of the pipeline may need the full cloud again.",
-    hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
-def leaves_its_input(filter_ground: Callable) -> None:
-    assert_filters(filter_ground)
-    assert_untouched(filter_ground, _HEIGHTS, -1.2)
+promises.untouched(_ROAD, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -516,15 +466,23 @@ def follows_the_size(voxel_grid: Callable) -> None:
         assert_cells(voxel_grid(cloud.copy(), size), cloud, number, size)
 
 
-@visible(
+_GRID = Case(
+    __name__,
     "voxel_grid",
-    weight=1,
+    {"cloud": _CELLS, "voxel_size": 0.2},
+    expected=len(_CENTROIDS),
+    look=lambda answer, cloud, size, number: assert_cells(answer, cloud, number, size),
+    basic=assert_thins,
+)
+
+
+@promises.default(
+    _GRID,
+    "voxel_size=0.2",
     title="Cells are 0.2 m wide unless another size is given",
     why="Later lessons call voxel_grid(points) and rely on it.",
-    hint="Keep the first line of the function as it was given: voxel_size=0.2.",
 )
 def keeps_the_size(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
     cloud = np.full((100, 4), 0.05)
     cloud[:, 0] = np.linspace(0.003, 3.997, 100)
     with_it = as_array(voxel_grid(cloud.copy(), 0.2))
@@ -536,30 +494,14 @@ def keeps_the_size(voxel_grid: Callable) -> None:
         raise
 
 
-@visible(
-    "voxel_grid",
-    weight=1,
-    title="The parameters keep their names",
-    why="Later lessons call voxel_grid(points, voxel_size=0.1).",
-    hint="Keep the first line of the function as it was given.",
+promises.names(
+    _GRID, "names_its_parameters", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
 )
-def names_its_parameters(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
-    answer = voxel_grid(cloud=_CELLS.copy(), voxel_size=0.2)
-    assert_cells(answer, _CELLS, len(_CENTROIDS), 0.2)
-
-
-@visible(
-    "voxel_grid",
-    weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
+promises.three_columns(
+    _GRID,
+    "thins_three_columns",
     hint="Take the number of columns from the cloud: cloud.shape[1].",
 )
-def thins_three_columns(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
-    xyz = _CELLS[:, :3]
-    assert_cells(voxel_grid(xyz.copy(), 0.2), xyz, len(_CENTROIDS), 0.2)
 
 
 @visible(
@@ -578,16 +520,13 @@ def thins_the_smallest(voxel_grid: Callable) -> None:
     assert_cells(voxel_grid(one.copy(), 0.2), one, 1, 0.2)
 
 
-@visible(
-    "voxel_grid",
-    weight=2,
-    title="Leaves its input untouched",
+promises.untouched(
+    _GRID,
+    "leaves_the_cloud",
     why="The next step may need the full cloud again.",
     hint="No `/=` and no assignment on cloud: they change the caller's array.",
+    weight=2,
 )
-def leaves_the_cloud(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
-    assert_untouched(voxel_grid, _CELLS, 0.2)
 
 
 def _merged(
