@@ -5,8 +5,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     TOLERANCE,
@@ -14,7 +16,6 @@ from utils.checks.vocabulary import (
     as_array,
     assert_rows,
     assert_shape,
-    assert_untouched,
     frozen,
     needs,
     point_text,
@@ -113,44 +114,32 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     assert_distances(horizontal_distance(_BRIGHT.copy()), _BRIGHT, _DISTANCES)
 
 
-@visible(
+_FAR = Case(
+    __name__,
     "horizontal_distance",
-    weight=1,
-    title="Takes three columns as well as four",
-    why="Some files hold no intensity.",
+    {"cloud": _STREET},
+    expected=_DISTANCES,
+    look=assert_distances,
+    basic=assert_measures,
+)
+promises.three_columns(
+    _FAR,
+    "takes_three_columns",
     hint="Take x and y by their numbers, cloud[:, 0] and cloud[:, 1]: it does not matter then how "
     "many columns follow.",
 )
-def takes_three_columns(horizontal_distance: Callable) -> None:
-    assert_measures(horizontal_distance)
-    cloud = _STREET[:, :3]
-    assert_distances(horizontal_distance(cloud.copy()), cloud, _DISTANCES)
-
-
-@visible(
-    "horizontal_distance",
-    weight=1,
+promises.few_points(
+    _FAR,
+    "takes_few_points",
     title="Takes one point and none",
     why="After a filter nothing may be left.",
-    hint="Whole columns do it all: no loop over the points and no special case is needed.",
 )
-def takes_few_points(horizontal_distance: Callable) -> None:
-    assert_measures(horizontal_distance)
-    for rows in (slice(2, 3), slice(0, 0)):
-        cloud = _STREET[rows]
-        assert_distances(horizontal_distance(cloud.copy()), cloud, _DISTANCES[rows])
-
-
-@visible(
-    "horizontal_distance",
-    weight=1,
-    title="Leaves its input untouched",
+promises.untouched(
+    _FAR,
+    "leaves_its_input",
     why="The next step of the pipeline still needs the cloud.",
     hint="x**2 makes a new array; x **= 2 and x *= x write into the cloud.",
 )
-def leaves_its_input(horizontal_distance: Callable) -> None:
-    assert_measures(horizontal_distance)
-    assert_untouched(horizontal_distance, _STREET)
 
 
 @noted(
@@ -457,16 +446,12 @@ def takes_an_empty_scan(drop_invalid: Callable) -> None:
         assert_rows(drop_invalid(rows.copy()), rows, np.zeros(len(rows), dtype=bool), view="above")
 
 
-@visible(
-    "drop_invalid",
-    weight=1,
-    title="Leaves its input untouched",
+_SCAN, _GOOD_OF_SCAN = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
+promises.untouched(
+    Case(__name__, "drop_invalid", {"cloud": _SCAN}, _GOOD_OF_SCAN, assert_rows, assert_works),
+    "leaves_the_scan",
     why="Whoever looks for a broken beam needs the lost returns.",
-    hint="cloud[mask] is already a new array. Do not assign into cloud.",
 )
-def leaves_the_scan(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
-    assert_untouched(drop_invalid, _mixed(_ORIGIN, _NANS, _INFINITE)[0])
 
 
 @noted(

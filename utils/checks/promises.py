@@ -281,6 +281,20 @@ def fourth_column(
         case.of(np.column_stack([case.first, intensities])).assert_right(function)
 
 
+# ---- what answers for each point: `expected` has an entry for each ------------------------------
+
+
+def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
+    """One point has one answer, and none has none."""
+    hint = "Whole columns do it all: no loop over the points and no special case is needed."
+
+    @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        for rows in (slice(1, 2), slice(0)):
+            case.rows(rows).assert_right(function)
+
+
 # ---- what chooses rows: `expected` is the mask of those that stay ------------------------------
 
 
