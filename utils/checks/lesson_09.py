@@ -5,15 +5,16 @@ from collections.abc import Callable
 import numpy as np
 
 import utils
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
     as_labels,
     assert_new_array,
-    assert_untouched,
     brief,
     frozen,
     needs,
@@ -217,30 +218,32 @@ def follows_the_minimum(filter_clusters: Callable) -> None:
         assert_kept(filter_clusters(labels.copy(), minimum), labels, expected, minimum)
 
 
-@visible(
+_FILTERED = Case(
+    __name__,
     "filter_clusters",
-    weight=1,
+    {"cluster_labels": _LABELS, "min_num_points": 3},
+    expected=_KEPT,
+    look=lambda answer, labels, minimum, kept: assert_kept(answer, labels, kept),
+    basic=assert_works,
+)
+
+
+@promises.default(
+    _FILTERED,
+    "min_num_points=100",
     title="The minimum is 100 unless another one is given",
     why="Later lessons call filter_clusters(labels) and rely on it.",
-    hint="Keep the first line of the function as it was given: min_num_points=100.",
 )
 def keeps_the_default(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
     labels = np.repeat([1, 2, 3], [60, 98, 102])
     assert_kept(filter_clusters(labels.copy()), labels, np.repeat([0, 0, 3], [60, 98, 102]), 100)
 
 
-@visible(
-    "filter_clusters",
-    weight=1,
-    title="The parameters keep their names",
+promises.names(
+    _FILTERED,
+    "keeps_the_names",
     why="Later lessons call filter_clusters(labels, min_num_points=10).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_names(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
-    answer = filter_clusters(cluster_labels=_LABELS.copy(), min_num_points=3)
-    assert_kept(answer, _LABELS, _KEPT)
 
 
 @visible(
@@ -296,16 +299,13 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
         assert_kept(filter_clusters(labels.copy(), minimum), labels, np.array(expected), minimum)
 
 
-@visible(
-    "filter_clusters",
-    weight=2,
-    title="Leaves its input untouched",
+promises.untouched(
+    _FILTERED,
+    "leaves_its_input",
     why="The next step may want to try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
+    weight=2,
 )
-def leaves_its_input(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
-    assert_untouched(filter_clusters, _LABELS, 3)
 
 
 @visible(

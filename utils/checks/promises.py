@@ -206,17 +206,20 @@ def untouched(
     hint: str = "cloud[mask] is already a new array. Do not assign into cloud.",
     weight: float = 1,
 ) -> None:
-    """The arguments are afterwards what they were before, whatever there is to write into."""
-    arguments = in_general_position(case.given).values()
+    """The arguments are afterwards what they were before, and so are those of `in_full`."""
+    calls, full = [case.given], in_full(case.given)
+    if any(full[argument] is not value for argument, value in case.given.items()):
+        calls.append(full)
 
     @promise("untouched", case, name, title=title, why=why, hint=hint, weight=weight)
     def ask(function: Callable) -> None:
         case.basic(function)
-        assert_untouched(function, *arguments)
+        for given in calls:
+            assert_untouched(function, *given.values())
 
 
-def in_general_position(given: Mapping[str, object]) -> dict[str, object]:
-    """The arguments of a call, such that nothing can be written unseen.
+def in_full(given: Mapping[str, object]) -> dict[str, object]:
+    """The arguments of a call with all that there may be to write into.
 
     A cloud has its fourth column, labels hold a 0, and no line or plane runs through the origin.
 
@@ -229,19 +232,19 @@ def in_general_position(given: Mapping[str, object]) -> dict[str, object]:
     -------
     dict of str to object
     """
-    general, labels = dict(given), given.get("cluster_labels")
+    full, labels = dict(given), given.get("cluster_labels")
     strays = labels is not None and 0 not in labels
     if strays:
-        general["cluster_labels"] = np.append(labels, [0, 0])
-    for name in {"cloud", "points"} & set(general):
-        cloud = general[name]
+        full["cluster_labels"] = np.append(labels, [0, 0])
+    for name in {"cloud", "points"} & set(full):
+        cloud = full[name]
         if cloud.shape[1] == 3:
             cloud = np.column_stack([cloud, np.linspace(0.9, 0.1, len(cloud))])
-        general[name] = np.vstack([cloud, cloud[:2] + 5.0]) if strays else cloud
-    for name in {"line", "plane"} & set(general):
-        if general[name][-1] == 0:
-            general[name] = np.append(general[name][:-1], 0.7)
-    return general
+        full[name] = np.vstack([cloud, cloud[:2] + 5.0]) if strays else cloud
+    for name in {"line", "plane"} & set(full):
+        if full[name][-1] == 0:
+            full[name] = np.append(full[name][:-1], 0.7)
+    return full
 
 
 # ---- columns -----------------------------------------------------------------------------------
