@@ -4,16 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import box_promises, promises
 from utils.checks.boxes import (
-    as_cluster_boxes,
     assert_box_corners,
     corners_between,
     same_corners,
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
-from utils.checks.vocabulary import CheckFailed, as_array, assert_untouched, brief, frozen, needs
+from utils.checks.vocabulary import CheckFailed, as_array, brief, frozen, needs
 
 # A cluster that surrounds the origin; its first point is neither the smallest nor the largest on
 # any axis. So it matters to it neither where a search starts nor which point comes first: those
@@ -109,44 +110,24 @@ def takes_points_in_any_order(get_bounding_boxes: Callable) -> None:
         assert_box_corners(answer, np.stack([_BOX, 0.5 * _BOX]), cloud, labels)
 
 
-@visible(
+_THREE = Case(
+    __name__,
     "get_bounding_boxes",
-    weight=2,
-    title="Labels may have gaps",
-    why="Filters remove clusters and leave gaps in the numbers.",
+    {"cloud": _CLOUD, "cluster_labels": _LABELS},
+    expected=_BOXES,
+    look=lambda answer, cloud, labels, boxes: assert_box_corners(answer, boxes, cloud, labels),
+    basic=assert_works,
+)
+box_promises.gaps(
+    _THREE,
+    "allows_gaps",
+    [2, 5, 9],
     hint="np.unique(cluster_labels) lists the labels that occur. range(1, ...) also counts those "
     "that do not.",
-)
-def allows_gaps(get_bounding_boxes: Callable) -> None:
-    labels = np.array([0, 2, 5, 9])[_LABELS]
-    answer = get_bounding_boxes(_CLOUD.copy(), labels.copy())
-    assert_box_corners(answer, _BOXES, _CLOUD, labels)
-
-
-@visible(
-    "get_bounding_boxes",
     weight=2,
-    title="The boxes are in ascending order of the labels",
-    why="The next step tells by the row which box is whose.",
-    hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
 )
-def follows_the_labels(get_bounding_boxes: Callable) -> None:
-    labels = np.array([0, 2, 3, 1])[_LABELS]
-    answer = get_bounding_boxes(_CLOUD.copy(), labels.copy())
-    assert_box_corners(answer, _BOXES[[2, 0, 1]], _CLOUD, labels)
-
-
-@visible(
-    "get_bounding_boxes",
-    weight=2,
-    title="Label 0 is no obstacle",
-    why="Stray points lie all over the street: their box would be the street, with us in it.",
-    hint="Keep only labels > 0 before you loop.",
-)
-def leaves_noise_alone(get_bounding_boxes: Callable) -> None:
-    noise = np.array([[20.0, 9.0, 1.0], [-15.0, -9.0, -1.4]])
-    cloud, labels = np.vstack([noise, _CLOUD, noise]), np.pad(_LABELS, 2)
-    assert_box_corners(get_bounding_boxes(cloud.copy(), labels.copy()), _BOXES, cloud, labels)
+box_promises.ascending(_THREE, "follows_the_labels", [2, 3, 1], weight=2)
+box_promises.noise(_THREE, "leaves_noise_alone", weight=2)
 
 
 @visible(
@@ -166,58 +147,22 @@ def takes_few_points(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, np.stack([pair, post, pair, post]), cloud, labels)
 
 
-@visible(
-    "get_bounding_boxes",
-    weight=2,
-    title="A fourth column, intensity, is no part of the box",
-    why="A corner is a place in space; brightness has none.",
-    hint="Take the coordinates with cloud[mask, :3].",
-)
-def ignores_intensity(get_bounding_boxes: Callable) -> None:
-    bright = np.column_stack([_CLOUD, np.linspace(9, -9, len(_CLOUD))])
-    answer = get_bounding_boxes(bright, _LABELS.copy())
-    assert_box_corners(answer, _BOXES, bright, _LABELS)
-
-
-@visible(
-    "get_bounding_boxes",
-    weight=2,
-    title="No cluster, no box: the shape is then (0, 8, 3)",
-    why="On an empty road nothing is boxed, and the planner still asks for boxes[:, 0].",
+box_promises.fourth_column(_THREE, "ignores_intensity", weight=2)
+box_promises.no_boxes(
+    _THREE,
+    "takes_nothing",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
+    weight=2,
 )
-def takes_nothing(get_bounding_boxes: Callable) -> None:
-    assert_works(get_bounding_boxes)
-    noise = np.zeros(len(_CLOUD), dtype=int)
-    as_cluster_boxes(get_bounding_boxes(_CLOUD.copy(), noise.copy()), noise)
-    none = np.zeros(0, dtype=int)
-    as_cluster_boxes(get_bounding_boxes(np.empty((0, 3)), none.copy()), none)
-
-
-@visible(
-    "get_bounding_boxes",
-    weight=1,
-    title="The parameters keep their names",
+promises.names(
+    _THREE,
+    "keeps_the_names",
     why="Whoever reads the docstring may call get_bounding_boxes(cloud=..., cluster_labels=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_names(get_bounding_boxes: Callable) -> None:
-    assert_works(get_bounding_boxes)
-    answer = get_bounding_boxes(cloud=_CLOUD.copy(), cluster_labels=_LABELS.copy())
-    assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
-
-
-@visible(
-    "get_bounding_boxes",
-    weight=1,
-    title="Leaves cloud and labels untouched",
-    why="The next step still needs them.",
-    hint="Write the corners into an array of their own.",
+box_promises.untouched(
+    _THREE, "leaves_its_input", hint="Write the corners into an array of their own."
 )
-def leaves_its_input(get_bounding_boxes: Callable) -> None:
-    assert_works(get_bounding_boxes)
-    assert_untouched(get_bounding_boxes, _CLOUD, _LABELS)
 
 
 @noted(
