@@ -92,10 +92,11 @@ def assert_clusters(
 
 
 def _in_words(labels: np.ndarray) -> str:
-    return f"{_count(labels)}, labels {brief(labels)}" if len(labels) <= 12 else _count(labels)
+    return f"{counted(labels)}, labels {brief(labels)}" if len(labels) <= 12 else counted(labels)
 
 
-def _count(labels: np.ndarray) -> str:
+def counted(labels: np.ndarray) -> str:
+    """The number of clusters, in words."""
     count = len(np.unique(labels))
     return "1 cluster" if count == 1 else f"{count} clusters"
 
@@ -131,37 +132,6 @@ def assert_from_one(answer: object, n: int) -> None:
             yours=brief(found),
             expected=brief(wanted),
         )
-
-
-def assert_default(euclidean_clustering: Callable) -> None:
-    """Without a threshold the clusters are those at 0.5 m, whether these are right or not."""
-    gaps = np.array([0.05, 0.3, 0.12, 0.65, 0.2, 1.2, 0.4, 0.9, 0.56, 0.48, 0.75, 0.35])
-    cloud = np.outer(2.0 + np.cumsum(gaps), [1.0, 0.0, 0.0])
-    given = as_labels(euclidean_clustering(cloud.copy(), 0.5), len(cloud))
-    left_out = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
-    if not np.array_equal(in_order(given), in_order(left_out)):
-        raise CheckFailed(
-            "Without a threshold the clusters are others than at 0.5 m.",
-            given="twelve points in a row",
-            yours=_count(left_out),
-            expected=f"{_count(given)}, as your function finds at 0.5 m",
-        )
-
-
-def assert_takes_the_smallest(euclidean_clustering: Callable) -> None:
-    """No points have no labels, and one point has one; with intensities and without."""
-    for columns in (3, 4):
-        for n in (0, 1):
-            as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
-
-
-_EQUAL = frozen(np.array([[1.0, 2, 3], [5, 0, 0], [1, 2, 3], [5, 9, 0], [1, 2, 3]]))
-
-
-def assert_joins_equal_points(euclidean_clustering: Callable) -> None:
-    """Points that are there more than once share a label."""
-    answer = euclidean_clustering(_EQUAL.copy(), 0.8)
-    assert_clusters(answer, np.array([1, 2, 1, 3, 1]), _EQUAL, 0.8)
 
 
 def assert_whole(euclidean_clustering: Callable) -> None:

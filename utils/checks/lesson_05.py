@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import cluster_promises, promises
 from utils.checks.cluster_mistakes import (
     by_steps,
     length,
@@ -22,12 +23,9 @@ from utils.checks.clusters import (
     GROUPS,
     LABELS,
     assert_clusters,
-    assert_default,
     assert_from_one,
-    assert_joins_equal_points,
     assert_numbered_by_appearance,
     assert_parts_at_the_threshold,
-    assert_takes_the_smallest,
     assert_whole,
     assert_works,
     row_of_points,
@@ -37,7 +35,6 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
-    assert_untouched,
     frozen,
 )
 
@@ -121,29 +118,15 @@ def follows_the_threshold(euclidean_clustering: Callable) -> None:
         assert_clusters(answer, np.array(labels), cloud, threshold)
 
 
-@visible(
-    "euclidean_clustering",
-    weight=1,
-    title="The threshold is 0.5 m unless another one is given",
+_CASE = cluster_promises.case_of(__name__, "euclidean_clustering")
+cluster_promises.default(
+    _CASE,
+    "keeps_the_default",
     why="Later cells call euclidean_clustering(obstacles) and rely on it.",
-    hint="Keep the first line of the function as it was given: threshold=0.5.",
 )
-def keeps_the_default(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
-    assert_default(euclidean_clustering)
-
-
-@visible(
-    "euclidean_clustering",
-    weight=1,
-    title="The parameters keep their names",
-    why="Somebody may call euclidean_clustering(cloud, threshold=0.3).",
-    hint="Keep the first line of the function as it was given.",
+promises.names(
+    _CASE, "keeps_the_names", why="Somebody may call euclidean_clustering(cloud, threshold=0.3)."
 )
-def keeps_the_names(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
-    answer = euclidean_clustering(cloud=GROUPS.copy(), threshold=1.0)
-    assert_clusters(answer, LABELS, GROUPS, 1.0)
 
 
 @visible(
@@ -178,54 +161,27 @@ def _text(way: np.ndarray) -> str:
     return f"{'xyz'[np.argmax(way)]}" if abs(signs).sum() == 1 else f"{tuple(signs.tolist())}"
 
 
-@visible(
-    "euclidean_clustering",
-    weight=3,
-    title="Intensity is not a place",
+cluster_promises.intensity(
+    _CASE,
+    "ignores_intensity",
     why="A white stripe on a black bumper is bright, not far away. Many recordings count "
     "intensity from 0 to 255.",
-    hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
+    weight=3,
 )
-def ignores_intensity(euclidean_clustering: Callable) -> None:
-    bright = np.column_stack([GROUPS, np.tile([7.0, 200.0], 5)])
-    assert_clusters(euclidean_clustering(bright.copy(), 1.0), LABELS, bright, 1.0)
-
-
-@visible(
-    "euclidean_clustering",
-    weight=2,
-    title="Takes an empty cloud and one point",
+cluster_promises.few_points(
+    _CASE,
+    "takes_the_smallest",
     why="After filtering nothing may be left.",
     hint="A loop over the points does nothing when there are none: an array of length 0 is "
     "the answer.",
+    weight=2,
 )
-def takes_the_smallest(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
-    assert_takes_the_smallest(euclidean_clustering)
-
-
-@visible(
-    "euclidean_clustering",
-    weight=1,
-    title="Equal points belong together",
-    why="Recordings do hold the same point twice.",
+cluster_promises.equal_points(
+    _CASE,
+    "joins_equal_points",
     hint="Equal points are at distance 0, which is below every threshold.",
 )
-def joins_equal_points(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
-    assert_joins_equal_points(euclidean_clustering)
-
-
-@visible(
-    "euclidean_clustering",
-    weight=1,
-    title="Leaves its input untouched",
-    why="The next step of the pipeline still needs the cloud.",
-    hint="Keep labels in an array of their own; do not write into cloud.",
-)
-def leaves_its_input(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
-    assert_untouched(euclidean_clustering, GROUPS, 1.0)
+cluster_promises.untouched(_CASE, "leaves_its_input")
 
 
 @visible(

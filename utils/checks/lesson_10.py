@@ -10,6 +10,7 @@ from time import process_time
 
 import numpy as np
 
+from utils.checks import cluster_promises, promises
 from utils.checks.cluster_mistakes import (
     frozen_cases,
     length,
@@ -25,12 +26,9 @@ from utils.checks.clusters import (
     GROUPS,
     LABELS,
     assert_clusters,
-    assert_default,
     assert_from_one,
-    assert_joins_equal_points,
     assert_numbered_by_appearance,
     assert_parts_at_the_threshold,
-    assert_takes_the_smallest,
     assert_whole,
     assert_works,
     in_order,
@@ -42,7 +40,6 @@ from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
     assert_partition,
-    assert_untouched,
     brief,
     needs,
     timed,
@@ -186,29 +183,17 @@ def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(answer, np.array([1, 2]), pair, 0.3)
 
 
-@visible(
-    _NAME,
-    weight=1,
-    title="The threshold is 0.5 m unless another one is given",
+_CASE = cluster_promises.case_of(__name__, _NAME)
+cluster_promises.default(
+    _CASE,
+    "keeps_the_default",
     why="Later cells call euclidean_clustering_accelerated(obstacles) and rely on it.",
-    hint="Keep the first line of the function as it was given: threshold=0.5.",
 )
-def keeps_the_default(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    assert_default(euclidean_clustering_accelerated)
-
-
-@visible(
-    _NAME,
-    weight=1,
-    title="The parameters keep their names",
+promises.names(
+    _CASE,
+    "keeps_the_names",
     why="Other programs may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_names(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    answer = euclidean_clustering_accelerated(cloud=GROUPS.copy(), threshold=1.0)
-    assert_clusters(answer, LABELS, GROUPS, 1.0)
 
 
 @visible(
@@ -226,53 +211,26 @@ def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
         assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
 
 
-@visible(
-    _NAME,
-    weight=2,
-    title="Intensity is not a place",
+cluster_promises.intensity(
+    _CASE,
+    "ignores_intensity",
     why="A number plate is bright, not far away. Many recordings count intensity from 0 to 255.",
-    hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
-)
-def ignores_intensity(euclidean_clustering_accelerated: Callable) -> None:
-    bright = np.column_stack([GROUPS, np.tile([7.0, 200.0], 5)])
-    assert_clusters(euclidean_clustering_accelerated(bright.copy(), 1.0), LABELS, bright, 1.0)
-
-
-@visible(
-    _NAME,
     weight=2,
-    title="Takes an empty cloud and one point",
+)
+cluster_promises.few_points(
+    _CASE,
+    "takes_the_smallest",
     why="Filters leave nothing now and then.",
     hint="Return an array of length 0 early when len(cloud) == 0. A list of pairs may be "
     "empty, too.",
+    weight=2,
 )
-def takes_the_smallest(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    assert_takes_the_smallest(euclidean_clustering_accelerated)
-
-
-@visible(
-    _NAME,
-    weight=1,
-    title="Equal points belong together",
-    why="Recordings do hold the same point twice.",
+cluster_promises.equal_points(
+    _CASE,
+    "joins_equal_points",
     hint="Equal points share a cell, so that there is nothing to measure.",
 )
-def joins_equal_points(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    assert_joins_equal_points(euclidean_clustering_accelerated)
-
-
-@visible(
-    _NAME,
-    weight=1,
-    title="Leaves its input untouched",
-    why="The next step of the pipeline still needs the cloud.",
-    hint="Keep labels in an array of their own; do not write into cloud.",
-)
-def leaves_its_input(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    assert_untouched(euclidean_clustering_accelerated, GROUPS, 1.0)
+cluster_promises.untouched(_CASE, "leaves_its_input")
 
 
 # ---- in time -----------------------------------------------------------------------------------
