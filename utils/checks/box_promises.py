@@ -16,7 +16,7 @@ from utils.checks.boxes import as_cluster_boxes
 from utils.checks.promises import Case, promise
 
 # Two returns that belong to no cluster, far away from all.
-_STRAYS = ((20.0, 9.0, 1.0), (-15.0, -9.0, -1.4))
+_STRAYS = ((30.0, 20.0, 4.0), (-20.0, -9.0, -1.0))
 
 
 def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1) -> None:

@@ -5,8 +5,8 @@ from itertools import product
 
 import numpy as np
 
+from utils.checks import box_promises, promises
 from utils.checks.boxes import (
-    as_cluster_boxes,
     assert_headings,
     assert_heights,
     assert_holds,
@@ -16,12 +16,12 @@ from utils.checks.boxes import (
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     WrongForm,
     as_array,
-    assert_untouched,
     brief,
     frozen,
     needs,
@@ -268,17 +268,23 @@ def centres_the_points(principal_axes: Callable) -> None:
         )
 
 
-@visible(
+_TURNED = frozen(_turn(_grid(*_SIDES[0]), 50))
+_BLOCK = Case(
+    __name__,
     "principal_axes",
-    weight=1,
+    {"points": _TURNED},
+    expected=_axes_of(_SIDES[0], 50),
+    look=lambda answer, points, axes: assert_directions(answer, axes),
+    basic=assert_finds_axes,
+)
+promises.fourth_column(
+    _BLOCK,
+    "ignores_intensity",
+    np.linspace(0, 90, len(_TURNED)),
     title="A fourth column, intensity, changes nothing",
     why="Intensity is not a direction in space.",
     hint="points[:, :3] are the coordinates.",
 )
-def ignores_intensity(principal_axes: Callable) -> None:
-    block = _turn(_grid(*_SIDES[0]), 50)
-    bright = np.column_stack([block, np.linspace(0, 90, len(block))])
-    assert_directions(principal_axes(bright), _axes_of(_SIDES[0], 50))
 
 
 @visible(
@@ -297,28 +303,18 @@ def takes_few_points(principal_axes: Callable) -> None:
         assert_orthonormal(principal_axes(few.copy()))
 
 
-@visible(
-    "principal_axes",
-    weight=1,
+promises.names(
+    _BLOCK.by_itself,
+    "keeps_the_name",
     title="The parameter keeps its name",
     why="Whoever reads the docstring may call principal_axes(points=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_name(principal_axes: Callable) -> None:
-    block = _turn(_grid(*_SIDES[0]), 50)
-    assert_directions(principal_axes(points=block), _axes_of(_SIDES[0], 50))
-
-
-@visible(
-    "principal_axes",
-    weight=1,
-    title="Leaves its input untouched",
+promises.untouched(
+    _BLOCK.of(frozen(_TURNED + [9.0, -4.0, -0.9])),
+    "leaves_its_input",
     why="The next step turns the same points.",
     hint="points - mean is a new array; points -= mean is not.",
 )
-def leaves_its_input(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
-    assert_untouched(principal_axes, _turn(_grid(*_SIDES[0]), 50) + [9.0, -4.0, -0.9])
 
 
 @noted(
@@ -548,41 +544,19 @@ def looks_from_above(get_oriented_boxes: Callable) -> None:
         assert_headings(answer, points, labels, (heading,), given)
 
 
-@visible(
+_BOTH = Case(
+    __name__,
     "get_oriented_boxes",
-    weight=1,
-    title="Labels may have gaps",
-    why="Filters remove clusters and leave gaps in the numbers.",
-    hint="Loop over np.unique(cluster_labels[cluster_labels > 0]).",
+    {"cloud": _STRAIGHT, "cluster_labels": _LABELS},
+    expected=None,
+    look=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
+    basic=assert_boxes,
 )
-def allows_gaps(get_oriented_boxes: Callable) -> None:
-    labels = np.array([0, 3, 8])[_LABELS]
-    assert_holds(get_oriented_boxes(_STRAIGHT.copy(), labels.copy()), _STRAIGHT, labels)
-
-
-@visible(
-    "get_oriented_boxes",
-    weight=1,
-    title="The boxes are in ascending order of the labels",
-    why="The next step tells by the row which box is whose.",
-    hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+box_promises.gaps(
+    _BOTH, "allows_gaps", [3, 8], hint="Loop over np.unique(cluster_labels[cluster_labels > 0])."
 )
-def follows_the_labels(get_oriented_boxes: Callable) -> None:
-    labels = np.array([0, 2, 1])[_LABELS]
-    assert_holds(get_oriented_boxes(_STRAIGHT.copy(), labels.copy()), _STRAIGHT, labels)
-
-
-@visible(
-    "get_oriented_boxes",
-    weight=1,
-    title="Label 0 is no obstacle",
-    why="Stray points lie all over the street: their box would be the street, with us in it.",
-    hint="Keep only labels > 0 before you loop.",
-)
-def leaves_noise_alone(get_oriented_boxes: Callable) -> None:
-    noise = np.array([[30.0, 20.0, 4.0], [-20.0, -9.0, -1.0]])
-    cloud, labels = np.vstack([noise, _STRAIGHT, noise]), np.pad(_LABELS, 2)
-    assert_holds(get_oriented_boxes(cloud.copy(), labels.copy()), cloud, labels)
+box_promises.ascending(_BOTH, "follows_the_labels", [2, 1])
+box_promises.noise(_BOTH, "leaves_noise_alone")
 
 
 @visible(
@@ -600,54 +574,22 @@ def takes_small_clusters(get_oriented_boxes: Callable) -> None:
     assert_holds(get_oriented_boxes(few.copy(), labels.copy()), few, labels)
 
 
-@visible(
-    "get_oriented_boxes",
-    weight=1,
-    title="No cluster, no box: the shape is then (0, 8, 3)",
-    why="On an empty road nothing is boxed, and the planner still asks for boxes[:, 0].",
-    hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
+box_promises.no_boxes(
+    _BOTH, "takes_nothing", hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3)."
 )
-def takes_nothing(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
-    noise = np.zeros(len(_STRAIGHT), dtype=int)
-    as_cluster_boxes(get_oriented_boxes(_STRAIGHT.copy(), noise.copy()), noise)
-    as_cluster_boxes(get_oriented_boxes(np.empty((0, 3)), noise[:0].copy()), noise[:0])
-
-
-@visible(
-    "get_oriented_boxes",
-    weight=1,
-    title="A fourth column, intensity, is no part of the box",
-    why="A corner is a place in space; brightness has none.",
-    hint="Take the coordinates with cloud[mask, :3].",
-)
-def boxes_no_intensity(get_oriented_boxes: Callable) -> None:
-    bright = np.column_stack([_STRAIGHT, np.linspace(9, -9, len(_STRAIGHT))])
-    assert_holds(get_oriented_boxes(bright.copy(), _LABELS.copy()), bright, _LABELS)
-
-
-@visible(
-    "get_oriented_boxes",
-    weight=0.5,
-    title="The parameters keep their names",
+box_promises.fourth_column(_BOTH, "boxes_no_intensity")
+promises.names(
+    _BOTH.by_itself,
+    "keeps_the_names",
     why="Whoever reads the docstring may call get_oriented_boxes(cloud=..., cluster_labels=...).",
-    hint="Keep the first line of the function as it was given.",
-)
-def keeps_the_names(get_oriented_boxes: Callable) -> None:
-    answer = get_oriented_boxes(cloud=_STRAIGHT.copy(), cluster_labels=_LABELS.copy())
-    assert_holds(answer, _STRAIGHT, _LABELS)
-
-
-@visible(
-    "get_oriented_boxes",
     weight=0.5,
-    title="Leaves cloud and labels untouched",
-    why="The next step still needs them.",
-    hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 changes the old one.",
 )
-def leaves_cloud_and_labels(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
-    assert_untouched(get_oriented_boxes, _STRAIGHT, _LABELS)
+box_promises.untouched(
+    _BOTH,
+    "leaves_cloud_and_labels",
+    hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 changes the old one.",
+    weight=0.5,
+)
 
 
 @noted(

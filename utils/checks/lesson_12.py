@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.detections import (
     as_boxes,
@@ -26,6 +27,7 @@ from utils.checks.detections import (
     detected,
 )
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.scans import own_car, rain, square, street, street_before, walk, with_invalid
 from utils.checks.using import functions_used
@@ -34,7 +36,6 @@ from utils.checks.vocabulary import (
     WrongForm,
     as_array,
     assert_left_alone,
-    assert_untouched,
     brief,
     frozen,
     needs,
@@ -581,29 +582,27 @@ def takes_no_boxes(match_boxes: Callable) -> None:
         assert_within(answer, np.full(len(current), -1), previous, current, 2.0)
 
 
-@visible(
+_MOVED = Case(
+    __name__,
     "match_boxes",
-    weight=1,
-    title="The parameters keep their names",
-    why="Whoever writes match_boxes(before, after, max_distance=1.5) relies on them.",
-    hint="Keep the first line of the function as it was given.",
+    {"previous": _BEFORE, "current": _AFTER, "max_distance": 1.5},
+    expected=_ORDER,
+    look=lambda answer, previous, current, _, order: assert_matched(
+        answer, order, previous, current
+    ),
+    basic=assert_finds_again,
 )
-def keeps_the_names(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
-    answer = match_boxes(previous=_BEFORE.copy(), current=_AFTER.copy(), max_distance=1.5)
-    assert_matched(answer, _ORDER, _BEFORE, _AFTER)
-
-
-@visible(
-    "match_boxes",
-    weight=1,
-    title="Leaves its input untouched",
+promises.names(
+    _MOVED,
+    "keeps_the_names",
+    why="Whoever writes match_boxes(before, after, max_distance=1.5) relies on them.",
+)
+promises.untouched(
+    _MOVED,
+    "leaves_the_boxes",
     why="The boxes of this frame are the previous ones of the next.",
     hint="Put infinity into a table of your own, and nothing into the boxes.",
 )
-def leaves_the_boxes(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
-    assert_untouched(match_boxes, _BEFORE, _AFTER, 1.5)
 
 
 @noted(

@@ -34,6 +34,10 @@ from utils.checks.vocabulary import (
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
 
+def _nothing(function: Callable) -> None:
+    """Ask for nothing first."""
+
+
 @dataclass(frozen=True)
 class Case:
     """A plain call of an exercise whose right answer is known.
@@ -60,7 +64,7 @@ class Case:
     given: Mapping[str, object]
     expected: object
     look: Callable
-    basic: Callable = lambda function: None
+    basic: Callable = _nothing
 
     @property
     def first(self) -> np.ndarray:
@@ -71,6 +75,11 @@ class Case:
     def copies(self) -> dict[str, object]:
         """The arguments, for a function that may do with them what it likes."""
         return copy.deepcopy(dict(self.given))
+
+    @property
+    def by_itself(self) -> Case:
+        """The same call, looked at whatever else is wrong."""
+        return replace(self, basic=_nothing)
 
     def of(self, first: np.ndarray, **more: object) -> Case:
         """The same call of something else; `more` are other fields, such as ``expected``."""
