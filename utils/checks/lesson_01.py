@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import promises, row_promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.promises import Case
@@ -447,7 +447,7 @@ def takes_an_empty_scan(drop_invalid: Callable) -> None:
 
 
 _SCAN, _GOOD_OF_SCAN = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
-promises.untouched(
+row_promises.untouched(
     Case(__name__, "drop_invalid", {"cloud": _SCAN}, _GOOD_OF_SCAN, assert_rows, assert_works),
     "leaves_the_scan",
     why="Whoever looks for a broken beam needs the lost returns.",

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     TOLERANCE,
@@ -15,7 +17,6 @@ from utils.checks.vocabulary import (
     WrongForm,
     as_array,
     assert_shape,
-    assert_untouched,
     brief,
     frozen,
     needs,
@@ -218,16 +219,13 @@ def takes_close_points(line_through: Callable) -> None:
             )
 
 
-@visible(
-    "line_through",
-    weight=1,
-    title="Leaves its input untouched",
+_P, _Q = frozen((np.array(_PAIRS[0][0]), np.array(_PAIRS[0][1])))
+promises.untouched(
+    Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, assert_makes_lines),
+    "leaves_the_points",
     why="p and q are rows of the points that the next round needs.",
     hint="q -= p writes into q; dx = q[0] - p[0] does not.",
 )
-def leaves_the_points(line_through: Callable) -> None:
-    assert_makes_lines(line_through)
-    assert_untouched(line_through, np.array([1.0, 2.0]), np.array([4.0, 6.0]))
 
 
 # Pairs by their first point, how far apart they are, and their lines.
@@ -436,19 +434,20 @@ def takes_any_line(point_line_distance: Callable) -> None:
         assert_line_distances(answer, _BESIDE, _SLANTED, _DISTANCES)
 
 
-@visible(
+_MEASURED = Case(
+    __name__,
     "point_line_distance",
-    weight=1,
+    {"points": _BESIDE, "line": _SLANTED},
+    expected=_DISTANCES,
+    look=assert_line_distances,
+    basic=assert_measures,
+)
+promises.few_points(
+    _MEASURED,
+    "takes_few_points",
     title="Takes one point and no point at all",
     why="A slice of the street may be empty.",
-    hint="Whole columns do it all: no loop over the points and no special case is needed.",
 )
-def takes_few_points(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
-    for rows in (slice(1, 2), slice(0, 0)):
-        points = _BESIDE[rows]
-        answer = point_line_distance(points.copy(), _SLANTED.copy())
-        assert_line_distances(answer, points, _SLANTED, _DISTANCES[rows])
 
 
 @visible(
@@ -470,16 +469,12 @@ def returns_an_array(point_line_distance: Callable) -> None:
         )
 
 
-@visible(
-    "point_line_distance",
-    weight=1,
-    title="Leaves its input untouched",
+promises.untouched(
+    _MEASURED,
+    "leaves_points_and_line",
     why="The next round of RANSAC needs the points as they were.",
     hint="points[:, 0] * a makes a new array; points[:, 0] *= a writes into the points.",
 )
-def leaves_points_and_line(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
-    assert_untouched(point_line_distance, _BESIDE, _SLANTED)
 
 
 # Points and a line, and what a x + b y + c is at each point, by the number of points.
@@ -833,17 +828,25 @@ def finds_the_line(ransac_line: Callable) -> None:
     assert_finds(ransac_line, _CROWDS, 8, 60, 0.4)
 
 
-@visible(
+_CROWD = Case(
+    __name__,
     "ransac_line",
-    weight=1,
-    title="Leaves its input untouched",
+    {
+        "points": _CROWDS[1][0],
+        "max_iterations": 30,
+        "distance_tolerance": 0.4,
+        "rng": np.random.default_rng(2),
+    },
+    expected=None,
+    look=lambda answer, points, *_: as_result(answer, len(points)),
+    basic=assert_works,
+)
+promises.untouched(
+    _CROWD,
+    "leaves_its_input",
     why="The next wall is searched among the same points.",
     hint="Draw indices instead of shuffling the points.",
 )
-def leaves_its_input(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
-    points, _ = _CROWDS[1]
-    assert_untouched(ransac_line, points, 30, 0.4, np.random.default_rng(2))
 
 
 @visible(
@@ -1091,20 +1094,12 @@ def takes_a_seed(ransac_line: Callable) -> None:
     assert_repeats(ransac_line, int)
 
 
-@visible(
-    "ransac_line",
-    weight=1,
-    title="The parameters keep their names",
+promises.names(
+    _CROWD,
+    "keeps_the_names",
     why="Whoever reads ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1) knows "
     "what the numbers are.",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_names(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
-    points, _ = _CROWDS[0]
-    rng = np.random.default_rng(0)
-    answer = ransac_line(points=points.copy(), max_iterations=20, distance_tolerance=0.4, rng=rng)
-    as_result(answer, len(points))
 
 
 @noted(

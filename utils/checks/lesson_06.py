@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import promises, row_promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.promises import Case
@@ -126,20 +126,20 @@ def keeps_the_default(filter_ground: Callable) -> None:
 promises.names(
     _ROAD, "keeps_the_names", why="Later lessons call filter_ground(cloud, ground_level=-1.5)."
 )
-promises.all_columns(_ROAD, "keeps_the_columns", weight=2)
-promises.order(_ROAD, "keeps_the_order", weight=2)
+row_promises.all_columns(_ROAD, "keeps_the_columns", weight=2)
+row_promises.order(_ROAD, "keeps_the_order", weight=2)
 promises.three_columns(
     _ROAD,
     "takes_three_columns",
     hint="Name the column that you compare, cloud[:, 2], and let the others be.",
 )
-promises.nothing_left(
+row_promises.nothing_left(
     _ROAD,
     "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
     weight=2,
 )
-promises.untouched(_ROAD, "leaves_its_input", weight=2)
+row_promises.untouched(_ROAD, "leaves_its_input", weight=2)
 
 
 @noted(

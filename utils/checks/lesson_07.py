@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import promises, row_promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.promises import Case
@@ -327,20 +327,20 @@ def keeps_the_default(filter_by_distance: Callable) -> None:
 promises.names(
     _NEARBY, "keeps_the_names", why="Others may call filter_by_distance(cloud, distance=25)."
 )
-promises.all_columns(_NEARBY, "keeps_the_columns", weight=2)
-promises.order(_NEARBY, "keeps_the_order", weight=2)
+row_promises.all_columns(_NEARBY, "keeps_the_columns", weight=2)
+row_promises.order(_NEARBY, "keeps_the_order", weight=2)
 promises.three_columns(
     _NEARBY,
     "takes_three_columns",
     hint="Name the columns that you need, cloud[:, 0] and cloud[:, 1], and let the others be.",
 )
-promises.nothing_left(
+row_promises.nothing_left(
     _NEARBY,
     "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
     weight=2,
 )
-promises.untouched(_NEARBY, "leaves_its_input", weight=2)
+row_promises.untouched(_NEARBY, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -472,13 +472,13 @@ promises.names(
     "names_the_corners",
     why="Others may call crop_region(cloud, minimum=..., maximum=...).",
 )
-promises.all_columns(
+row_promises.all_columns(
     _CROP, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-promises.order(_CROP, "crops_in_order")
+row_promises.order(_CROP, "crops_in_order")
 promises.three_columns(_CROP, "crops_three_columns", hint="cloud[:, :3] is there in both.")
-promises.nothing_left(_CROP, "crops_the_smallest", weight=2)
-promises.untouched(_CROP, "crops_a_copy")
+row_promises.nothing_left(_CROP, "crops_the_smallest", weight=2)
+row_promises.untouched(_CROP, "crops_a_copy")
 
 
 @visible(
@@ -592,13 +592,13 @@ promises.names(
     "names_the_ego_box",
     why="Others may call remove_ego_returns(cloud, minimum=..., maximum=...).",
 )
-promises.all_columns(
+row_promises.all_columns(
     _FREE, "leaves_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-promises.order(_FREE, "leaves_the_order")
+row_promises.order(_FREE, "leaves_the_order")
 promises.three_columns(_FREE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
-promises.nothing_left(_FREE, "frees_the_smallest", weight=2)
-promises.untouched(_FREE, "frees_a_copy")
+row_promises.nothing_left(_FREE, "frees_the_smallest", weight=2)
+row_promises.untouched(_FREE, "frees_a_copy")
 
 
 def _at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:

@@ -273,7 +273,7 @@ _BLOCK = Case(
     __name__,
     "principal_axes",
     {"points": _TURNED},
-    expected=_axes_of(_SIDES[0], 50),
+    expected=frozen(_axes_of(_SIDES[0], 50)),
     look=lambda answer, points, axes: assert_directions(answer, axes),
     basic=assert_finds_axes,
 )

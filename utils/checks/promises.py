@@ -8,10 +8,10 @@ the place where it is declared::
                  expected=_INSIDE, look=assert_boxed, basic=assert_crops)
 
     promises.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
-    promises.untouched(_CROP, "crops_a_copy")
+    row_promises.order(_CROP, "crops_in_order")
 
-Words that have a default are the same wherever the promise is made; `hint` and `why` of `untouched`
-are those of a function that chooses rows.
+What is not a parameter is the same wherever the promise is made. What only some kinds of exercises
+promise stands in `row_promises`, `box_promises` and `cluster_promises`.
 """
 
 from __future__ import annotations
@@ -23,13 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from utils.checks.core import visible
-from utils.checks.vocabulary import (
-    as_array,
-    assert_all_columns,
-    assert_nothing_left,
-    assert_order,
-    assert_untouched,
-)
+from utils.checks.vocabulary import assert_untouched
 
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
@@ -210,9 +204,9 @@ def untouched(
     case: Case,
     name: str,
     *,
+    why: str,
+    hint: str,
     title: str = "Leaves its input untouched",
-    why: str = "The next step of the pipeline may need the full cloud again.",
-    hint: str = "cloud[mask] is already a new array. Do not assign into cloud.",
     weight: float = 1,
 ) -> None:
     """The arguments are afterwards what they were before, and so are those of `in_full`."""
@@ -230,7 +224,7 @@ def untouched(
 def in_full(given: Mapping[str, object]) -> dict[str, object]:
     """The arguments of a call with all that there may be to write into.
 
-    A cloud has its fourth column, labels hold a 0, and no line or plane runs through the origin.
+    A cloud has intensities, labels hold a 0, and no line or plane runs through the origin.
 
     Parameters
     ----------
@@ -247,8 +241,8 @@ def in_full(given: Mapping[str, object]) -> dict[str, object]:
         full["cluster_labels"] = np.append(labels, [0, 0])
     for name in {"cloud", "points"} & set(full):
         cloud = full[name]
-        if cloud.shape[1] == 3:
-            cloud = np.column_stack([cloud, np.linspace(0.9, 0.1, len(cloud))])
+        if cloud.shape[1] >= 3 and not cloud[:, 3:].any():
+            cloud = np.column_stack([cloud[:, :3], np.linspace(0.9, 0.1, len(cloud))])
         full[name] = np.vstack([cloud, cloud[:2] + 5.0]) if strays else cloud
     for name in {"line", "plane"} & set(full):
         if full[name][-1] == 0:
@@ -305,72 +299,3 @@ def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1
         case.basic(function)
         for rows in (slice(1, 2), slice(0)):
             case.rows(rows).assert_right(function)
-
-
-# ---- what chooses rows: `expected` is the mask of those that stay ------------------------------
-
-
-def all_columns(
-    case: Case,
-    name: str,
-    *,
-    hint: str = "Index the cloud itself with the mask, cloud[mask], and leave the columns alone.",
-    weight: float = 1,
-) -> None:
-    """Rows that stay are whole."""
-
-    @promise(
-        "all_columns",
-        case,
-        name,
-        title="Keeps all columns: the intensity stays with its point",
-        why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
-        hint=hint,
-        weight=weight,
-    )
-    def ask(function: Callable) -> None:
-        assert_all_columns(case.ask(function), case.first, case.expected)
-
-
-def order(case: Case, name: str, *, weight: float = 1) -> None:
-    """Rows that stay have the order that they had."""
-
-    @promise(
-        "order",
-        case,
-        name,
-        title="Keeps the order of the rows",
-        why="Whoever knows the true object of each return finds it by its place among the rows.",
-        hint="A mask keeps the order by itself: sort nothing.",
-        weight=weight,
-    )
-    def ask(function: Callable) -> None:
-        assert_order(case.ask(function), case.first, case.expected)
-
-
-def nothing_left(
-    case: Case,
-    name: str,
-    *,
-    hint: str = "The same lines serve every case: an empty mask takes no row.",
-    weight: float = 1,
-) -> None:
-    """No point, one point, and points none of which stays, are clouds like any others."""
-    cloud, gone = case.first, np.flatnonzero(~case.expected)[:3]
-    left = case.rows(np.flatnonzero(case.expected)[:1])
-
-    @promise(
-        "nothing_left",
-        case,
-        name,
-        title="Takes no points, one point, and a cloud of which nothing is left",
-        why="After other filters nothing may be left, or a single return.",
-        hint=hint,
-        weight=weight,
-    )
-    def ask(function: Callable) -> None:
-        case.basic(function)
-        columns = as_array(case.ask(function)).shape[1]
-        for few in (cloud[:0], cloud[gone[:1]], cloud[gone]):
-            assert_nothing_left(case.of(few).ask(function), few, columns)
-        left.assert_right(function)
