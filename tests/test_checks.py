@@ -384,8 +384,9 @@ def test_import_is_quick_and_light():
 
 def modules_of_checks():
     """Every module that a check or a hidden test may keep a constant in."""
-    for path in sorted((PROJECT / "utils" / "checks").glob("*.py")):
-        yield importlib.import_module(f"utils.checks.{path.stem}".removesuffix(".__init__"))
+    for path in sorted((PROJECT / "utils" / "checks").rglob("*.py")):
+        name = ".".join(path.relative_to(PROJECT).with_suffix("").parts)
+        yield importlib.import_module(name.removesuffix(".__init__"))
     for lesson in all_lessons():
         spec = importlib.util.spec_from_file_location(lesson.tests.stem, lesson.tests)
         module = importlib.util.module_from_spec(spec)

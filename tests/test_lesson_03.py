@@ -8,7 +8,7 @@ from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from utils.checks import CheckFailed
-from utils.checks.lesson_03 import (
+from utils.checks.lesson_03.ransac_plane import (
     assert_finds,
     assert_mask_belongs,
     assert_through_the_mean,

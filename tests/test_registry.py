@@ -238,7 +238,8 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
 
 def test_every_lesson_has_its_files(lesson):
     assert lesson.tests.is_file()
-    assert (PROJECT / "utils" / "checks" / f"lesson_{lesson.number}.py").is_file()
+    checks = PROJECT / "utils" / "checks" / f"lesson_{lesson.number}"
+    assert checks.with_suffix(".py").is_file() != checks.is_dir()
     assert (PROJECT / "grader" / "pictures" / f"lesson_{lesson.number}.py").is_file()
     for exercise in lesson.machine_graded:
         assert (PROJECT / "grader" / "variants" / f"{exercise.name}.py").is_file()

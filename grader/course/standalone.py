@@ -109,15 +109,15 @@ def setup_cell(lesson: str) -> str:
 
 def packed_tools(lesson: str) -> bytes:
     """``utils`` for one lesson, compressed; the same bytes for the same files."""
-    numbers = [other.number for other in all_lessons() if other.name != lesson]
-    others = [f"lesson_{number}{suffix}" for number in numbers for suffix in (".py", ".json")]
+    others = {f"lesson_{one.number}" for one in all_lessons() if one.name != lesson}
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):
-            wanted = path.suffix in (".py", ".html", ".json") and path.name not in others
-            if not wanted or not path.is_file():
+            name = path.relative_to(PROJECT)
+            of_others = others & {name.stem, *name.parts}
+            if path.suffix not in (".py", ".html", ".json") or of_others or not path.is_file():
                 continue
-            entry = tarfile.TarInfo(path.relative_to(PROJECT).as_posix())
+            entry = tarfile.TarInfo(name.as_posix())
             content = path.read_bytes()
             entry.size, entry.mode = len(content), 0o644
             archive.addfile(entry, io.BytesIO(content))

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from utils import load_cloud, plots
-from utils.checks.lesson_03 import best_plane
+from utils.checks.lesson_03.ransac_plane import best_plane
 from utils.datasets import DATA
 
 

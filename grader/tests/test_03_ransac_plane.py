@@ -13,7 +13,7 @@ import pytest
 
 from grader.judging import samples
 from grader.judging.marks import hidden
-from utils.checks.lesson_03 import (
+from utils.checks.lesson_03.ransac_plane import (
     assert_about,
     assert_direction,
     assert_distances,

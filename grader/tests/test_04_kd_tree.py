@@ -12,7 +12,7 @@ import pytest
 
 from grader.judging import samples
 from grader.judging.marks import hidden
-from utils.checks.lesson_04 import (
+from utils.checks.lesson_04.search import (
     along_the_diagonal,
     assert_found,
     assert_halves,

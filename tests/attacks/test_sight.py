@@ -60,7 +60,7 @@ def test_walks_the_project_and_every_home():
     "path",
     {
         "reads the hidden tests": "grader/tests/test_06_filter_ground.py",
-        "reads the visible checks": "utils/checks/lesson_04.py",
+        "reads the visible checks": "utils/checks/lesson_04/search.py",
         "reads the judge": "grader/judging/judge.py",
         "reads the samples": "grader/judging/samples.py",
         "reads the simulator": "utils/simulator/scenes.py",

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 # an end.
 SECONDS = 20
 
-# Every module `lesson_NN` of this package declares the checks of its exercises here.
+# Every `lesson_NN` of this package, module or folder, declares the checks of its exercises here.
 _CHECKS: dict[str, list[Check]] = {}
 
 
@@ -66,8 +66,8 @@ class Check:
 
     @property
     def lesson(self) -> str:
-        """The module that declares it, such as "lesson_05"."""
-        return self.run.__module__.rpartition(".")[2]
+        """The module or folder that declares it, such as "lesson_05"."""
+        return self.run.__module__.removeprefix(f"{__package__}.").partition(".")[0]
 
     @property
     def is_shown(self) -> bool:
@@ -163,7 +163,7 @@ def _all_of(exercise: str) -> list[Check]:
         importlib.import_module(modules.pop(0))
     if exercise not in _CHECKS:
         # By lesson, whatever was imported first.
-        names = sorted(_CHECKS, key=lambda name: _CHECKS[name][0].run.__module__)
+        names = sorted(_CHECKS, key=lambda name: _CHECKS[name][0].lesson)
         raise LookupError(
             f"There are no checks for {exercise!r}. Pass the function itself, "
             f"under the name it was given: one of {', '.join(names)}."
