@@ -17,6 +17,7 @@ WITHOUT_A_PICTURE = (
     "utils.checks",
     "utils.clouds",
     "utils.datasets",
+    "utils.geometry",
     "utils.ground",
     "utils.notebooks",
     "utils.recordings",

@@ -8,12 +8,9 @@ from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from utils.checks import CheckFailed
-from utils.checks.lesson_03.ransac_plane import (
-    assert_finds,
-    assert_mask_belongs,
-    assert_through_the_mean,
-    scattered_plane,
-)
+from utils.checks.lesson_03.fit_plane import assert_through_the_mean
+from utils.checks.lesson_03.planes import scattered_plane
+from utils.checks.lesson_03.results import assert_finds, assert_mask_belongs
 
 RANSAC_PLANE = """\
 def ransac_plane(points, max_iterations, distance_tolerance, rng):

@@ -6,8 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from utils import load_cloud, plots
-from utils.checks.lesson_03.ransac_plane import best_plane
 from utils.datasets import DATA
+from utils.geometry import best_plane
 
 
 def draw() -> Figure:

@@ -13,37 +13,42 @@ import pytest
 
 from grader.judging import samples
 from grader.judging.marks import hidden
-from utils.checks.lesson_03.ransac_plane import (
+from utils.checks.lesson_03.fit_plane import assert_direction, assert_fits, assert_through_the_mean
+from utils.checks.lesson_03.iterations_needed import (
     assert_about,
-    assert_direction,
-    assert_distances,
-    assert_finds,
-    assert_fits,
+    assert_iterations,
+    assert_reckons,
+    iterations_by_trying,
+)
+from utils.checks.lesson_03.plane_through import (
     assert_fits_triangles,
     assert_gives_planes,
-    assert_ignores_intensity,
-    assert_iterations,
-    assert_mask_belongs,
-    assert_mask_follows,
-    assert_measures,
     assert_no_plane,
-    assert_nothing_found,
-    assert_reckons,
+    assert_through,
+    assert_upright,
+    plane_of,
+)
+from utils.checks.lesson_03.planes import assert_unit_normal, scattered_plane
+from utils.checks.lesson_03.point_plane_distance import (
+    assert_distances,
+    assert_ignores_intensity,
+    assert_measures,
+)
+from utils.checks.lesson_03.ransac_plane import (
     assert_runs,
     assert_takes_all_three,
-    assert_through,
-    assert_through_the_mean,
-    assert_unit_normal,
-    assert_upright,
     assert_works,
-    gaps_from,
-    iterations_by_trying,
-    model_of,
-    plane_of,
     ring_on_a_ramp,
-    scattered_plane,
+)
+from utils.checks.lesson_03.results import (
+    assert_finds,
+    assert_mask_belongs,
+    assert_mask_follows,
+    assert_nothing_found,
+    model_of,
 )
 from utils.checks.vocabulary import CheckFailed, needs
+from utils.geometry import gaps_from
 
 
 def random_plane(rng):

@@ -46,11 +46,11 @@ def insert(self, point, index):
     self.root = grown(self.points)
 """,
         ),
-        "the best plane, from the checks of its lesson": (
+        "the best plane, from the geometry": (
             "fit_plane",
             """
 def fit_plane(points):
-    from utils.checks.lesson_03.ransac_plane import best_plane
+    from utils.geometry import best_plane
     return best_plane(points)
 """,
         ),

@@ -1,5 +1,15 @@
 """Visible checks of lesson 03: planes through points, distances, RANSAC, refit, rounds."""
 
-from utils.checks.lesson_03 import ransac_plane
+# In the order of the lesson, in which exercises are listed.
+from utils.checks.lesson_03 import plane_through, point_plane_distance, ransac_plane
 
-__all__ = ["ransac_plane"]
+# isort: split
+from utils.checks.lesson_03 import fit_plane, iterations_needed
+
+__all__ = [
+    "plane_through",
+    "point_plane_distance",
+    "ransac_plane",
+    "fit_plane",
+    "iterations_needed",
+]

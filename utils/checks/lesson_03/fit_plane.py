@@ -1,0 +1,284 @@
+"""Visible checks of `fit_plane`."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.checks.core import visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.lesson_03.planes import (
+    TRIANGLES,
+    as_plane,
+    assert_unit_normal,
+    draw_on_edge,
+    expected_text,
+    plane_text,
+    same_plane,
+    scattered_plane,
+)
+from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs, point_text
+from utils.geometry import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
+
+# The rough floor of the notebook: 4 m by 2 m, its corners 10 cm too high or too low.
+_FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
+
+
+def assert_direction(answer: object, points: np.ndarray, given: str | None = None) -> None:
+    """No other direction fits better; the length of the normal and d are not looked at.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+    given : str, optional
+        What the function was given, for the message.
+    """
+    plane = as_plane(answer)
+    best, least = best_plane(points)
+    centre = np.asarray(points, dtype=float)[:, :3].mean(axis=0)
+    yours = math.sqrt(np.mean(gaps_from(points, plane_at(centre, plane[:3])) ** 2))
+    if yours > 1.001 * least + 1e-3:
+        raise CheckFailed(
+            "Through the mean of these points goes a plane that lies nearer to them than one with "
+            "your (a, b, c).",
+            given=given,
+            yours=f"{plane_text(plane)}, {yours:.4f} m root mean square distance",
+            expected=f"{expected_text(plane, best)}, {least:.4f} m",
+            draw=lambda: draw_on_edge(np.asarray(points), plane, None, None, best),
+        )
+
+
+def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
+    """The mean of the points lies on the plane; the rest of it is not looked at.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+    """
+    plane = as_plane(answer)
+    centre = np.asarray(points, dtype=float)[:, :3].mean(axis=0)
+    gap = gaps_from(centre[None], plane)[0]
+    if gap > 5e-3:
+        best = best_plane(points)[0]
+        raise CheckFailed(
+            f"The mean of the points, {point_text(centre)}, is {gap:.3g} m away from the plane. "
+            "It lies on the best one.",
+            yours=plane_text(plane),
+            expected=expected_text(plane, best),
+            draw=lambda: draw_on_edge(np.asarray(points), plane, None, None, best),
+        )
+
+
+def assert_fits(fit_plane: Callable) -> None:
+    """The direction is right; where not, nothing else can be looked at."""
+    with needs("(a, b, c) is the direction of least spread"):
+        points, _ = scattered_plane(2, 80, 0, noise=0.05)
+        assert_direction(fit_plane(points.copy()), points)
+
+
+@visible(
+    "fit_plane",
+    weight=3,
+    title="Finds the direction in which points spread least, with and without noise",
+    why="Three points carry the noise of three points; a thousand average it away.",
+    hint="Subtract the mean of the points, then np.linalg.svd: the normal is the last row "
+    "of the third result.",
+)
+def fits_a_road(fit_plane: Callable) -> None:
+    given = f"four points: {', '.join(map(point_text, _FLOOR))}"
+    assert_direction(fit_plane(_FLOOR.copy()), _FLOOR, given)
+    for seed, noise in ((1, 0.0), (2, 0.05)):
+        points, _ = scattered_plane(seed, 80, 0, noise=noise)
+        assert_direction(fit_plane(points.copy()), points)
+
+
+@visible(
+    "fit_plane",
+    weight=2,
+    title="The mean of the points lies on the plane",
+    why="A plane with the right tilt at the wrong height calls all of the road an obstacle.",
+    hint="d is minus the product of the normal and the mean.",
+)
+def goes_through_the_mean(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    points, _ = scattered_plane(2, 80, 0, noise=0.05)
+    assert_through_the_mean(fit_plane(points.copy()), points)
+
+
+@visible(
+    "fit_plane",
+    weight=1,
+    title="The normal has length 1",
+    why="Only then do distances from the plane come out in metres.",
+    hint="The rows of the SVD's third result have length 1 already; another normal is to be "
+    "divided by its length, and d with it.",
+)
+def fit_has_a_unit_normal(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    points, _ = scattered_plane(2, 80, 0, noise=0.05)
+    assert_unit_normal(fit_plane(points.copy()))
+
+
+@visible(
+    "fit_plane",
+    weight=2,
+    title="Fits a wall as well as a road",
+    why="z = a x + b y + c cannot describe a wall, and this function will meet walls.",
+    hint="Do not solve for z. The SVD treats all three directions alike.",
+)
+def fits_a_wall(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    for plane in ((0.6, 0.8, 0.0, -4.0), (1.0, 0.0, 0.0, 7.0)):
+        points, _ = scattered_plane(3, 60, 0, plane=plane, noise=0.03)
+        assert_direction(fit_plane(points.copy()), points)
+
+
+@visible(
+    "fit_plane",
+    weight=1,
+    title="Works far from the sensor",
+    why="A plane need not go through the origin: only the centred points have a plain direction.",
+    hint="Subtract the mean first, and put it back into d.",
+)
+def fits_far_away(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    points, _ = scattered_plane(4, 60, 0, plane=(0.0, 0.28, 0.96, 55.0), noise=0.02)
+    points += [70.0, 0.0, 0.0]
+    assert_direction(fit_plane(points.copy()), points)
+
+
+@visible(
+    "fit_plane",
+    weight=1,
+    title="The fourth column does not count, whether it varies much or little",
+    why="Brightness is no direction in space.",
+    hint="points[:, :3] before anything else.",
+)
+def fits_without_intensity(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    points, _ = scattered_plane(5, 60, 0, noise=0.05, columns=4)
+    for scale in (1.0, 1e-5):  # once it spreads most of all, once least
+        cloud = points * [1, 1, 1, scale]
+        assert_direction(fit_plane(cloud.copy()), cloud)
+
+
+@visible(
+    "fit_plane",
+    weight=1,
+    title="Three points are enough",
+    why="They are the fewest that have a plane, and the best one goes through all of them.",
+    hint="The same lines serve every number of points. With full_matrices=False the SVD of three "
+    "points has three rows, too.",
+)
+def fits_three_points(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    for triangle in TRIANGLES[2:]:
+        assert_direction(fit_plane(triangle.copy()), triangle)
+
+
+@visible(
+    "fit_plane",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The mean is subtracted for the fit alone: the cloud must stay where it is.",
+    hint="points[:, :3] - centre is a new array; points[:, :3] -= centre moves the cloud.",
+)
+def leaves_the_points_where_they_are(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    points, _ = scattered_plane(2, 80, 0, noise=0.05)
+    assert_untouched(fit_plane, points)
+
+
+@visible(
+    "fit_plane",
+    weight=1,
+    title="The parameter keeps its name: points",
+    why="Whoever reads the docstring calls fit_plane(points=...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_points(fit_plane: Callable) -> None:
+    assert_fits(fit_plane)
+    points, _ = scattered_plane(2, 80, 0, noise=0.05)
+    assert_direction(fit_plane(points=points.copy()), points)
+
+
+def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    return plane_at(points[:, :3].mean(axis=0), normal)
+
+
+def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
+    """What stands where the normal is looked for in the wrong direction of the matrix."""
+    return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:, 2]
+
+
+def _heights_fitted(points: np.ndarray) -> np.ndarray:
+    """Where the errors are measured along z: a x + b y - z + d = 0; shape (4,)."""
+    table = np.column_stack([points[:, :2], np.ones(len(points))])
+    a, b, d = np.linalg.solve(table.T @ table, table.T @ points[:, 2])
+    return np.array([a, b, -1.0, d])
+
+
+mistakes(
+    "fit_plane",
+    Mistake(
+        "The points are not centred: the directions of spread are those about the sensor.",
+        lambda right, points: _through_the_mean(points, np.linalg.eigh(points.T @ points)[1][:, 0]),
+        "Subtract the mean of the points before the SVD.",
+    ),
+    Mistake(
+        "The normal is the direction of largest spread; it must be that of least.",
+        lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 2]),
+        "The directions are sorted from most to least: take the last row.",
+    ),
+    Mistake(
+        "The normal is the direction of second largest spread; it must be that of least.",
+        lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 1]),
+        "The directions are sorted from most to least: take the last row.",
+    ),
+    Mistake(
+        "The normal is a column of the SVD's third result; its directions are the rows.",
+        lambda right, points: _through_the_mean(points, _column_of_the_svd(points)),
+        "Take the last row, [-1], and not the last column, [:, -1].",
+    ),
+    Mistake(
+        "The sign of d is wrong: a x + b y + c z + d must be 0 at the mean.",
+        lambda right, points: right * [1, 1, 1, -1],
+    ),
+    Mistake(
+        "d is 0: that is the parallel plane through the sensor.",
+        lambda right, points: right * [1, 1, 1, 0],
+        "d is minus the product of the normal and the mean.",
+    ),
+    Mistake(
+        "Only the first three points decide.",
+        lambda right, points: best_plane(points[:3])[0],
+        "All points count: subtract their mean, then take the SVD.",
+    ),
+    Mistake(
+        "The errors are measured along z, not square to the plane.",
+        lambda right, points: with_unit_normal(_heights_fitted(points)),
+        "Do not solve for z. The SVD treats all three directions alike.",
+    ),
+    Mistake(
+        "The errors are measured along z, and the normal (a, b, -1) is not divided by its length.",
+        lambda right, points: _heights_fitted(points),
+        "Do not solve for z. The SVD treats all three directions alike.",
+    ),
+    cases=(
+        (
+            np.array(
+                [[1.0, 2, 3.5], [4, 1, 6.2], [2, 6, 5.1], [7, 3, 10.4], [5, 8, 9.3], [0, 5, 1.8]]
+            ),
+        ),
+        (
+            np.array(
+                [[9.0, -1, 0.5], [3, 2, -2.5], [6, -5, 1.5], [2, -3, -2], [8, 4, -2.2], [5, 1, 1]]
+            ),
+        ),
+        (np.array([[4.0, 0, 2], [4.2, 5, 7], [6, 1, 1], [7, 6, 5.5], [9, 2, -2.5]]),),
+    ),
+    right=lambda points: best_plane(points)[0],
+    same=same_plane,
+)

@@ -1,0 +1,292 @@
+"""Visible checks of `iterations_needed`."""
+
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from utils.checks.core import visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs
+
+
+def assert_number(answer: object) -> np.ndarray:
+    """The answer is one finite number.
+
+    Parameters
+    ----------
+    answer : object
+
+    Returns
+    -------
+    numpy.ndarray, shape ()
+    """
+    number = as_array(answer, what="a whole number")
+    if number.shape != ():
+        raise WrongForm(
+            "The answer is one number.", yours=f"shape {number.shape}", expected="one whole number"
+        )
+    return number
+
+
+def assert_about(answer: object, expected: int, *case: object) -> None:
+    """The answer is right but for the rounding, which is another property.
+
+    Parameters
+    ----------
+    answer : object
+    expected : int
+    case : object
+        The arguments, for the message.
+    """
+    number = assert_number(answer)
+    if not abs(float(number) - expected) <= 1:
+        raise CheckFailed(
+            "This is not the number of samples that it takes.",
+            given=_call(case),
+            yours=f"{number:g}",
+            expected=str(expected),
+        )
+
+
+def assert_iterations(answer: object, expected: int, *case: object) -> None:
+    """The answer is the whole number expected.
+
+    Parameters
+    ----------
+    answer : object
+    expected : int
+    case : object
+        The arguments, for the message.
+    """
+    number = assert_number(answer)
+    sides = {"given": _call(case), "yours": f"{number:g}", "expected": str(expected)}
+    if number != np.round(number):
+        raise CheckFailed("Half a round cannot be played: take the next whole number.", **sides)
+    if number != expected:
+        words = {
+            -1: "One sample fewer does not reach the confidence: round up, not down.",
+            1: "One sample fewer would be enough.",
+        }
+        near = words.get(float(number) - expected, "This is not the smallest number that suffices.")
+        raise CheckFailed(near, **sides)
+
+
+def assert_never(answer: object) -> None:
+    """The answer says that no number is enough: `math.inf`, None, or a number beyond all patience.
+
+    Parameters
+    ----------
+    answer : object
+    """
+    if isinstance(answer, (int, float)) and not isinstance(answer, bool) and answer >= 1e9:
+        return
+    if answer is None or "beyond 64 bits" in getattr(answer, "type_name", ""):
+        return
+    raise CheckFailed(
+        "Without a single inlier no number of samples is enough.",
+        given=_call((0.0, 3, 0.99)),
+        yours=brief(answer),
+        expected="math.inf",
+    )
+
+
+def _call(case: Sequence) -> str | None:
+    names = ("inlier_ratio", "sample_size", "confidence")
+    return ", ".join(f"{name} {value}" for name, value in zip(names, case, strict=False)) or None
+
+
+def assert_reckons(iterations_needed: Callable) -> None:
+    """The plain case."""
+    with needs("the number of samples is right, give or take one"):
+        assert_about(iterations_needed(0.6, 3, 0.99), 19)
+        assert_about(iterations_needed(0.3, 3, 0.99), 169)
+
+
+def assert_falls(iterations_needed: Callable) -> None:
+    """More inliers, fewer samples; where not, the ends say nothing."""
+    with needs("the more inliers there are, the fewer samples it takes"):
+        few, more, most = (
+            float(assert_number(iterations_needed(w, 3, 0.99))) for w in (0.2, 0.4, 0.7)
+        )
+        if not np.inf > few > more > most > 0:
+            raise CheckFailed("The number does not fall as the share of inliers grows.")
+
+
+@visible(
+    "iterations_needed",
+    weight=3,
+    title="Right for a plane, give or take one",
+    why="A hundred too few and the road is missed; a thousand too many and the frame is late.",
+    hint="Solve 1 - (1 - w^s)^N >= confidence for N: a quotient of two logarithms.",
+)
+def reckons_the_number(iterations_needed: Callable) -> None:
+    for ratio, expected in ((0.6, 19), (0.3, 169), (0.2, 574), (0.7, 11), (0.01, 4605168)):
+        answer = iterations_needed(ratio, 3, 0.99)
+        assert_about(answer, expected, ratio, 3, 0.99)
+
+
+@visible(
+    "iterations_needed",
+    weight=2,
+    title="The smallest whole number that reaches the confidence",
+    why="One sample too few and the promise is broken.",
+    hint="math.ceil rounds up to a whole number.",
+)
+def smallest_that_suffices(iterations_needed: Callable) -> None:
+    assert_reckons(iterations_needed)
+    for ratio, expected in ((0.6, 19), (0.4, 70), (0.75, 9), (0.8, 7)):
+        assert_iterations(iterations_needed(ratio, 3, 0.99), expected, ratio, 3, 0.99)
+
+
+@visible(
+    "iterations_needed",
+    weight=1,
+    title="Follows sample_size",
+    why="A line needs two points, a plane three: the same inliers, another number.",
+    hint="s is sample_size: w is taken to that power.",
+)
+def follows_the_sample_size(iterations_needed: Callable) -> None:
+    assert_reckons(iterations_needed)
+    for size, expected in ((1, 7), (2, 17), (4, 72), (5, 146)):
+        assert_about(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
+
+
+@visible(
+    "iterations_needed",
+    weight=1,
+    title="Follows confidence",
+    why="One failure in a hundred is too many for a car that searches ten times a second.",
+    hint="Take the logarithm of 1 - confidence, with the parameter and no number of your own.",
+)
+def follows_the_confidence(iterations_needed: Callable) -> None:
+    assert_reckons(iterations_needed)
+    for confidence, expected in ((0.8, 34), (0.9, 49), (0.999, 145), (0.9999, 193)):
+        answer = iterations_needed(0.36, 3, confidence)
+        assert_about(answer, expected, 0.36, 3, confidence)
+
+
+@visible(
+    "iterations_needed",
+    weight=2,
+    title="With nothing but inliers, one sample is enough",
+    why="log(0) waits here, in an empty car park without a single obstacle.",
+    hint="Look at w = 1 before you take logarithms.",
+)
+def one_is_enough(iterations_needed: Callable) -> None:
+    assert_falls(iterations_needed)
+    for ratio, size, confidence in ((1.0, 3, 0.99), (1, 2, 0.5)):
+        answer = iterations_needed(ratio, size, confidence)
+        if assert_number(answer) != 1:
+            raise CheckFailed(
+                "Every sample is good here: one is enough, and there must be one.",
+                given=_call((ratio, size, confidence)),
+                yours=brief(answer),
+                expected="1",
+            )
+
+
+@visible(
+    "iterations_needed",
+    weight=2,
+    title="Without inliers, no number is enough",
+    why="0 would mean: no need to search. The truth is: no use in searching.",
+    hint="Return math.inf (or np.inf) when w is 0: a division by log(1) would fail.",
+)
+def none_is_enough(iterations_needed: Callable) -> None:
+    assert_falls(iterations_needed)
+    try:
+        answer = iterations_needed(0.0, 3, 0.99)
+    except Exception as error:  # refusing is an answer, too
+        if "ValueError" not in (type(error).__name__, getattr(error, "type_name", "")):
+            raise
+    else:
+        assert_never(answer)
+
+
+@visible(
+    "iterations_needed",
+    weight=1,
+    title="The parameters keep their names",
+    why="Whoever reads the docstring calls iterations_needed(inlier_ratio=..., ...).",
+    hint="Keep the first line of the function as it was given.",
+)
+def keeps_the_names_of_the_parameters(iterations_needed: Callable) -> None:
+    assert_reckons(iterations_needed)
+    answer = iterations_needed(inlier_ratio=0.6, sample_size=3, confidence=0.99)
+    assert_about(answer, 19, 0.6, 3, 0.99)
+
+
+def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | None:
+    """The right answer to `iterations_needed`, counted up in exact arithmetic.
+
+    Parameters
+    ----------
+    ratio : float
+    size : int
+    confidence : float
+
+    Returns
+    -------
+    int or None
+        None where rounding could decide, or where 400 samples are not enough.
+    """
+    bad, remaining = 1 - Fraction(ratio) ** size, Fraction(1)
+    allowed = 1 - Fraction(confidence)
+    for number in range(1, 400):
+        remaining *= bad
+        if abs(float(remaining / allowed) - 1) < 1e-6:
+            return None
+        if remaining <= allowed:
+            return number
+    return None
+
+
+mistakes(
+    "iterations_needed",
+    Mistake(
+        "It is rounded down; one sample fewer does not reach the confidence.",
+        lambda right, *case: right - 1,
+        "math.ceil rounds up; int(...) and // round down.",
+    ),
+    Mistake(
+        "The exponent is missing: w is the chance that one point is good, w^s that a whole "
+        "sample is.",
+        lambda right, ratio, size, confidence: iterations_by_trying(ratio, 1, confidence),
+    ),
+    Mistake(
+        "The exponent is always 3, whatever sample_size is.",
+        lambda right, ratio, size, confidence: iterations_by_trying(ratio, 3, confidence),
+        "w ** sample_size",
+    ),
+    Mistake(
+        "The exponent is always 2, whatever sample_size is.",
+        lambda right, ratio, size, confidence: iterations_by_trying(ratio, 2, confidence),
+        "w ** sample_size",
+    ),
+    Mistake(
+        "Inliers and outliers are swapped: 1 - w is taken where w is asked for.",
+        lambda right, ratio, size, confidence: iterations_by_trying(1 - ratio, size, confidence),
+    ),
+    Mistake(
+        "The logarithm is that of the confidence; it must be that of 1 - confidence, the chance "
+        "to fail that is allowed.",
+        lambda right, ratio, size, confidence: iterations_by_trying(ratio, size, 1 - confidence),
+    ),
+    Mistake(
+        "So many samples give one good one on average; the confidence does not count.",
+        lambda right, ratio, size, confidence: math.ceil(1 / ratio**size),
+        "Solve 1 - (1 - w^s)^N >= confidence for N.",
+    ),
+    # With a confidence below a half the logarithms change sides.
+    cases=(
+        (0.6, 2, 0.9),
+        (0.4, 3, 0.95),
+        (0.65, 4, 0.99),
+        (0.45, 2, 0.8),
+        (0.35, 3, 0.3),
+        (0.6, 3, 0.99),
+    ),
+    right=iterations_by_trying,
+)

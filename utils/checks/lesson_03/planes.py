@@ -1,0 +1,191 @@
+"""What the checks of this lesson share: planes as answers, in words and in pictures.
+
+A plane and its negative are the same plane: everything here accepts both. The length of the normal
+is a property of its own: the others do not look at it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import utils
+from utils.checks.diagnosis import same_array
+from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, frozen, point_text
+from utils.geometry import with_unit_normal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+# A level road, a wall, a slope, a plane through the sensor, and one far away.
+TRIANGLES = frozen(
+    np.array(
+        [
+            [[4.0, 1.0, -1.7], [9.0, -2.0, -1.7], [6.0, 3.0, -1.7]],
+            [[2.0, 5.0, 0.0], [8.0, 5.0, 1.0], [5.0, 5.0, -1.5]],
+            [[0.0, 0.0, -1.0], [10.0, 0.0, 1.0], [3.0, 4.0, -2.0]],
+            [[0.0, 0.0, 0.0], [3.0, 1.0, 0.5], [-2.0, 4.0, 1.0]],
+            [[61.0, -40.0, 2.0], [64.0, -39.0, 2.5], [62.0, -35.0, -1.0]],
+        ]
+    )
+)
+LARGE_AND_SMALL = frozen(
+    np.array(
+        [
+            [[0.0, 0.0, 1.0], [50.0, 0.0, 1.0], [0.0, 40.0, 3.0]],
+            [[0.0, 0.0, 1.0], [0.5, 0.0, 1.0], [0.0, 0.4, 1.2]],
+        ]
+    )
+)
+
+
+def as_plane(answer: object) -> np.ndarray:
+    """An answer as the four numbers of a plane, with a normal of whatever length.
+
+    Parameters
+    ----------
+    answer : object
+
+    Returns
+    -------
+    numpy.ndarray, shape (4,)
+    """
+    plane = as_array(answer, what="four numbers (a, b, c, d)")
+    if plane.shape != (4,):
+        words = " The fourth, d, is missing." if plane.shape == (3,) else ""
+        raise WrongForm(
+            f"A plane is four numbers (a, b, c, d).{words}",
+            yours=f"shape {plane.shape}",
+            expected="shape (4,)",
+        )
+    plane = plane.astype(float)
+    if not np.isfinite(plane).all():
+        raise CheckFailed("Some of the four numbers are not finite.", yours=brief(plane))
+    if not plane[:3].any():
+        raise CheckFailed(
+            "The normal (a, b, c) is (0, 0, 0), which is no direction.", yours=plane_text(plane)
+        )
+    return plane
+
+
+def assert_unit_normal(answer: object) -> None:
+    """The normal has length 1; whether it is the right one is another property.
+
+    Parameters
+    ----------
+    answer : object
+    """
+    plane = as_plane(answer)
+    length = np.linalg.norm(plane[:3])
+    if abs(length - 1) > 1e-3:
+        raise CheckFailed(
+            f"The normal (a, b, c) has length {length:.4g}, not 1.",
+            yours=plane_text(plane),
+            expected=plane_text(plane / length),
+        )
+
+
+def same_plane(answer: object, predicted: object) -> bool:
+    """Whether an answer is these four numbers, or their negatives."""
+    return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
+
+
+def triangle_text(triangle: np.ndarray) -> str:
+    """Three points, shape (3, 3), as text with their names: p, q and r."""
+    return ", ".join(f"{name} {point_text(p)}" for name, p in zip("pqr", triangle, strict=True))
+
+
+def expected_text(plane: np.ndarray, expected: np.ndarray) -> str:
+    """The right plane as text, with the sign that stands nearer to another one."""
+    return f"{plane_text(expected if expected[:3] @ plane[:3] >= 0 else -expected)} or its negative"
+
+
+def plane_text(plane: np.ndarray | None) -> str:
+    """The four numbers of a plane as text, to the thousandth."""
+    if plane is None:
+        return "None"
+    return f"[{', '.join(f'{value:.6g}' for value in np.round(plane, 3) + 0.0)}]"
+
+
+def draw_on_edge(
+    points: np.ndarray,
+    plane: np.ndarray,
+    inliers: np.ndarray | None,
+    tolerance: float | None,
+    expected: np.ndarray | None = None,
+) -> Axes:
+    """Draw points so that a plane is seen edge on, as a line; the right one too, and level."""
+    plane = with_unit_normal(plane)
+    level = plane if expected is None else expected
+    level = level * (1 if level[2] >= 0 else -1)
+    plane = plane * (1 if plane[:3] @ level[:3] >= 0 else -1)
+    # The direction in which the plane rises above the level one, or any where it does not.
+    along = plane[:3] - plane[:3] @ level[:3] * level[:3]
+    if np.linalg.norm(along) < 1e-6:
+        along = np.linalg.svd(level[None, :3])[2][1]
+    along /= np.linalg.norm(along)
+    turn = np.column_stack([along, np.cross(level[:3], along), level[:3]])
+    seen = np.append(plane[:3] @ turn, plane[3])
+    turned = points[:, :3] @ turn
+    heights = [*turned[:, 2], -level[3], *([-plane[3] / seen[2]] if seen[2] > 0.5 else [])]
+    limits = [(min(row) - 0.3, max(row) + 0.3) for row in (turned[:, 0], heights)]
+    axes = utils.plots.plane_model(turned, seen, inliers, tolerance, title="yours", limits=limits)
+    axes.set_xlabel("along the plane (m)")
+    axes.set_ylabel("across it (m)")
+    if expected is not None:
+        axes.axhline(-level[3], color="black", linestyle="--")
+        axes.text(axes.get_xlim()[0], -level[3], " expected", va="bottom")
+    return axes
+
+
+def scattered_plane(
+    seed: int,
+    n_plane: int,
+    n_outliers: int,
+    plane: ArrayLike | None = None,
+    noise: float = 0.01,
+    columns: int = 3,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points on a plane, 12 m across, and others beside it, mixed.
+
+    Parameters
+    ----------
+    seed : int
+    n_plane, n_outliers : int
+    plane : (4,) array_like, optional
+        With a unit normal; by default a slope of 11 to 20 degrees, another one for each seed.
+    noise : float
+        Standard deviation across the plane in metres.
+    columns : {3, 4}
+
+    Returns
+    -------
+    points : numpy.ndarray, shape (n_plane + n_outliers, columns)
+        The fourth column is an intensity from 0 to 255.
+    belongs : numpy.ndarray of bool
+        True for the points of the plane.
+    """
+    rng = np.random.default_rng(seed)
+    if plane is None:
+        tilt, heading = rng.uniform(0.2, 0.35), rng.uniform(0, 2 * np.pi)
+        level = np.sin(tilt) * np.array([np.cos(heading), np.sin(heading)])
+        plane = (*level, np.cos(tilt), rng.choice((-1, 1)) * rng.uniform(1, 4))
+    normal = np.asarray(plane[:3], dtype=float)
+    across = np.cross(normal, (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 1.0, 0.0))
+    across /= np.linalg.norm(across)
+    along = np.cross(normal, across)
+    n = n_plane + n_outliers
+    belongs = rng.permutation(n) < n_plane
+    places = rng.uniform(-6, 6, (n, 2))
+    gaps = np.where(
+        belongs,
+        np.clip(rng.normal(0, noise, n), -3 * noise, 3 * noise),
+        rng.choice((-1, 1), n) * rng.uniform(0.6, 4.0, n),
+    )
+    points = places[:, :1] * across + places[:, 1:] * along + (gaps - plane[3])[:, None] * normal
+    if columns == 4:
+        points = np.column_stack([points, rng.integers(0, 256, n)])
+    return points, belongs
