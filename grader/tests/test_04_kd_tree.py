@@ -12,26 +12,17 @@ import pytest
 
 from grader.judging import samples
 from grader.judging.marks import hidden
-from utils.checks.lesson_04.search import (
+from utils.checks.lesson_04.cases import (
     along_the_diagonal,
-    assert_found,
-    assert_halves,
-    assert_indices,
-    assert_lower_medians,
-    assert_pruned,
-    assert_root,
-    assert_same_tree,
-    assert_shallow,
-    assert_tree,
     distinct,
-    grown,
     nested,
     off_the_corners,
     off_the_rim,
-    places_of,
-    planted,
-    regions_of,
 )
+from utils.checks.lesson_04.finding import assert_found, assert_pruned, assert_same_tree
+from utils.checks.lesson_04.insert import assert_root
+from utils.checks.lesson_04.median_order import assert_halves, assert_lower_medians, assert_shallow
+from utils.checks.lesson_04.trees import assert_indices, assert_tree, planted
 from utils.checks.vocabulary import (
     assert_left_alone,
     assert_untouched,
@@ -40,6 +31,7 @@ from utils.checks.vocabulary import (
     needs,
     observe,
 )
+from utils.geometry import grown, places_of, regions_of
 
 
 def order_of_medians(points):

@@ -37,11 +37,11 @@ def share(verdict, exercise):
 @tried(
     "exercise, source",
     {
-        "the right tree, from the checks of its lesson": (
+        "the right tree, from the geometry": (
             "insert",
             """
 def insert(self, point, index):
-    from utils.checks.lesson_04.search import grown
+    from utils.geometry import grown
     self.points = getattr(self, "points", []) + [point]
     self.root = grown(self.points)
 """,

@@ -66,6 +66,7 @@ def test_walks_the_project_and_every_home():
         "reads the simulator": "utils/simulator/scenes.py",
         "reads the geometry of boxes": "utils/boxes/containment.py",
         "reads the geometry of planes": "utils/geometry/planes.py",
+        "reads the geometry of trees": "utils/geometry/trees.py",
         "reads a solution": "solutions/stage2_clustering/04_kd_tree.py",
         "reads a solved notebook": "solutions/stage2_clustering/04_kd_tree.ipynb",
         "reads a released notebook": "notebooks/stage2_clustering/04_kd_tree.ipynb",

@@ -1,5 +1,19 @@
-"""Planes, as checks, the judge's tests and pictures measure them."""
+"""Planes and kd-trees, as checks, the judge's tests and pictures measure them."""
 
 from utils.geometry.planes import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
+from utils.geometry.trees import SIDES, Node, grown, in_turn, places_of, regions_of, table_of
 
-__all__ = ["best_plane", "gaps_from", "plane_at", "spread_of", "with_unit_normal"]
+__all__ = [
+    "SIDES",
+    "Node",
+    "best_plane",
+    "gaps_from",
+    "grown",
+    "in_turn",
+    "places_of",
+    "plane_at",
+    "regions_of",
+    "spread_of",
+    "table_of",
+    "with_unit_normal",
+]

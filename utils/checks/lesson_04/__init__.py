@@ -1,5 +1,9 @@
 """Visible checks of lesson 04: `insert` and `search` through `KdTree`, and `median_order`."""
 
-from utils.checks.lesson_04 import search
+# In the order of the lesson, in which exercises are listed.
+from utils.checks.lesson_04 import insert, search
 
-__all__ = ["search"]
+# isort: split
+from utils.checks.lesson_04 import median_order
+
+__all__ = ["insert", "search", "median_order"]

@@ -1,0 +1,407 @@
+"""Visible checks of `median_order`."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+import utils
+from utils.checks.core import visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.lesson_04.cases import QUIZ, distinct
+from utils.checks.lesson_04.trees import few_points
+from utils.checks.remembering import once
+from utils.checks.vocabulary import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    assert_untouched,
+    brief,
+    frozen,
+    needs,
+)
+from utils.geometry import grown, in_turn, places_of
+
+# Of 7 and 15 points every part has one in the middle.
+_SEVEN = frozen(distinct(np.random.default_rng(51), 7, 2))
+
+
+def as_order(answer: object, n: int) -> np.ndarray:
+    """An answer as a permutation of range(n).
+
+    Parameters
+    ----------
+    answer : object
+    n : int
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+    """
+    order = as_array(answer, what="a list of row numbers")
+    if order.size == 0:
+        order = order.astype(int).ravel()
+    if order.ndim != 1 or order.dtype.kind not in "iu":
+        raise WrongForm(
+            "The order is a flat list of row numbers (whole numbers), not of points.",
+            yours=brief(order),
+            expected=f"the numbers 0 to {n - 1}",
+        )
+    strange = [row for row in order.tolist() if not 0 <= row < n]
+    missing = [row for row in range(n) if row not in set(order.tolist())]
+    if strange or missing or len(order) != n:
+        odd = f"{strange[0]} is no row number" if strange else "some rows are there more than once"
+        text = f"row {missing[0]} is missing" if missing else odd
+        raise CheckFailed(
+            f"Each row number from 0 to n - 1 must occur exactly once; {text}.",
+            yours=brief(order),
+            expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
+        )
+    return order
+
+
+def _order_of(answer: object, points: np.ndarray) -> np.ndarray:
+    with needs("each row is named exactly once"):
+        return as_order(answer, len(points))
+
+
+def assert_shallow(answer: object, points: np.ndarray) -> None:
+    """Inserting points in this order gives a tree of the least depth.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2) or (n, 3)
+    """
+    order = _order_of(answer, points)
+    root = grown(points[order], order.tolist())
+    depth, least = max(map(len, places_of(root)), default=-1) + 1, len(points).bit_length()
+    if depth > least:
+        raise CheckFailed(
+            f"Inserted in this order, {len(points)} points give a tree of depth "
+            f"{depth}; medians give {least}.",
+            given=few_points(points),
+            yours=f"depth {depth}",
+            expected=f"depth {least}",
+            draw=_tree_of(order, points),
+        )
+
+
+def assert_lower_medians(answer: object, points: np.ndarray) -> None:
+    """In every part of the tree the lower median along its axis stands on top.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2) or (n, 3)
+    """
+    order = _order_of(answer, points)
+    odd = next(_not_on_top(points, order), None)
+    if odd is None:
+        return
+    values, depth, axis, median = odd
+    letter = "xyz"[axis]
+    first = "The first point of the order"
+    if depth:
+        first = f"In a part at depth {depth}, the point that comes first"
+    raise CheckFailed(
+        f"{first} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
+        f"along {letter}.",
+        given=f"{letter} of these points, sorted: {_values(np.sort(values))}",
+        yours=f"{letter} = {values[0]:g}",
+        expected=f"{letter} = {median:g}",
+        draw=_tree_of(order, points),
+    )
+
+
+def _not_on_top(
+    points: np.ndarray,
+    order: np.ndarray,
+    axis_at: Callable[[int, int], int] = in_turn,
+    place: Callable[[int], int] = lambda m: (m - 1) // 2,
+) -> Iterator[tuple]:
+    """Each part whose first point is not the one at a place (of how many) along an axis.
+
+    As its coordinates along the axis in the order of the rows, depth, axis, and the coordinate
+    that should come first.
+    """
+    waiting = [(order, 0)] if len(order) else []
+    for rows, depth in waiting:  # grows while it is walked
+        axis = axis_at(depth, points.shape[1])
+        values = np.asarray(points, dtype=float)[rows, axis]
+        wanted = np.sort(values)[place(len(values))]
+        if values[0] != wanted:
+            yield values, depth, axis, wanted
+        smaller = values[1:] < values[0]
+        waiting += [
+            (part, depth + 1) for part in (rows[1:][smaller], rows[1:][~smaller]) if len(part)
+        ]
+
+
+# The right turns, and others that leave halves as they are.
+_TURNS = (
+    in_turn,
+    lambda depth, k: 0,
+    lambda depth, k: 1,
+    lambda depth, k: (depth + 1) % k,
+    lambda depth, k: depth % 2,
+)
+
+
+def assert_halves(answer: object, points: np.ndarray) -> None:
+    """The lower median is on top of every part, if perhaps along other axes than it should be.
+
+    Parameters
+    ----------
+    answer : object
+    points : numpy.ndarray, shape (n, 2) or (n, 3)
+    """
+    order = _order_of(answer, points)
+    if all(next(_not_on_top(points, order, turns), None) for turns in _TURNS):
+        assert_lower_medians(order, points)
+
+
+def _values(values: np.ndarray) -> str:
+    return ", ".join(f"{value:g}" for value in values[:8]) + ", ..." * (len(values) > 8)
+
+
+def _tree_of(order: np.ndarray, points: np.ndarray) -> Callable:
+    root = grown(points[order], order.tolist())
+    return lambda: utils.plots.kd_tree(root, title="The tree of your order")
+
+
+@once
+def _assert_medians(median_order: Callable) -> None:
+    with needs("the median of x, then of y comes first in every part"):
+        assert_lower_medians(median_order(_SEVEN.copy()), _SEVEN)
+
+
+@once
+def _assert_halves(median_order: Callable) -> None:
+    with needs("the median comes first in every part"):
+        assert_halves(median_order(_SEVEN.copy()), _SEVEN)
+
+
+@visible(
+    "median_order",
+    weight=2,
+    title="Names every row exactly once",
+    why="A point that is left out is an obstacle that no search will find.",
+    hint="np.argsort of a part gives places within the part: rows[np.argsort(...)] leads back to "
+    "row numbers. The median goes into the order, and into neither of the two parts that wait.",
+)
+def names_every_row(median_order: Callable) -> None:
+    for points in (QUIZ[:5], _SEVEN):
+        as_order(median_order(points.copy()), len(points))
+
+
+@visible(
+    "median_order",
+    weight=3,
+    title="Starts with the median along x",
+    why="Only a median halves: any other first point leaves more on one side.",
+    hint="Sort the rows by x. Of m rows, the one in the middle stands at place (m - 1) // 2.",
+)
+def starts_with_the_median(median_order: Callable) -> None:
+    for points in (QUIZ[[5, 0, 8]], QUIZ[:3], QUIZ[[6, 9, 1, 7, 3]], _SEVEN):
+        order = _order_of(median_order(points.copy()), points)
+        x, median = points[order[0], 0], np.median(points[:, 0])
+        if x != median:
+            raise CheckFailed(
+                "The first point of the order is not the median along x.",
+                given=f"x of the {len(points)} points, sorted: {_values(np.sort(points[:, 0]))}",
+                yours=f"x = {x:g}",
+                expected=f"x = {median:g}",
+            )
+
+
+@visible(
+    "median_order",
+    weight=4,
+    title="The median comes first in every part, before both halves",
+    why="One bad split near the root doubles the work of every search below it.",
+    hint="A part gives its median to the order and two parts that wait: the rows before it and "
+    "the rows after it.",
+)
+def halves_every_part(median_order: Callable) -> None:
+    rng = np.random.default_rng(47)
+    for n in (3, 7, 15):
+        points = distinct(rng, n, 2)
+        assert_halves(median_order(points.copy()), points)
+
+
+@visible(
+    "median_order",
+    weight=3,
+    title="The median is that of x at first, then of y, then of x again",
+    why="insert compares x and y in turn. A median of the other one halves nothing.",
+    hint="The parts of one level are sorted along another axis: depth % points.shape[1].",
+)
+def takes_turns(median_order: Callable) -> None:
+    _assert_halves(median_order)
+    rng = np.random.default_rng(42)
+    for n in (3, 7, 15):
+        points = distinct(rng, n, 2)
+        assert_lower_medians(median_order(points.copy()), points)
+
+
+@visible(
+    "median_order",
+    weight=2,
+    title="Of two in the middle, the lower one comes first",
+    why="The same points should make the same tree for everyone.",
+    hint="Of m sorted rows the lower median stands at place (m - 1) // 2; m // 2 is the upper "
+    "one when m is even.",
+)
+def takes_the_lower(median_order: Callable) -> None:
+    _assert_medians(median_order)
+    rng = np.random.default_rng(43)
+    for n in (2, 4, 6):
+        points = distinct(rng, n, 2)
+        assert_lower_medians(median_order(points.copy()), points)
+
+
+@visible(
+    "median_order",
+    weight=2,
+    title="Takes points with three coordinates: x, y, z and x again",
+    why="A street is three-dimensional.",
+    hint="Count the coordinates with points.shape[1] and do not write 2 into the function.",
+)
+def takes_three_axes(median_order: Callable) -> None:
+    _assert_medians(median_order)
+    points = distinct(np.random.default_rng(44), 31, 3)
+    assert_lower_medians(median_order(points.copy()), points)
+
+
+@visible(
+    "median_order",
+    weight=3,
+    title="The tree has the least depth possible",
+    why="Depth is the price of every insertion and every search: 17 levels for a hundred "
+    "thousand points, or a hundred thousand.",
+    hint="Print the depth of the tree of your order for 3, 7 and 15 points: it should be 2, 3 "
+    "and 4.",
+)
+def least_depth(median_order: Callable) -> None:
+    rng = np.random.default_rng(45)
+    for n in (3, 7, 15, 40, 64):
+        points = distinct(rng, n, 2)
+        assert_shallow(median_order(points.copy()), points)
+
+
+@visible(
+    "median_order",
+    weight=1,
+    title="Takes no points, and one point",
+    why="Filters leave nothing now and then.",
+    hint="A part without rows adds nothing to the order.",
+)
+def takes_the_smallest(median_order: Callable) -> None:
+    _assert_halves(median_order)
+    as_order(median_order(np.empty((0, 2))), 0)
+    as_order(median_order(np.array([[1.0, 2.0, 3.0]])), 1)
+
+
+@visible(
+    "median_order",
+    weight=1,
+    title="Takes points with equal coordinates",
+    why="Recordings hold the same point twice, and walls the same coordinate many times.",
+    hint="Part the sorted rows by their place, before and after the median, not by comparing "
+    "coordinates.",
+)
+def takes_equal_points(median_order: Callable) -> None:
+    _assert_halves(median_order)
+    for points in (np.ones((5, 2)), np.repeat(QUIZ[:4], 3, axis=0)):
+        as_order(median_order(points.copy()), len(points))
+
+
+@visible(
+    "median_order",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The order names rows of the cloud as it was: sorting the cloud makes it a lie.",
+    hint="Sort row numbers, not points.",
+)
+def leaves_its_input(median_order: Callable) -> None:
+    _assert_halves(median_order)
+    assert_untouched(median_order, QUIZ)
+
+
+def _each_on_top(**rule: Callable) -> Callable:
+    """Whether an order has in every part the point on top that a rule names."""
+    return lambda *_: lambda points, order: next(_not_on_top(points, order, **rule), None) is None
+
+
+def _halves_before_and_after(points: np.ndarray, order: np.ndarray) -> bool:
+    """Whether the median stands between its two parts, again and again."""
+    waiting = [(order, 0)]
+    for rows, depth in waiting:  # grows while it is walked
+        middle = (len(rows) - 1) // 2
+        values = points[rows, depth % points.shape[1]]
+        before, after = values[:middle], values[middle + 1 :]
+        if not (before < values[middle]).all() or not (after > values[middle]).all():
+            return False
+        parts = rows[:middle], rows[middle + 1 :]
+        waiting += [(part, depth + 1) for part in parts if len(part)]
+    return True
+
+
+mistakes(
+    "median_order",
+    Mistake(
+        "Of two points in the middle, the upper one comes first.",
+        _each_on_top(place=lambda m: m // 2),
+        "The lower one stands at place (number of rows - 1) // 2.",
+    ),
+    Mistake(
+        "x decides in every part: the axis does not change from level to level.",
+        _each_on_top(axis_at=lambda depth, k: 0),
+        "The axis is depth % points.shape[1], and a part's parts have depth + 1.",
+    ),
+    Mistake(
+        "The turns begin with y.",
+        _each_on_top(axis_at=lambda depth, k: (depth + 1) % k),
+        "The first part has depth 0: x.",
+    ),
+    Mistake(
+        "x and y take turns and z is left out: 2 is written where points.shape[1] is needed.",
+        _each_on_top(axis_at=lambda depth, k: depth % 2),
+    ),
+    Mistake(
+        "The rows are sorted by x, and that is all.",
+        _each_on_top(axis_at=lambda depth, k: 0, place=lambda m: 0),
+        "A sorted order makes a tree that is a list. Take the median first, then go on with each "
+        "half.",
+    ),
+    Mistake(
+        "The rows are sorted by x, the largest first.",
+        _each_on_top(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
+        "The median is the one in the middle, not the largest.",
+    ),
+    Mistake(
+        "The rows stay in the order in which they came.",
+        lambda *_: lambda points, order: bool((np.diff(order) == 1).all()),
+    ),
+    Mistake(
+        "Each median stands between its two parts; it should come before both.",
+        lambda *_: _halves_before_and_after,
+        "What comes first is on top: [median] + smaller ones + others.",
+    ),
+    Mistake(
+        "Each median stands after its two parts; it should come before both.",
+        lambda *_: lambda points, order: next(_not_on_top(points, order[::-1]), None) is None,
+        "What comes first is on top: [median] + smaller ones + others.",
+    ),
+    cases=tuple(
+        (distinct(np.random.default_rng(50), len(order), k), np.array(order))
+        for k, order in (
+            (2, [5, 0, 1, 4, 3, 2]),
+            (3, [7, 0, 2, 9, 4, 6, 3, 8, 10, 1, 5]),
+            (3, [2, 0, 1, 3, 10, 11, 5, 7, 9, 8, 4, 6]),
+        )
+    ),
+    right=lambda points, order: (points, order),
+    same=lambda answer, predicted: predicted(*answer),
+    ask=lambda median_order, points, order: (points, as_order(median_order(points), len(points))),
+)

@@ -1,0 +1,251 @@
+"""A student's tree: planted ready-made, and what must stand where."""
+
+import operator
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import utils
+from utils.checks.claims import MOST_OF_A_POINT
+from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, call_each
+from utils.geometry import SIDES, Node, grown, places_of, table_of
+
+# Nodes of a wrong tree that are looked through; it may have no end.
+MOST_NODES = 200
+
+
+def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> object:
+    """A tree of the student's class with the same nodes as a right one.
+
+    The class of the lesson can be given its nodes ready-made, so that a slip in `insert` does not
+    spoil `search`. A class without `plant` has to insert them.
+
+    Parameters
+    ----------
+    KdTree : callable
+    root : node or None
+    as_lists : bool
+        Whether points are lists and not arrays.
+
+    Returns
+    -------
+    object
+        Of the student's class.
+    """
+    tree = KdTree()
+    points, left, right, indices = table_of(root)
+    points = points if as_lists else np.array(points)
+    plant = method_of(tree, "plant")
+    if plant:
+        plant(points, left, right, indices)
+        return tree
+    call_each(tree.insert, zip(points, indices, strict=True))
+    return tree
+
+
+def method_of(tree: object, name: str) -> Callable | None:
+    """A method of a student's object, here or in the sandbox; None where there is none."""
+    try:
+        return getattr(tree, name)
+    except Exception as error:
+        if "AttributeError" in error_names(error):
+            return None
+        raise
+
+
+def error_names(error: Exception) -> tuple[str, str]:
+    """What an exception is called, here and in the sandbox, where it is reported."""
+    return type(error).__name__, getattr(error, "type_name", "")
+
+
+def assert_tree(
+    tree: object,
+    points: ArrayLike,
+    indices: Sequence[int] | None = None,
+    either_way: bool = False,
+) -> None:
+    """Points stand where they belong when they arrive one after another; indices do not count.
+
+    Parameters
+    ----------
+    tree : object
+        Of the student's class.
+    points, indices
+        As for `grown`.
+    either_way : bool
+        Whether the sides may be swapped, in all of the tree: for properties that have nothing to
+        do with that.
+    """
+    if either_way and not _odd_in(tree, grown(points, indices, goes_left=operator.gt))[0]:
+        return
+    root = grown(points, indices)
+    says, hint = _odd_in(tree, root)
+    if says:
+        raise CheckFailed(
+            says[0].upper() + says[1:],
+            given=few_points(points),
+            hint=hint,
+            draw=_two_trees(tree, root),
+        )
+
+
+def _odd_in(tree: object, root: Node | None) -> tuple[str, str]:
+    """The first point in its order of arrival that is not in its place, and a hint, or nothing."""
+    expected = places_of(root)
+    yours = _looked_at(tree, expected)
+    for way in sorted(expected, key=lambda way: expected[way].arrival):
+        if way not in yours or not _same_point(yours[way][0], expected[way]):
+            return _misplaced(tree, way, expected, yours), ""
+    return _one_too_many(expected, yours)
+
+
+def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> None:
+    """Each point has the index that was inserted with it, wherever it stands.
+
+    Parameters
+    ----------
+    tree, points, indices
+        As for `assert_tree`.
+    """
+    places = places_of(grown(points, indices))
+    for point, index in _looked_at(tree, places).values():
+        node = next((one for one in places.values() if _same_point(point, one)), None)
+        if node and not _is_number(index, node.index):
+            raise CheckFailed(
+                f"The node of the point {exact_text(node.point)} has another index than the one "
+                "that came with it.",
+                given=few_points(points),
+                yours=f"index {brief(index)}",
+                expected=f"index {node.index}",
+            )
+
+
+def _is_number(value: object, expected: int) -> bool:
+    return isinstance(value, (int, np.integer)) and bool(value == expected)
+
+
+def _looked_at(tree: object, expected: dict[str, Node]) -> dict[str, tuple[np.ndarray, object]]:
+    """Point and index of a student's nodes by the way to them, no farther than it should go."""
+    found, waiting = {}, [("", tree.root)]
+    for way, node in waiting:  # grows while it is walked
+        if node is None:
+            continue
+        point, index, left, right = (
+            _attribute(node, name, way, expected) for name in ("point", "index", "left", "right")
+        )
+        point = as_array(point, what="a point", most=MOST_OF_A_POINT)
+        if point.ndim == 0 and np.ndim(index) == 1:
+            raise WrongForm(
+                "Point and index are swapped: the point of a node is a number, and its index "
+                "holds the coordinates.",
+                yours=f"point {point:g}, index {brief(index)}",
+                expected="Node(point, index): the point comes first",
+            )
+        point = point.ravel()
+        found[way] = (point, index)
+        if way in expected:
+            waiting += [(way + "l", left), (way + "r", right)]
+    return found
+
+
+def _attribute(node: object, name: str, way: str, expected: dict[str, Node]) -> object:
+    try:
+        return getattr(node, name)
+    except Exception as error:
+        if "AttributeError" not in error_names(error):
+            raise
+        raise WrongForm(
+            f"What stands {_place(way, expected)} has no attribute {name!r}: hang a Node into "
+            "the tree, as given in the lesson.",
+            yours=brief(node),
+        ) from None
+
+
+def _same_point(point: np.ndarray, node: Node) -> bool:
+    return point.shape == (len(node.point),) and all(
+        abs(a - b) <= 1e-4 + 1e-5 * abs(b) for a, b in zip(point.tolist(), node.point, strict=True)
+    )
+
+
+def _misplaced(tree: object, way: str, expected: dict, yours: dict) -> str:
+    """What became of a point that does not stand where it belongs."""
+    node = expected[way]
+    if not yours:
+        return f"the tree is empty: tree.root is None after {_name(node)} was inserted."
+    landed = _way_to(tree, node, expected)
+    if landed is None:
+        return f"{_name(node)} is not in the tree; it belongs {_place(way, expected)}."
+    depth = next((d for d, (a, b) in enumerate(zip(way, landed, strict=False)) if a != b), None)
+    if depth is None:
+        return f"{_name(node)} belongs {_place(way, expected)}, where another point stands."
+    other, axis = expected[way[:depth]], depth % len(node.point)
+    smaller = "is smaller than" if way[depth] == "l" else "is not smaller than"
+    return (
+        f"{_name(node)} went {SIDES[landed[depth]]} at {_name(other)} and should go "
+        f"{SIDES[way[depth]]}: at depth {depth} {'xyz'[axis]} is compared, and "
+        f"{node.point[axis]:g} {smaller} {other.point[axis]:g}."
+    )
+
+
+def _way_to(tree: object, node: Node, expected: dict[str, Node]) -> str | None:
+    """Where a point is in a student's tree, where it should not be; None where it is nowhere."""
+    waiting = [("", tree.root)]
+    for way, one in waiting:  # grows while it is walked
+        if one is None:
+            continue
+        point = as_array(one.point, what="a point", most=MOST_OF_A_POINT).ravel()
+        if _same_point(point, node) and not (way in expected and _same_point(point, expected[way])):
+            return way
+        if len(waiting) < MOST_NODES:
+            waiting += [(way + "l", one.left), (way + "r", one.right)]
+    return None
+
+
+def _one_too_many(expected: dict, yours: dict) -> tuple[str, str]:
+    """A node where the tree should end, and a hint; two empty texts where there is none."""
+    extra = next((way for way in yours if way not in expected), None)
+    if extra is None:
+        return "", ""
+    for way, node in expected.items():
+        if _same_point(yours[extra][0], node):
+            says = f"{_name(node)} stands {_place(way, expected)} and once more "
+            return f"{says}{_place(extra, expected)}.", "" if way else (
+                "A point that has become the root is done: `return` before the walk begins."
+            )
+    return f"a node stands {_place(extra, expected)}, where the tree should end.", ""
+
+
+def _place(way: str, expected: dict[str, Node]) -> str:
+    if not way:
+        return "at the root"
+    return f"to the {SIDES[way[-1]]} of {_name(expected[way[:-1]])}"
+
+
+def _name(node: Node) -> str:
+    return f"point {node.index} {exact_text(node.point)}"
+
+
+def exact_text(point: Sequence[float]) -> str:
+    """A point of any length, with all the digits that it was written with."""
+    return "(" + ", ".join(f"{float(value):g}" for value in np.ravel(point)) + ")"
+
+
+def few_points(points: ArrayLike) -> str | None:
+    """Points in their order, where they are few enough to read."""
+    if len(points) > 7:
+        return None
+    several = len(points) > 1
+    text = ", ".join(map(exact_text, points))
+    return f"points {text} in this order" if several else f"point {text}"
+
+
+def _two_trees(tree: object, expected: Node | None) -> Callable:
+    def draw() -> None:
+        import matplotlib.pyplot as plt
+
+        _, (left, right) = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
+        utils.plots.kd_tree(tree.root, title="yours", axes=left)
+        utils.plots.kd_tree(expected, title="expected", axes=right)
+
+    return draw
