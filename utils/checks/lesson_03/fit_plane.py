@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.planes import (
@@ -17,6 +18,7 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     scattered_plane,
 )
+from utils.checks.promises import Case
 from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs, point_text
 from utils.geometry import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
 
@@ -191,17 +193,19 @@ def leaves_the_points_where_they_are(fit_plane: Callable) -> None:
     assert_untouched(fit_plane, points)
 
 
-@visible(
-    "fit_plane",
-    weight=1,
+promises.names(
+    Case(
+        __name__,
+        "fit_plane",
+        {"points": frozen(scattered_plane(2, 80, 0, noise=0.05)[0])},
+        expected=None,  # `assert_direction` reckons it
+        look=lambda answer, points, _: assert_direction(answer, points),
+        basic=assert_fits,
+    ),
+    "keeps_points",
     title="The parameter keeps its name: points",
     why="Whoever reads the docstring calls fit_plane(points=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_points(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
-    points, _ = scattered_plane(2, 80, 0, noise=0.05)
-    assert_direction(fit_plane(points=points.copy()), points)
 
 
 def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:

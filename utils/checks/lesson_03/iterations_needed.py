@@ -6,8 +6,10 @@ from fractions import Fraction
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs
 
 
@@ -205,17 +207,18 @@ def none_is_enough(iterations_needed: Callable) -> None:
         assert_never(answer)
 
 
-@visible(
-    "iterations_needed",
-    weight=1,
-    title="The parameters keep their names",
+promises.names(
+    Case(
+        __name__,
+        "iterations_needed",
+        {"inlier_ratio": 0.6, "sample_size": 3, "confidence": 0.99},
+        expected=19,
+        look=lambda answer, *case: assert_about(answer, case[-1], *case[:-1]),
+        basic=assert_reckons,
+    ),
+    "keeps_the_names_of_the_parameters",
     why="Whoever reads the docstring calls iterations_needed(inlier_ratio=..., ...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_names_of_the_parameters(iterations_needed: Callable) -> None:
-    assert_reckons(iterations_needed)
-    answer = iterations_needed(inlier_ratio=0.6, sample_size=3, confidence=0.99)
-    assert_about(answer, 19, 0.6, 3, 0.99)
 
 
 def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | None:

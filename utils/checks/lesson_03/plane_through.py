@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.planes import (
@@ -17,10 +18,10 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     triangle_text,
 )
+from utils.checks.promises import Case
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
-    assert_untouched,
     brief,
     frozen,
     needs,
@@ -230,29 +231,27 @@ def takes_a_small_triangle(plane_through: Callable) -> None:
     assert_upright(answer, _TINY)
 
 
-@visible(
+_SLOPE = Case(
+    __name__,
     "plane_through",
-    weight=1,
+    dict(zip("pqr", TRIANGLES[2], strict=True)),
+    expected=TRIANGLES[2],
+    look=lambda answer, p, q, r, triangle: assert_upright(answer, triangle),
+    basic=assert_fits_triangles,
+)
+promises.untouched(
+    _SLOPE,
+    "leaves_its_points",
     title="Leaves its points untouched",
     why="The sample is part of the cloud: a point that moves is a wrong point for ever.",
     hint="Give q - p and r - p names of their own; q -= p would move q.",
 )
-def leaves_its_points(plane_through: Callable) -> None:
-    assert_fits_triangles(plane_through)
-    assert_untouched(plane_through, *TRIANGLES[2].copy())
-
-
-@visible(
-    "plane_through",
-    weight=1,
+promises.names(
+    _SLOPE,
+    "keeps_p_q_r",
     title="The parameters keep their names: p, q and r",
     why="Whoever reads the docstring calls plane_through(p=..., q=..., r=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_p_q_r(plane_through: Callable) -> None:
-    assert_fits_triangles(plane_through)
-    p, q, r = TRIANGLES[2].copy()
-    assert_upright(plane_through(p=p, q=q, r=r), TRIANGLES[2])
 
 
 def _long_side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:

@@ -6,8 +6,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from utils.checks import promises
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
@@ -245,17 +247,19 @@ def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:
     assert_untouched(point_plane_distance, _BEHIND[:, :3], np.array([*_NORMAL, 2.0]))
 
 
-@visible(
-    "point_plane_distance",
-    weight=1,
+promises.names(
+    Case(
+        __name__,
+        "point_plane_distance",
+        {"points": _IN_FRONT[:, :3], "plane": frozen(np.array([*_NORMAL, 0.0]))},
+        expected=None,  # `assert_distances` reckons it
+        look=lambda answer, points, plane, _: assert_distances(answer, points, plane),
+        basic=assert_measures,
+    ),
+    "keeps_points_and_plane",
     title="The parameters keep their names: points and plane",
     why="Whoever reads the docstring calls point_plane_distance(points=..., plane=...).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_points_and_plane(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
-    xyz, plane = _IN_FRONT[:, :3], np.array([*_NORMAL, 0.0])
-    assert_distances(point_plane_distance(points=xyz.copy(), plane=plane.copy()), xyz, plane)
 
 
 @visible(

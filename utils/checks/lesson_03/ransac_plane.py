@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.lesson_03.planes import (
     LARGE_AND_SMALL,
@@ -22,6 +23,7 @@ from utils.checks.lesson_03.results import (
     model_of,
     pair_of,
 )
+from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs
 from utils.geometry import best_plane, gaps_from
@@ -399,24 +401,27 @@ def takes_a_seed(ransac_plane: Callable) -> None:
         )
 
 
-@visible(
-    "ransac_plane",
-    weight=1,
-    title="The parameters keep their names",
+_CROWD, _BELONGS = frozen(scattered_plane(1, 60, 30, noise=0.02))
+promises.names(
+    Case(
+        __name__,
+        "ransac_plane",
+        {
+            "points": _CROWD,
+            "max_iterations": 90,
+            "distance_tolerance": 0.2,
+            "rng": np.random.default_rng(1),
+        },
+        expected=_BELONGS,
+        look=lambda answer, points, _, tolerance, __, belongs: assert_finds(
+            answer, points, tolerance, belongs
+        ),
+        basic=assert_works,
+    ),
+    "keeps_the_names_of_ransac",
     why="Later cells may call ransac_plane(street, max_iterations=50, distance_tolerance=0.2, "
     "rng=1).",
-    hint="Keep the first line of the function as it was given.",
 )
-def keeps_the_names_of_ransac(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
-    points, belongs = scattered_plane(1, 60, 30, noise=0.02)
-    answer = ransac_plane(
-        points=points.copy(),
-        max_iterations=90,
-        distance_tolerance=0.2,
-        rng=np.random.default_rng(1),
-    )
-    assert_finds(answer, points, 0.2, belongs)
 
 
 @noted(
