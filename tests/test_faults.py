@@ -23,8 +23,9 @@ from grader.judging import judge as judging
 from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox import Limits, patience
+from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student, StudentStopped
+from grader.sandbox.student import Student
 from tests.test_grade import rehearsed
 
 SEED = 20_170_405

@@ -15,7 +15,7 @@ from grader.judging.points import points_of, shares, total
 from grader.judging.verdict import JUDGED, ExerciseResult, TestResult, Verdict
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
-from utils.checks.story import Outcome
+from utils.checks.outcomes import Outcome
 
 WEIGHTS = some.lists(some.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), min_size=1, max_size=30)
 

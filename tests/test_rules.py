@@ -21,7 +21,7 @@ from grader.lms import gradebook
 from grader.sandbox.program import Program
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
-from utils.checks.story import Outcome
+from utils.checks.outcomes import Outcome
 from utils.simulator.ground import Ground
 from utils.simulator.pose import Pose
 
@@ -100,9 +100,8 @@ def handed_in(tmp_path):
     (submission,) = grade.find_submissions(course)
     handed_in = submission.read(course)
     key = grade.verdict_key(handed_in, FILTER, 1, "ada")
-    verdict = Verdict(FILTER.name, "ada", JUDGED, 0.0, 30.0, (), (), 0.0, key)
-    if "handed_in" in {field.name for field in dataclasses.fields(Verdict)}:
-        verdict = dataclasses.replace(verdict, handed_in=handed_in.fingerprint().hex())
+    about = {"key": key, "fingerprint": handed_in.fingerprint()}
+    verdict = Verdict(FILTER.name, "ada", JUDGED, 0.0, 30.0, (), (), 0.0, **about)
     return course, submission, verdict
 
 
@@ -113,6 +112,7 @@ def handed_in(tmp_path):
         ({"starved": True}, False),
         ({"status": "judge_failed"}, False),
         ({"key": "of other rules"}, False),
+        ({"fingerprint": ""}, False),
     ],
 )
 def test_which_verdicts_on_disk_are_believed(handed_in, change, believed):

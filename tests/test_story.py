@@ -18,7 +18,8 @@ from utils.checks import check, core, diagnosis, display
 from utils.checks.core import ChecksFailed, noted, visible
 from utils.checks.diagnosis import Mistake, diagnose, mistakes
 from utils.checks.limits import TimeUp, limited
-from utils.checks.story import Outcome, resolve
+from utils.checks.outcomes import Outcome
+from utils.checks.story import resolve
 from utils.checks.using import functions_used, refused_modules
 from utils.checks.vocabulary import CheckFailed, WrongForm, as_labels, needs
 

@@ -18,6 +18,10 @@ class Remote:
     """
 
 
+class RemoteError(Exception):
+    """What a function that lives elsewhere raised there."""
+
+
 @dataclass(frozen=True)
 class Observed:
     """A call that was looked at.

@@ -20,12 +20,13 @@ import pytest
 from grader.course.lessons import Lesson
 from grader.judging.marks import check_of
 from grader.sandbox import SandboxUnavailable
-from grader.sandbox.student import Student, StudentStopped
+from grader.sandbox.failures import StudentStopped
+from grader.sandbox.student import Student
 from utils.checks import Check, checks_of
 from utils.checks.diagnosis import asked_through
 from utils.checks.failures import FarTooMuch
+from utils.checks.outcomes import Outcome
 from utils.checks.remembering import one_run
-from utils.checks.story import Outcome
 
 # Processor seconds that one test may take here, beside what the student's code takes there.
 SECONDS_OF_A_TEST = 30.0

@@ -18,7 +18,7 @@ from grader.judging.points import points_of
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import Given, Program
 from grader.sandbox.student import Student
-from utils.checks.story import Outcome
+from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
 

@@ -17,11 +17,13 @@ from grader.judging.messages import messages_of, text_of, told
 from grader.judging.points import shares, total
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, TestResult, Verdict
 from grader.sandbox import Limits, Sandbox
+from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import PACKAGES, Given, Program
-from grader.sandbox.student import Student, StudentError, StudentStopped
+from grader.sandbox.student import Student
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake, asked_through, diagnose
-from utils.checks.story import Outcome, resolve
+from utils.checks.outcomes import Outcome
+from utils.checks.story import resolve
 from utils.notebooks.reading import UnreadableNotebook
 
 # What a wrong answer makes a test raise; anything else may be a fault of the test.

@@ -8,11 +8,12 @@ the student's own code, and our hint.
 import re
 
 from grader.judging.asking import JudgeTimeout
-from grader.sandbox.student import StudentError, StudentStopped
+from grader.sandbox.failures import StudentError, StudentStopped
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
-from utils.checks.story import Outcome, Story, hint_for
+from utils.checks.outcomes import Outcome
+from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from utils.checks.story import Outcome
+from utils.checks.outcomes import Outcome
 
 
 def shares(points: float, weights: Sequence[float]) -> list[float]:

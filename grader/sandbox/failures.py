@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import builtins
 
+from utils.remote import RemoteError
+
 # Names that say something and that student code did not choose.
 KNOWN_EXCEPTIONS = {
     name
@@ -12,7 +14,7 @@ KNOWN_EXCEPTIONS = {
 } | {"LinAlgError", "AxisError", "QhullError"}
 
 
-class StudentError(Exception):
+class StudentError(RemoteError):
     """A student's function raised; `str()` is the sentence to show.
 
     Attributes

@@ -10,7 +10,7 @@ import numpy as np
 
 from grader.judging import samples
 from grader.judging.marks import hidden
-from grader.sandbox.student import StudentStopped
+from grader.sandbox.failures import StudentStopped
 from utils.checks.clusters import assert_works
 from utils.checks.lesson_10 import assert_in_clusters
 from utils.checks.vocabulary import CheckFailed, assert_partition, frozen

@@ -141,7 +141,7 @@ def test_gives_orders_to_mathjax(text):
         "a table": "| a | b |\n|---|---|\n| 1 | 2 |",
         "a formula": r"$\frac{a}{b} < \sqrt{c}$ and $a \le b$",
         "links": "[a](https://x.org/a:b) [b](notes.md#c) <3 [c]: mailto:x@y.org",
-        "more links": "[a](../b/c.ipynb) [d](#e) [f]( HTTP://g.org/?h=1&i=2 ) [j](<https://k.org>)",
+        "more links": "[a](../b/c.ipynb) [d](#e) [f]( HTTP://g.org/?h=1&i=2 )",
         "notes": "[1]: https://x.org 'a title'\n[2]: Über-uns.html\nx[0]: the first of [3]",
         "a picture of one's own": "![plot](attachment:plot.png)",
     },

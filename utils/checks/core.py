@@ -1,18 +1,18 @@
-"""What a check is, how it is declared, and how a notebook runs it."""
+"""How a check is declared, and how a notebook runs it."""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
 from utils.checks.limits import TimeUp, limited
+from utils.checks.outcomes import Check, Outcome
 from utils.checks.remembering import one_run
-from utils.checks.story import Outcome, resolve
+from utils.checks.story import resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.using import functions_used, refused_modules
 from utils.lent import own
@@ -26,58 +26,6 @@ SECONDS = 20
 
 # Every `lesson_NN` of this package, module or folder, declares the checks of its exercises here.
 _CHECKS: dict[str, list[Check]] = {}
-
-
-@dataclass(frozen=True)
-class Check:
-    """One property that a right answer has, shown in the notebook or asked by the judge alone.
-
-    Attributes
-    ----------
-    name : str
-        Short name, unique within the exercise: by it, and not by its title, it is known.
-    exercise : str
-        Name of the function under test.
-    title : str
-        The property, as a statement.
-    hint : str
-        The first hint for someone who fails it.
-    weight : float
-        Its share of the exercise's points, relative to the other checks; 0 for a note, which
-        says what costs no points and why later cells care.
-    why : str
-        What goes wrong on the road without it.
-    run : callable or None
-        Takes the function; raises `CheckFailed` where the property does not hold. None for a
-        hidden check, which the judge runs as a test of pytest.
-    slow : str
-        What to ask of a function that does not come back in this check, where that is rarely a
-        loop without an end.
-    """
-
-    name: str
-    exercise: str
-    title: str
-    hint: str
-    weight: float = 1.0
-    why: str = ""
-    run: Callable | None = None
-    slow: str = ""
-
-    @property
-    def lesson(self) -> str:
-        """The module or folder that declares it, such as "lesson_05"."""
-        return self.run.__module__.removeprefix(f"{__package__}.").partition(".")[0]
-
-    @property
-    def is_shown(self) -> bool:
-        """True where students see it in the notebook."""
-        return self.run is not None
-
-    @property
-    def is_note(self) -> bool:
-        """True where it costs no points."""
-        return self.weight == 0
 
 
 class ChecksFailed(AssertionError):

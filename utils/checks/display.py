@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from utils.checks.core import Check
-from utils.checks.story import Outcome, Story, details
+from utils.checks.outcomes import Check, Outcome
+from utils.checks.story import Story, details
 from utils.showing import shell
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.

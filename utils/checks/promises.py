@@ -23,7 +23,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from utils.checks.core import visible
+from utils.checks.failures import CheckFailed
+from utils.checks.limits import TimeUp
 from utils.checks.vocabulary import assert_untouched
+from utils.remote import Remote, RemoteError
 
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
@@ -210,15 +213,22 @@ def untouched(
     weight: float = 1,
 ) -> None:
     """The arguments are afterwards what they were before, and so are those of `in_full`."""
-    calls, full = [case.given], in_full(case.given)
-    if any(full[argument] is not value for argument, value in case.given.items()):
-        calls.append(full)
+    full = in_full(case.given)
+    is_more = any(full[argument] is not value for argument, value in case.given.items())
 
     @promise("untouched", case, name, title=title, why=why, hint=hint, weight=weight)
     def ask(function: Callable) -> None:
         case.basic(function)
-        for given in calls:
-            assert_untouched(function, *given.values())
+        assert_untouched(function, *case.given.values())
+        if not is_more:
+            return
+        own = RemoteError if isinstance(function, Remote) else Exception
+        try:
+            assert_untouched(function, *full.values())
+        except (CheckFailed, TimeUp):
+            raise
+        except own:
+            return  # whether it takes four columns, or a label 0, others ask
 
 
 def in_full(given: Mapping[str, object]) -> dict[str, object]:

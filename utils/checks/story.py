@@ -8,29 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised
-
-if TYPE_CHECKING:
-    from utils.checks.core import Check
-    from utils.checks.diagnosis import Mistake
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of asking a check.
-
-    Attributes
-    ----------
-    check : Check
-    failure : Exception or None
-        Why it does not hold, None where it does. Whatever a check raised in the judge; a
-        `CheckFailed` where it is told.
-    """
-
-    check: Check
-    failure: Exception | None
+from utils.checks.outcomes import Check, Outcome
 
 
 @dataclass(frozen=True)

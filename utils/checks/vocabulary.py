@@ -12,7 +12,6 @@ import contextlib
 import copy
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from operator import attrgetter
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import ArrayLike
 import utils
 from utils.checks.claims import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm
+from utils.remote import Observed, Remote
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
 TOLERANCE = 1e-3
@@ -524,30 +524,12 @@ def assert_close(
         )
 
 
-@dataclass(frozen=True)
-class Observed:
-    """A call that was looked at.
-
-    Attributes
-    ----------
-    result : object
-    arguments : tuple
-        What became of copies of the arguments.
-    shared : frozenset of int
-        Positions of the arguments that share their memory with the result.
-    """
-
-    result: object
-    arguments: tuple
-    shared: frozenset[int]
-
-
 def observe(function: Callable, *arguments: object) -> Observed:
     """Call a function on copies of its arguments, and look at what it did.
 
     A function that lives elsewhere observes itself: in the judge it is in the sandbox.
     """
-    if hasattr(function, "observe"):
+    if isinstance(function, Remote):
         return function.observe(*arguments)
     copies = copy.deepcopy(arguments)
     result = function(*copies)
@@ -566,7 +548,7 @@ def timed(function: Callable, *arguments: object) -> tuple[object, float]:
 
     One that lives elsewhere is timed there.
     """
-    if hasattr(function, "timed"):
+    if isinstance(function, Remote):
         return function.timed(*arguments)
     copies = copy.deepcopy(arguments)
     begin = time.process_time()
@@ -579,7 +561,7 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> None:
 
     One that lives elsewhere gets them all in one message.
     """
-    if hasattr(function, "each"):
+    if isinstance(function, Remote):
         function.each(list(calls))
         return
     for arguments in calls:
@@ -588,7 +570,9 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> None:
 
 def reach(value: object, names: Sequence[str]) -> object:
     """Where a way along attributes leads, as `value.first.second`; elsewhere in one message."""
-    return value.reach(names) if hasattr(value, "reach") else attrgetter(".".join(names))(value)
+    if isinstance(value, Remote):
+        return value.reach(names)
+    return attrgetter(".".join(names))(value)
 
 
 def assert_untouched(function: Callable, *arguments: object) -> None:
