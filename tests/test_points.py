@@ -12,7 +12,7 @@ from grader.course.variants import fill_in, variants_of
 from grader.intake.handed_in import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.judging.points import points_of, shares, total
-from grader.judging.verdict import JUDGED, ExerciseResult, TestResult, Verdict
+from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
 from utils.checks.outcomes import Outcome
@@ -98,7 +98,7 @@ def test_checks_are_known_by_their_names(lesson, sandbox):
 def test_the_report_names_the_check_that_failed():
     """Also where another one of the exercise has the same title, as 12 have."""
     shown, hidden = (
-        TestResult(name, "Finds it", False, 0.0, 1.0, "", visible)
+        CheckResult(name, "Finds it", False, 0.0, 1.0, "", visible)
         for name, visible in (("finds_it", True), ("test_finds_it", False))
     )
     exercise = ExerciseResult("f", 0.0, 2.0, (shown, hidden), "It is not found.", "test_finds_it")

@@ -15,7 +15,7 @@ from grader.judging.followed import Followed, follow_through
 from grader.judging.key import verdict_key
 from grader.judging.messages import messages_of, text_of, told
 from grader.judging.points import shares, total
-from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, TestResult, Verdict
+from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import PACKAGES, Given, Program
@@ -262,7 +262,7 @@ def _of(exercise: Exercise, outcomes: list[Outcome]) -> list[Outcome]:
     return [outcome for outcome in outcomes if outcome.check.exercise == exercise.name]
 
 
-def _result(outcome: Outcome, points: float, message: str) -> TestResult:
+def _result(outcome: Outcome, points: float, message: str) -> CheckResult:
     check, passed = outcome.check, outcome.failure is None
     score = points if passed else 0.0
-    return TestResult(check.name, check.title, passed, score, points, message, check.is_shown)
+    return CheckResult(check.name, check.title, passed, score, points, message, check.is_shown)

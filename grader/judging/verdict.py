@@ -18,7 +18,7 @@ JUDGED, FAILED = "judged", "judge_failed"
 
 
 @dataclass(frozen=True)
-class TestResult:
+class CheckResult:
     """One check: what it demands, whether it holds, and what to tell the student."""
 
     name: str
@@ -38,7 +38,7 @@ class ExerciseResult:
     ----------
     name : str
     score, max_score : float
-    tests : tuple of TestResult
+    tests : tuple of CheckResult
     cause : str
         What to mend first, line by line; empty where nothing failed.
     first : str
@@ -122,7 +122,7 @@ def _common(exercise: ExerciseResult) -> ExerciseResult:
 
 
 @functools.lru_cache(maxsize=2**14)
-def _the_same(result: TestResult | ExerciseResult) -> TestResult | ExerciseResult:
+def _the_same(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
     """The first one that was equal to this."""
     return result
 
@@ -152,7 +152,7 @@ def read_verdict(path: str | os.PathLike) -> Verdict | None:
         content = json.loads(Path(path).read_text("utf-8"))
         exercises = tuple(
             ExerciseResult(
-                **{**exercise, "tests": tuple(TestResult(**test) for test in exercise["tests"])}
+                **{**exercise, "tests": tuple(CheckResult(**test) for test in exercise["tests"])}
             )
             for exercise in content["exercises"]
         )
