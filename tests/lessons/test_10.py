@@ -11,9 +11,11 @@ from grader.course.lessons import find_lesson, load_reference
 from grader.course.variants import variants_of
 from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
+from grader.judging.asking import _own_time
 from grader.lms.autograded import build_copy
 from utils import load_cloud
 from utils.checks.core import notes_of, run_check
+from utils.checks.lesson_10 import _seconds_to_find_neighbours
 
 NAME = "10_accelerated_clustering"
 STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
@@ -199,3 +201,10 @@ def test_steps_stay_the_students_own_in_the_autograded_copy():
         found = [cell for cell in copy.cells if f"{name} = print" in cell.source]
         assert [cell.metadata.nbgrader.grade_id for cell in found] == [name]
         assert not any(f"def {name}(" in cell.source for cell in copy.cells)
+
+
+def test_a_search_for_neighbours_takes_time_also_while_the_judge_waits():
+    """A yardstick of nothing would make every answer slow, on machines that are quick."""
+    cloud = np.random.default_rng(1).normal(size=(50, 3))
+    with _own_time(60):
+        assert min(_seconds_to_find_neighbours(cloud) for _ in range(200)) > 0

@@ -6,7 +6,7 @@ gets right whoever joins cells by any rule, and what is exact is small.
 
 from collections.abc import Callable
 from math import ceil
-from time import process_time
+from time import thread_time
 
 import numpy as np
 
@@ -340,9 +340,11 @@ def assert_in_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) ->
 def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
     from scipy.spatial import cKDTree
 
-    begin = process_time()
+    # Of this thread, and not of the process: while a clock like the judge's waits for the time of
+    # the process, Linux tells that only to the tick of its own, and a quick machine takes less.
+    begin = thread_time()
     cKDTree(cloud).query(cloud, k=2)
-    return process_time() - begin
+    return thread_time() - begin
 
 
 def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
