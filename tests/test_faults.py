@@ -20,6 +20,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
+from grader.judging import trial
 from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox import Limits, patience
@@ -120,8 +121,8 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     def broken(*question):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
-    right = judging.run_tests
-    monkeypatch.setattr(judging, "run_tests", broken)
+    right = trial.run_tests
+    monkeypatch.setattr(trial, "run_tests", broken)
     rehearsed(course, LESSON, SEED)
     verdicts = graded(course, sandbox)
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
@@ -129,14 +130,14 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
     assert "faults" not in verdicts["ada"].as_dict()  # for whoever grades, not for students
     # The next run tries again.
-    monkeypatch.setattr(judging, "run_tests", right)
+    monkeypatch.setattr(trial, "run_tests", right)
     assert {one.score for one in graded(course, sandbox).values()} == {30}
 
 
 @pytest.mark.slow
 def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
-    right = judging.run_tests
+    right = trial.run_tests
 
     def spoiled(*question):
         outcomes = right(*question)
@@ -145,7 +146,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     rehearsed(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
-    monkeypatch.setattr(judging, "run_tests", spoiled)
+    monkeypatch.setattr(trial, "run_tests", spoiled)
     verdict = graded(course, sandbox)["ada"]
     assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
     monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
@@ -155,7 +156,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
 def shake_once(monkeypatch):
     """Let some tests end, the first time, as no answer makes them end; what was asked each time."""
-    right, asked = judging.run_tests, []
+    right, asked = trial.run_tests, []
 
     def shaken(*question):
         outcomes = right(*question)
@@ -167,7 +168,7 @@ def shake_once(monkeypatch):
             for one in outcomes
         ]
 
-    monkeypatch.setattr(judging, "run_tests", shaken)
+    monkeypatch.setattr(trial, "run_tests", shaken)
     return asked
 
 

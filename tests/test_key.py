@@ -61,7 +61,7 @@ def mistaken(lesson):
     answers = {
         one.name: max(
             (variant for variant in variants_of(one.name) if not variant.right),
-            key=lambda variant: bool(variant.claims),
+            key=lambda variant: bool(variant.told),
         ).source
         for one in lesson.machine_graded
     }

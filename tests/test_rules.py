@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import math
-from contextlib import nullcontext
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +15,7 @@ from grader.course.variants import fill_in
 from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
 from grader.judging import followed
+from grader.judging.trial import Asked, Setting
 from grader.judging.verdict import JUDGED, Verdict, write_verdict
 from grader.lms import gradebook
 from grader.sandbox.program import Program
@@ -43,20 +43,17 @@ def outcomes_of(exercise, *held):
 
 def follow(monkeypatch, uses, outcomes, again):
     """What comes of `follow_through`; and the programs that were asked a second time."""
-    asked = []
+    programs = []
 
-    def student(program, sandbox, limits=None):
-        asked.append(program)
-        return nullcontext(SimpleNamespace(starved=False))
+    def ask(setting, program, wanted):
+        programs.append(program)
+        return Asked(tuple(outcome for outcome in again if wanted(outcome.check)))
 
-    def run_tests(lesson, student, seed, wanted):
-        return [one for one in again if wanted(one.check)]
-
-    monkeypatch.setattr(followed, "Student", student)
-    monkeypatch.setattr(followed, "run_tests", run_tests)
+    monkeypatch.setattr(followed, "ask", ask)
     program = Program(("pass",), LINE.names)
-    better, _ = followed.follow_through(LINE, program, uses, outcomes, 1, None)
-    return better, asked
+    asked = Asked(tuple(outcomes), uses=uses)
+    better, _ = followed.follow_through(Setting(LINE, 1, None), program, asked)
+    return better, programs
 
 
 BOTH_WRONG = [*outcomes_of("line_through", False, True), *outcomes_of("ransac_line", False, True)]

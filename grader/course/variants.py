@@ -3,7 +3,7 @@
 They lie in ``grader/variants/<exercise>.py``, one after another, each under a line such as
 ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A wrong one goes on with
 ``# loses:`` (the checks that it fails, among others; with ``# loses only:`` no others),
-``# says:`` (words that the message of one of them holds) and ``# claims:`` (words of the mistake
+``# says:`` (words that the message of one of them holds) and ``# told:`` (words of the mistake
 that is told; without that line, none may be told). The tests grade them all; the demo gives them
 to its pretend students.
 """
@@ -29,7 +29,7 @@ class Variant:
     loses: tuple
     says: str
     loses_only: bool
-    claims: str
+    told: str
 
 
 def variants_of(exercise: str) -> tuple[Variant, ...]:
@@ -43,7 +43,7 @@ def variants_of(exercise: str) -> tuple[Variant, ...]:
 
 
 def _variant(exercise: str, right: bool, name: str, body: str) -> Variant:
-    kinds = r"^# (loses only|loses|says|claims): (.+)\n"
+    kinds = r"^# (loses only|loses|says|told): (.+)\n"
     notes, source = dict(re.findall(kinds, body, flags=re.M)), re.sub(kinds, "", body, flags=re.M)
     only = notes.get("loses only", "")
     loses = tuple(filter(None, map(str.strip, (only or notes.get("loses", "")).split(","))))
@@ -55,7 +55,7 @@ def _variant(exercise: str, right: bool, name: str, body: str) -> Variant:
         loses,
         notes.get("says", ""),
         bool(only),
-        notes.get("claims", ""),
+        notes.get("told", ""),
     )
 
 

@@ -13,11 +13,9 @@ from dataclasses import dataclass
 
 from grader.course.lessons import Exercise, Lesson
 from grader.intake.notebook import read_notebook
-from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.points import points_of
-from grader.sandbox import Limits, Sandbox
+from grader.judging.trial import Asked, Setting, ask
 from grader.sandbox.program import Given, Program
-from grader.sandbox.student import Student
 from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
@@ -28,38 +26,28 @@ class Followed:
 
     Attributes
     ----------
-    outcomes : list of Outcome
+    outcomes : tuple of Outcome
     sentence : str
         Which function is at fault.
     """
 
-    outcomes: list[Outcome]
+    outcomes: tuple[Outcome, ...]
     sentence: str
 
 
 def follow_through(
-    lesson: Lesson,
-    program: Program,
-    uses: dict[str, tuple[str, ...]],
-    outcomes: list[Outcome],
-    seed: int,
-    sandbox: Sandbox,
-    limits: Limits | None = None,
+    setting: Setting, program: Program, asked: Asked
 ) -> tuple[dict[str, Followed], bool]:
     """Judge again what calls a wrong exercise.
 
     Parameters
     ----------
-    lesson : grader.course.lessons.Lesson
+    setting : grader.judging.trial.Setting
     program : grader.sandbox.program.Program
         The notebook.
-    uses : dict of str to tuple of str
-        What calls what, read behind the wall: nobody parses a stranger's code here.
-    outcomes : list of Outcome
-        What came of judging it.
-    seed : int
-    sandbox : grader.sandbox.Sandbox
-    limits : grader.sandbox.Limits, optional
+    asked : grader.judging.trial.Asked
+        What came of judging it; also what calls what, read behind the wall: nobody parses a
+        stranger's code here.
 
     Returns
     -------
@@ -68,27 +56,26 @@ def follow_through(
     starved : bool
         Whether a time limit was reached by code that hardly had a processor.
     """
-    lost = {outcome.check.exercise for outcome in outcomes if outcome.failure}
+    exercises = setting.lesson.machine_graded
+    lost = {outcome.check.exercise for outcome in asked.outcomes if outcome.failure}
     better, starved = {}, False
-    for number, exercise in enumerate(lesson.machine_graded):
+    for number, exercise in enumerate(exercises):
         # What comes after it may be made of it, and a right one might tell it the answer.
-        earlier = [one.name for one in lesson.machine_graded[:number]]
-        called = lost.intersection(uses.get(exercise.name, ()))
+        earlier = [before.name for before in exercises[:number]]
+        called = lost.intersection(asked.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
         if exercise.name not in lost or not helpers:
             continue
-        with Student(_with_right(lesson, program, exercise, helpers), sandbox, limits) as student:
-            try:
-                again = run_tests(
-                    lesson, student, seed, lambda check, e=exercise: check.exercise == e.name
-                )
-            except JudgeFault:  # said of the first time, which counts
-                continue
-            starved |= student.starved
-        mine = [outcome for outcome in outcomes if outcome.check.exercise == exercise.name]
-        before, after = (points_of(exercise.points, ended) for ended in (mine, again))
+        mended = _with_right(setting.lesson, program, exercise, helpers)
+        again = ask(setting, mended, lambda check, e=exercise: check.exercise == e.name)
+        if again.fault:  # said of the first time, which counts
+            continue
+        starved |= again.starved
+        before = points_of(exercise.points, asked.about(exercise.name))
+        after = points_of(exercise.points, again.outcomes)
         if after > before:
-            better[exercise.name] = Followed(again, _sentence(exercise, helpers, before, after))
+            sentence = _sentence(exercise, helpers, before, after)
+            better[exercise.name] = Followed(again.outcomes, sentence)
     return better, starved
 
 
@@ -101,9 +88,9 @@ def _with_right(
     """
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     right = [
-        ast.unparse(one.node)
-        for one in slicing.slice_for(helpers, statements)
-        if exercise.name not in one.binds
+        ast.unparse(statement.node)
+        for statement in slicing.slice_for(helpers, statements)
+        if exercise.name not in statement.binds
     ]
     given = program.given
     return dataclasses.replace(

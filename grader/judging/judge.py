@@ -5,25 +5,24 @@ from __future__ import annotations
 import functools
 import time
 import traceback
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grader.course.lessons import Exercise, Lesson, find_lesson
+from grader.course.lessons import Lesson, find_lesson
 from grader.intake.handed_in import HandedIn, read_handed_in
-from grader.intake.preflight import prepare
-from grader.judging.asking import JudgeFault, JudgeTimeout, run_tests
-from grader.judging.followed import Followed, follow_through
+from grader.intake.preflight import Prepared, prepare
+from grader.judging.asking import JudgeTimeout
+from grader.judging.followed import follow_through
 from grader.judging.key import verdict_key
-from grader.judging.messages import messages_of, text_of, told
-from grader.judging.points import shares, total
-from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Verdict
+from grader.judging.points import total
+from grader.judging.results import result_of, untried
+from grader.judging.trial import Asked, Setting, ask
+from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import PACKAGES, Given, Program
-from grader.sandbox.student import Student
 from utils.checks import CheckFailed
-from utils.checks.diagnosis import Mistake, asked_through, diagnose
 from utils.checks.outcomes import Outcome
-from utils.checks.story import resolve
 from utils.notebooks.reading import UnreadableNotebook
 
 # What a wrong answer makes a test raise; anything else may be a fault of the test.
@@ -83,67 +82,104 @@ def judge_handed_in(
 ) -> Verdict:
     """Judge what has been read; see `judge`."""
     begin = time.perf_counter()
-    lesson = lesson or find_lesson(Path(handed_in.name).stem)
-    outcomes, problems, faults, starved = None, [], [], False
-    versions, claims, followed = {}, {}, {}
+    lesson = lesson or find_lesson(Path(handed_in.name).stem) or _lesson_in(handed_in)
     try:
-        notebook = handed_in.notebook()
-    except UnreadableNotebook as error:
-        if lesson is None:
-            raise UnknownLesson(str(error)) from None
-        problems = [str(error)]
-    else:
-        lesson = lesson or find_lesson(notebook.lesson_name)
-        if lesson is None:
-            raise UnknownLesson(
-                f"{handed_in.name}: cannot tell which lesson this is. Give the file the name it "
-                "was released under, such as 06_filter_ground.ipynb."
-            )
         prepared = prepare(handed_in, lesson)
-        versions = prepared.versions
-        program = program_for(lesson, prepared.code, handed_in.modules)
-        with Student(program, sandbox, limits) as proxy:
-            try:
-                outcomes = run_tests(lesson, proxy, seed)
-                claims = _claims(lesson, outcomes, proxy)
-            except JudgeFault as error:
-                faults = [str(error)]
-            problems, starved = [*prepared.notes, *proxy.problems], proxy.starved
-    if _odd(outcomes):
-        outcomes, starved_again = _once_more(lesson, program, outcomes, seed, sandbox, limits)
-        starved |= starved_again
-    odd = _odd(outcomes)
-    if odd and complaints_about_reference(lesson, seed, sandbox):
-        faults += ["".join(traceback.format_exception(outcome.failure)) for outcome in odd]
-    if faults:
-        outcomes, problems = None, [UNFAIR]
-    elif outcomes is not None:
-        followed, starved_again = follow_through(
-            lesson, program, proxy.uses, outcomes, seed, sandbox, limits
-        )
-        starved |= starved_again
-    exercises = tuple(
-        _score(exercise, outcomes, claims.get(exercise.name), followed.get(exercise.name))
-        for exercise in lesson.machine_graded
-    )
-    if outcomes is not None:
-        problems += [one.sentence for one in followed.values()]
-        lost = [result.name for result in exercises if result.score < result.max_score]
-        problems += [versions[name] for name in lost if name in versions]
+    except UnreadableNotebook as error:
+        reached = _Reached(untried(lesson), (str(error),))
+    else:
+        reached = _reach(Setting(lesson, seed, sandbox, limits), prepared, handed_in.modules)
     return Verdict(
         lesson=lesson.name,
         student=student,
-        status=FAILED if faults else JUDGED,
-        score=total([exercise.score for exercise in exercises]),
-        max_score=total([exercise.max_score for exercise in exercises]),
-        exercises=exercises,
-        problems=tuple(problems),
+        status=FAILED if reached.faults else JUDGED,
+        score=total([exercise.score for exercise in reached.exercises]),
+        max_score=total([exercise.max_score for exercise in reached.exercises]),
+        exercises=reached.exercises,
+        problems=reached.problems,
         seconds=round(time.perf_counter() - begin, 3),
         key=verdict_key(handed_in, lesson, seed, student),
-        faults=tuple(faults),
-        starved=starved,
+        faults=reached.faults,
+        starved=reached.starved,
         fingerprint=handed_in.fingerprint(),
     )
+
+
+def _lesson_in(handed_in: HandedIn) -> Lesson:
+    """The lesson that a notebook says it is."""
+    try:
+        lesson = find_lesson(handed_in.notebook().lesson_name)
+    except UnreadableNotebook as error:
+        raise UnknownLesson(str(error)) from None
+    if lesson is None:
+        raise UnknownLesson(
+            f"{handed_in.name}: cannot tell which lesson this is. Give the file the name it "
+            "was released under, such as 06_filter_ground.ipynb."
+        )
+    return lesson
+
+
+@dataclass(frozen=True)
+class _Reached:
+    """What a verdict says, beside what it is about."""
+
+    exercises: tuple[ExerciseResult, ...]
+    problems: tuple[str, ...]
+    faults: tuple[str, ...] = ()
+    starved: bool = False
+
+
+def _reach(setting: Setting, prepared: Prepared, modules: dict[str, str]) -> _Reached:
+    """Ask, once more where that is just, and say what came of it."""
+    lesson = setting.lesson
+    program = program_for(lesson, prepared.code, modules)
+    asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
+    if faults := _faults(setting, asked):
+        return _Reached(untried(lesson), (UNFAIR,), faults, asked.starved)
+    followed, starved = follow_through(setting, program, asked)
+    exercises = tuple(
+        result_of(exercise, asked, followed.get(exercise.name))
+        for exercise in lesson.machine_graded
+    )
+    lost = [result.name for result in exercises if result.score < result.max_score]
+    problems = (
+        *prepared.notes,
+        *asked.problems,
+        *(better.sentence for better in followed.values()),
+        *(prepared.versions[name] for name in lost if name in prepared.versions),
+    )
+    return _Reached(exercises, problems, (), asked.starved or starved)
+
+
+def _odd_ones_again(setting: Setting, program: Program, asked: Asked) -> Asked:
+    """The same, with another outcome for each that was odd.
+
+    What befell the judge only once takes no point from anybody.
+    """
+    odd = {outcome.check for outcome in _odd(asked)}
+    if not odd:
+        return asked
+    again = ask(setting, program, odd.__contains__)
+    if again.fault:  # then the first try counts
+        return asked
+    better = {outcome.check: outcome for outcome in again.outcomes}
+    outcomes = tuple(better.get(outcome.check, outcome) for outcome in asked.outcomes)
+    return replace(asked, outcomes=outcomes, starved=asked.starved or again.starved)
+
+
+def _odd(asked: Asked) -> list[Outcome]:
+    """Those that ended as no wrong answer makes a check end."""
+    return [outcome for outcome in asked.outcomes if not isinstance(outcome.failure, _FINE)]
+
+
+def _faults(setting: Setting, asked: Asked) -> tuple[str, ...]:
+    """What went wrong in the judge, so that nothing can be said about the student."""
+    if asked.fault:
+        return (asked.fault,)
+    odd = _odd(asked)
+    if odd and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
+        return tuple("".join(traceback.format_exception(outcome.failure)) for outcome in odd)
+    return ()
 
 
 def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str]) -> Program:
@@ -176,93 +212,14 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
 
 
 def _complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    handed_in = read_handed_in(lesson.solved)
-    program = program_for(lesson, handed_in.notebook().code, {})
-    with Student(program, sandbox) as proxy:
-        try:
-            outcomes = run_tests(lesson, proxy, seed)
-        except JudgeFault as error:
-            return (str(error),)
-        failed = [outcome for outcome in outcomes if outcome.failure]
-        return (*map(_complaint, failed), *proxy.problems)
+    program = program_for(lesson, read_handed_in(lesson.solved).notebook().code, {})
+    asked = ask(Setting(lesson, seed, sandbox), program)
+    if asked.fault:
+        return (asked.fault,)
+    failed = [outcome for outcome in asked.outcomes if outcome.failure]
+    return (*map(_complaint, failed), *asked.problems)
 
 
 def _complaint(outcome: Outcome) -> str:
     check, failure = outcome.check, outcome.failure
     return f"{check.exercise}, {check.name}: {type(failure).__name__}: {failure}"
-
-
-def _odd(outcomes: list[Outcome] | None) -> list[Outcome]:
-    """Those that ended as no wrong answer makes a test end."""
-    return [one for one in outcomes or () if not isinstance(one.failure, _FINE)]
-
-
-def _once_more(
-    lesson: Lesson,
-    program: Program,
-    outcomes: list[Outcome],
-    seed: int,
-    sandbox: Sandbox,
-    limits: Limits | None,
-) -> tuple[list[Outcome], bool]:
-    """The outcomes, with another one for each that was odd; and whether that try was starved.
-
-    What befell the judge only once takes no point from anybody.
-    """
-    odd = {outcome.check for outcome in _odd(outcomes)}
-    with Student(program, sandbox, limits) as proxy:
-        try:
-            again = run_tests(lesson, proxy, seed, odd.__contains__)
-        except JudgeFault:  # then the first try counts
-            return outcomes, False
-        starved = proxy.starved
-    better = {outcome.check: outcome for outcome in again}
-    return [better.get(outcome.check, outcome) for outcome in outcomes], starved
-
-
-def _claims(lesson: Lesson, outcomes: list[Outcome], student: Student) -> dict[str, Mistake]:
-    """What explains the answers to each exercise, by its name."""
-    found = {}
-    for exercise in lesson.machine_graded:
-        if any(isinstance(one.failure, CheckFailed) for one in _of(exercise, outcomes)):
-            student.exercise = exercise.name
-            found[exercise.name] = diagnose(
-                exercise.name, getattr(student, asked_through(exercise.name))
-            )
-    return found
-
-
-def _score(
-    exercise: Exercise,
-    outcomes: list[Outcome] | None,
-    claim: Mistake | None,
-    followed: Followed | None,
-) -> ExerciseResult:
-    """`ExerciseResult` of one exercise; nothing was tried where `outcomes` is None."""
-    if outcomes is None:
-        return ExerciseResult(exercise.name, 0.0, exercise.points, ())
-    mine, said, claim = _of(exercise, outcomes), [], None if followed else claim
-    if followed:
-        mine, said = followed.outcomes, [followed.sentence]
-    stories = [told(outcome, open_to_all=followed is None) for outcome in mine]
-    story = resolve(stories, claim=claim)
-    messages = messages_of(story)
-    most = shares(exercise.points, [outcome.check.weight for outcome in mine])
-    tests = tuple(
-        _result(outcome, points, messages.get(outcome, ""))
-        for outcome, points in zip(stories, most, strict=True)
-    )
-    said += [text_of(story.first, story.claim)] if story.first else []
-    first = story.first.check.name if story.first and not story.not_started else ""
-    score = total([result.score for result in tests])
-    return ExerciseResult(exercise.name, score, exercise.points, tests, "\n".join(said), first)
-
-
-def _of(exercise: Exercise, outcomes: list[Outcome]) -> list[Outcome]:
-    return [outcome for outcome in outcomes if outcome.check.exercise == exercise.name]
-
-
-def _result(outcome: Outcome, points: float, message: str) -> CheckResult:
-    check, passed = outcome.check, outcome.failure is None
-    score = points if passed else 0.0
-    return CheckResult(check.name, check.title, passed, score, points, message, check.is_shown)

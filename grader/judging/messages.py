@@ -40,17 +40,17 @@ def messages_of(story: Story) -> dict[Outcome, str]:
         return {}
     same = f"For the same reason as “{story.first.check.title}”."
     return {
-        story.first: text_of(story.first, story.claim),
+        story.first: text_of(story.first, story.mistake),
         **dict.fromkeys(story.same, same),
         **{one: text_of(one) for one in (*story.others, *story.waiting)},
     }
 
 
-def text_of(outcome: Outcome, claim: Mistake | None = None) -> str:
+def text_of(outcome: Outcome, mistake: Mistake | None = None) -> str:
     """What to tell about a failure, line by line."""
-    failure, hint = outcome.failure, hint_for(outcome, claim)
+    failure, hint = outcome.failure, hint_for(outcome, mistake)
     lines = [
-        claim.says if claim else "",
+        mistake.says if mistake else "",
         failure.message,
         failure.tip,
         _side_by_side(failure),

@@ -45,49 +45,49 @@ def crop_region(cloud, minimum, maximum):
 # %% wrong: any instead of all
 # loses only: cuts_on_four_sides, cuts_below_and_above, test_crop_streets, test_crop_other_boxes, test_crop_heights, test_crop_faces
 # says: .all(axis=1), not .any
-# claims: One coordinate inside the box is enough
+# told: One coordinate inside the box is enough
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).any(axis=1)]
 
 # %% wrong: forgets the height
 # loses only: cuts_below_and_above, test_crop_heights, test_crop_faces
 # says: cloud[:, :3]
-# claims: Only x and y are compared
+# told: Only x and y are compared
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :2] >= minimum[:2]) & (cloud[:, :2] <= maximum[:2])).all(axis=1)]
 
 # %% wrong: only the upper corner
 # loses: keeps_what_is_inside, test_crop_streets
 # says: Join both
-# claims: Only maximum is compared
+# told: Only maximum is compared
 def crop_region(cloud, minimum, maximum):
     return cloud[(cloud[:, :3] <= maximum).all(axis=1)]
 
 # %% wrong: only the lower corner
 # loses: keeps_what_is_inside, test_crop_streets
 # says: Join both
-# claims: Only minimum is compared
+# told: Only minimum is compared
 def crop_region(cloud, minimum, maximum):
     return cloud[(cloud[:, :3] >= minimum).all(axis=1)]
 
 # %% wrong: keeps the outside
 # loses: keeps_what_is_inside, test_crop_streets
 # says: without ~
-# claims: the other way round
+# told: the other way round
 def crop_region(cloud, minimum, maximum):
     return cloud[~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
 # %% wrong: open box
 # loses only: counts_the_faces, test_crop_faces
 # says: missing
-# claims: Points on the faces go
+# told: Points on the faces go
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] > minimum) & (cloud[:, :3] < maximum)).all(axis=1)]
 
 # %% wrong: the region is written into the function
 # loses only: follows_the_corners, test_crop_other_boxes, test_crop_heights, test_crop_faces
 # says: Compare with minimum and maximum
-# claims: The lesson's own region
+# told: The lesson's own region
 def crop_region(cloud, minimum, maximum):
     minimum, maximum = (-10, -5, -2), (30, 6, 1)
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
@@ -165,7 +165,7 @@ def crop_region(cloud, minimum, maximum):
 # %% wrong: moves points to the border instead of removing them
 # loses: keeps_what_is_inside, crops_the_smallest, test_crop_streets
 # says: values changed
-# claims: moved to the border
+# told: moved to the border
 def crop_region(cloud, minimum, maximum):
     cloud[:, :3] = np.clip(cloud[:, :3], minimum, maximum)
     return cloud
@@ -182,7 +182,7 @@ def crop_region(cloud, minimum, maximum):
 # %% wrong: returns the cloud as it is
 # loses: keeps_what_is_inside, counts_the_faces, crops_the_smallest, test_crop_small
 # says: too many
-# claims: Nothing is removed
+# told: Nothing is removed
 def crop_region(cloud, minimum, maximum):
     return cloud
 

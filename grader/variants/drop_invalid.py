@@ -62,28 +62,28 @@ def drop_invalid(cloud):
 # %% wrong: drops zeros only
 # loses only: drops_nan, drops_what_is_infinite, test_
 # says: too many
-# claims: only those at (0, 0, 0) go
+# told: only those at (0, 0, 0) go
 def drop_invalid(cloud):
     return cloud[~(cloud[:, :3] == 0).all(axis=1)]
 
 # %% wrong: drops what is not finite only
 # loses: drops_the_origin, drops_bright_ones, test_course_cloud_cleaned
 # says: too many
-# claims: Returns at (0, 0, 0) stay.
+# told: Returns at (0, 0, 0) stay.
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud[:, :3]).all(axis=1)]
 
 # %% wrong: drops NaN only
 # loses: drops_the_origin, drops_what_is_infinite, test_course_cloud_cleaned
 # says: too many
-# claims: those at (0, 0, 0), too
+# told: those at (0, 0, 0), too
 def drop_invalid(cloud):
     return cloud[~np.isnan(cloud[:, :3]).any(axis=1)]
 
 # %% wrong: infinite ranges stay
 # loses only: drops_what_is_infinite, test_infinite_returns_go
 # says: too many
-# claims: Rows with an infinite coordinate stay; those with NaN go.
+# told: Rows with an infinite coordinate stay; those with NaN go.
 def drop_invalid(cloud):
     bad = np.isnan(cloud[:, :3]).any(axis=1) | (cloud[:, :3] == 0).all(axis=1)
     return cloud[~bad]
@@ -91,7 +91,7 @@ def drop_invalid(cloud):
 # %% wrong: any zero coordinate counts as lost
 # loses only: keeps_points_with_a_zero, test_points_with_a_zero_stay
 # says: missing, for example (0.00, 5.00
-# claims: as soon as one of its coordinates is 0
+# told: as soon as one of its coordinates is 0
 def drop_invalid(cloud):
     good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).all(axis=1)
     return cloud[good]
@@ -99,28 +99,28 @@ def drop_invalid(cloud):
 # %% wrong: all columns must be zero
 # loses only: drops_bright_ones, test_bright_returns_go
 # says: too many, for example (0.00, 0.00, 0.00)
-# claims: only if its intensity is 0
+# told: only if its intensity is 0
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud[:, :3]).all(axis=1) & ~(cloud == 0).all(axis=1)]
 
 # %% wrong: intensity must be finite, too
 # loses only: allows_missing_intensity
 # says: missing
-# claims: because their intensity is not finite
+# told: because their intensity is not finite
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud).all(axis=1) & (cloud[:, :3] != 0).any(axis=1)]
 
 # %% wrong: intensity has a say in both masks
 # loses only: allows_missing_intensity, drops_bright_ones, test_bright_returns_go
 # says: too many
-# claims: as if it were a coordinate
+# told: as if it were a coordinate
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud).all(axis=1) & ~(cloud == 0).all(axis=1)]
 
 # %% wrong: the sum of the coordinates is zero
 # loses only: keeps_points_with_a_zero
 # says: missing, for example
-# claims: add up to 0
+# told: add up to 0
 def drop_invalid(cloud):
     total = cloud[:, :3].sum(axis=1)
     return cloud[np.isfinite(total) & (total != 0)]
@@ -128,28 +128,28 @@ def drop_invalid(cloud):
 # %% wrong: compares with NaN
 # loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: one row per point
-# claims: in one long row
+# told: in one long row
 def drop_invalid(cloud):
     return cloud[cloud != np.nan]
 
 # %% wrong: asks number by number, not row by row
 # loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: one row per point
-# claims: in one long row
+# told: in one long row
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud) & (cloud != 0)]
 
 # %% wrong: asks number by number what is finite
 # loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: one row per point
-# claims: in one long row
+# told: in one long row
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud)]
 
 # %% wrong: only rows that are lost altogether
 # loses: drops_nan, drops_what_is_infinite, test_fresh_street_cleaned
 # says: too many
-# claims: only if all three coordinates are not
+# told: only if all three coordinates are not
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return cloud[np.isfinite(xyz).any(axis=1) & (xyz != 0).any(axis=1)]
@@ -157,7 +157,7 @@ def drop_invalid(cloud):
 # %% wrong: no axis in either mask
 # loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: expected 4 columns
-# claims: axis=1 is missing in both
+# told: axis=1 is missing in both
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return cloud[np.isfinite(xyz).all() & ~(xyz == 0).all()]
@@ -165,7 +165,7 @@ def drop_invalid(cloud):
 # %% wrong: no axis in the mask of what is finite
 # loses: drops_nan, drops_what_is_infinite, test_course_cloud_cleaned
 # says: missing
-# claims: One lost row and all rows go
+# told: One lost row and all rows go
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return cloud[np.isfinite(xyz).all() & ~(xyz == 0).all(axis=1)]
@@ -173,7 +173,7 @@ def drop_invalid(cloud):
 # %% wrong: no axis in the mask of zeros
 # loses: drops_the_origin, test_course_cloud_cleaned
 # says: too many
-# claims: Returns at (0, 0, 0) stay.
+# told: Returns at (0, 0, 0) stay.
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return cloud[np.isfinite(xyz).all(axis=1) & ~(xyz == 0).all()]
@@ -209,7 +209,7 @@ def drop_invalid(cloud):
 # %% wrong: loses the intensity
 # loses: drops_the_origin, test_course_cloud_cleaned
 # says: expected 4 columns
-# claims: without the intensity
+# told: without the intensity
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return xyz[np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1)]
@@ -251,7 +251,7 @@ def drop_invalid(cloud):
 # %% wrong: keeps the lost ones
 # loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: missing
-# claims: that stay, and the points that go
+# told: that stay, and the points that go
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
     return cloud[np.isfinite(xyz).all(axis=1) & (xyz == 0).all(axis=1)]
@@ -266,7 +266,7 @@ def drop_invalid(cloud):
 # %% wrong: returns the cloud as it is
 # loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
 # says: too many
-# claims: Nothing is dropped
+# told: Nothing is dropped
 def drop_invalid(cloud):
     return cloud
 

@@ -171,7 +171,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: compares with the first point of the cluster only
 # loses: follows_chains, takes_a_long_wall, test_long_chain, test_fresh_streets
 # says: Points that belong together
-# claims: balls instead of chains
+# told: balls instead of chains
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -185,7 +185,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: labels from 0
 # loses only: counts_from_one
 # says: not 1 to N
-# claims: start from 0
+# told: start from 0
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.full(len(cloud), -1)
     current = -1
@@ -206,7 +206,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: squared distance against plain threshold
 # loses only: follows_the_threshold, test_course_cloud, test_other_thresholds
 # says: Take the root first
-# claims: The squared distance
+# told: The squared distance
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -227,7 +227,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: plain distance against squared threshold
 # loses only: follows_the_threshold, test_course_cloud, test_other_thresholds
 # says: belong together
-# claims: threshold ** 2
+# told: threshold ** 2
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -248,7 +248,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: intensity is a coordinate
 # loses only: ignores_intensity, test_intensity
 # says: cloud[:, :3] are the coordinates
-# claims: a fourth coordinate
+# told: a fourth coordinate
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -269,7 +269,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: forgets the height
 # loses: measures_alike
 # says: are close along z
-# claims: The height is left out
+# told: The height is left out
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -310,7 +310,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: the threshold is written into the function
 # loses only: follows_the_threshold, test_other_thresholds, test_fresh
 # says: Compare with the parameter threshold
-# claims: A fixed threshold
+# told: A fixed threshold
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -331,7 +331,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: one number for each cluster
 # loses: separates_groups, test_course_cloud
 # says: one label for each
-# claims: one number for each cluster
+# told: one number for each cluster
 def euclidean_clustering(cloud, threshold=0.5):
     left, clusters = list(range(len(cloud))), []
     while left:
@@ -382,14 +382,14 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: everything is one cluster
 # loses: separates_groups, counts_from_one, test_course_cloud, test_fresh_streets
 # says: Points of different clusters
-# claims: All points have the same label
+# told: All points have the same label
 def euclidean_clustering(cloud, threshold=0.5):
     return np.ones(len(cloud), dtype=int)
 
 # %% wrong: every point is its own cluster
 # loses: separates_groups, follows_chains, test_course_cloud, test_fresh_streets
 # says: Points that belong together
-# claims: nobody joins anybody
+# told: nobody joins anybody
 def euclidean_clustering(cloud, threshold=0.5):
     return np.arange(1, len(cloud) + 1)
 
@@ -418,7 +418,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: each point as somebody before it
 # loses: follows_chains, test_long_chain, test_fresh_streets
 # says: Make one cluster complete
-# claims: clusters that meet later
+# told: clusters that meet later
 def euclidean_clustering(cloud, threshold=0.5):
     labels = np.zeros(len(cloud), dtype=int)
     current = 0
@@ -455,7 +455,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: the counter goes up at every point
 # loses only: counts_from_one
 # says: not 1 to N
-# claims: at every point
+# told: at every point
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
     labels = np.zeros(len(xyz), dtype=int)
@@ -476,7 +476,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: returns after the first cluster
 # loses: separates_groups, follows_chains, test_course_cloud
 # says: ends too early
-# claims: keep the label 0
+# told: keep the label 0
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
     labels = np.zeros(len(xyz), dtype=int)
@@ -497,7 +497,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: distances without an axis
 # loses: separates_groups, follows_chains, test_course_cloud
 # says: axis=1
-# claims: nobody joins anybody
+# told: nobody joins anybody
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
     labels = np.zeros(len(xyz), dtype=int)
@@ -578,7 +578,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: the ways along the axes added up
 # loses: measures_alike, test_course_cloud
 # says: root of
-# claims: are added up
+# told: are added up
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
     labels = np.zeros(len(xyz), dtype=int)
@@ -599,7 +599,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% wrong: the longest way along an axis
 # loses: measures_alike, test_fresh_streets
 # says: root of
-# claims: Only the longest
+# told: Only the longest
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
     labels = np.zeros(len(xyz), dtype=int)

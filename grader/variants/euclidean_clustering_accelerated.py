@@ -280,7 +280,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: representatives only
 # loses: compares_the_points, test_crowded_cells, test_touching_heaps
 # says: compare all their points
-# claims: Only the representatives
+# told: Only the representatives
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -294,7 +294,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: neighbouring cells joined without measuring
 # loses: parts_what_is_apart, test_fresh_streets, test_crowded_cells
 # says: Neighbours may be close
-# claims: without measuring
+# told: without measuring
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -307,7 +307,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: side of a cell = threshold
 # loses: parts_what_is_apart, test_fresh_streets
 # says: The side is threshold / sqrt(3)
-# claims: Cells have the side threshold:
+# told: Cells have the side threshold:
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -327,7 +327,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: only the 26 cells around a cell
 # loses: joins_across_borders, test_fresh_streets
 # says: corners included
-# claims: Only the next cell
+# told: Only the next cell
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -347,7 +347,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: rounds towards zero
 # loses: parts_around_the_sensor
 # says: rounds down on both sides
-# claims: rounded towards 0
+# told: rounded towards 0
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -367,7 +367,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: intensity is a coordinate
 # loses: ignores_intensity
 # says: cloud[:, :3] are the coordinates
-# claims: a fourth coordinate
+# told: a fourth coordinate
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -392,7 +392,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: the threshold is written into the function
 # loses: follows_the_threshold, test_other_thresholds
 # says: Compare with the parameter threshold
-# claims: A fixed threshold
+# told: A fixed threshold
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -424,7 +424,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: labels from 0
 # loses: counts_from_one
 # says: not 1 to N
-# claims: start from 0
+# told: start from 0
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -458,7 +458,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: everything is one cluster
 # loses: separates_groups, parts_what_is_apart, test_course_cloud, test_heaps
 # says: Points of different clusters
-# claims: All points have the same label
+# told: All points have the same label
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     return np.ones(len(cloud), dtype=int)
 
@@ -499,7 +499,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: side of a square's diagonal
 # loses only: parts_what_is_apart, test_hardly_apart
 # says: In space the diagonal
-# claims: threshold / sqrt(2)
+# told: threshold / sqrt(2)
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -522,7 +522,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: every cell a cluster
 # loses: follows_chains, test_course_cloud
 # says: Join neighbouring cells
-# claims: Each cell is a cluster
+# told: Each cell is a cluster
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     cells = np.floor(cloud[:, :3] / (threshold / np.sqrt(3)))
     if len(cells) == 0:
@@ -532,7 +532,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: the exact step without what it found
 # loses: compares_the_points, test_crowded_cells, test_touching_heaps
 # says: compare all their points
-# claims: Only the representatives
+# told: Only the representatives
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -577,7 +577,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: squared distance against plain threshold
 # loses: follows_the_threshold
 # says: Take the root first
-# claims: The squared distance
+# told: The squared distance
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     if len(cloud) == 0:
         return np.zeros(0, dtype=int)
@@ -601,7 +601,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: forgets the height
 # loses: measures_in_space, test_fresh_streets
 # says: z among them
-# claims: The height is left out
+# told: The height is left out
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3] * [1, 1, 0]
     if len(points) == 0:

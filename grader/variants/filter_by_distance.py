@@ -51,70 +51,70 @@ def filter_by_distance(cloud, distance=10.0):
 # %% wrong: distance as a 3-D norm
 # loses only: ignores_height, test_heights, test_course_cloud
 # says: rows missing
-# claims: The height is counted in
+# told: The height is counted in
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.linalg.norm(cloud[:, :3], axis=1) <= distance]
 
 # %% wrong: distance as a 4-D norm
 # loses only: ignores_height, ignores_intensity, test_heights, test_intensities, test_course_cloud
 # says: columns 0 and 1 only
-# claims: Height and intensity are counted in
+# told: Height and intensity are counted in
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.linalg.norm(cloud, axis=1) <= distance]
 
 # %% wrong: a square instead of a circle
 # loses only: draws_a_circle, test_turned, test_course_cloud, test_fresh_street
 # says: (8, 8, -0.5)
-# claims: that is a square, not a circle
+# told: that is a square, not a circle
 def filter_by_distance(cloud, distance=10.0):
     return cloud[(np.abs(cloud[:, 0]) <= distance) & (np.abs(cloud[:, 1]) <= distance)]
 
 # %% wrong: squared and plain distance confused
 # loses: keeps_what_is_near, test_course_cloud
 # says: rows missing
-# claims: a root is missing
+# told: a root is missing
 def filter_by_distance(cloud, distance=10.0):
     return cloud[cloud[:, 0] ** 2 + cloud[:, 1] ** 2 <= distance]
 
 # %% wrong: the square on the wrong side
 # loses: keeps_what_is_near, test_course_cloud
 # says: too many
-# claims: square of `distance`
+# told: square of `distance`
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= distance**2]
 
 # %% wrong: x and y added
 # loses only: draws_a_circle, test_turned, test_course_cloud, test_fresh_street
 # says: missing
-# claims: x and y are added up
+# told: x and y are added up
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.abs(cloud[:, 0]) + np.abs(cloud[:, 1]) <= distance]
 
 # %% wrong: only x, without its sign in mind
 # loses: keeps_what_is_near, looks_all_around, test_fresh_street
 # says: too many
-# claims: Only x is compared, with its sign
+# told: Only x is compared, with its sign
 def filter_by_distance(cloud, distance=10.0):
     return cloud[cloud[:, 0] <= distance]
 
 # %% wrong: only x, on both sides
 # loses: keeps_what_is_near, test_fresh_street
 # says: too many
-# claims: everything beside us stays
+# told: everything beside us stays
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.abs(cloud[:, 0]) <= distance]
 
 # %% wrong: x and y with their signs
 # loses: looks_all_around, draws_a_circle, test_fresh_street
 # says: too many
-# claims: with their signs
+# told: with their signs
 def filter_by_distance(cloud, distance=10.0):
     return cloud[(cloud[:, 0] <= distance) & (cloud[:, 1] <= distance)]
 
 # %% wrong: one distance for all
 # loses: keeps_what_is_near, test_fresh_street
 # says: axis=1
-# claims: There is one distance for the whole cloud
+# told: There is one distance for the whole cloud
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.linalg.norm(cloud[:, :2]) <= distance]
 
@@ -134,7 +134,7 @@ def filter_by_distance(cloud, distance=10.0):
 # %% wrong: ten metres written into the function
 # loses only: follows_the_distance, test_other_distances
 # says: Compare with `distance`
-# claims: A fixed distance of 10 m
+# told: A fixed distance of 10 m
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) <= 10]
 
@@ -153,7 +153,7 @@ def filter_by_distance(cloud, distance=20.0):
 # %% wrong: keeps the far points
 # loses: keeps_what_is_near, test_course_cloud
 # says: which comparison
-# claims: the other way round
+# told: the other way round
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > distance]
 
@@ -174,7 +174,7 @@ def filter_by_distance(cloud, distance=10.0):
 # %% wrong: returns the distances
 # loses: keeps_what_is_near, test_course_cloud
 # says: Index the whole cloud
-# claims: are the distances
+# told: are the distances
 def filter_by_distance(cloud, distance=10.0):
     d = np.hypot(cloud[:, 0], cloud[:, 1])
     return d[d <= distance]
@@ -201,7 +201,7 @@ def filter_by_distance(cloud, distance=10.0):
 # %% wrong: zeroes what is far in place
 # loses: keeps_what_is_near, leaves_its_input, test_course_cloud
 # says: values changed
-# claims: Far rows are set to 0
+# told: Far rows are set to 0
 def filter_by_distance(cloud, distance=10.0):
     cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > distance] = 0
     return cloud
@@ -234,7 +234,7 @@ def filter_by_distance(cloud, distance=10.0):
 # %% wrong: returns the cloud as it is
 # loses: keeps_what_is_near, takes_the_smallest, leaves_its_input, test_small
 # says: too many
-# claims: Nothing is removed
+# told: Nothing is removed
 def filter_by_distance(cloud, distance=10.0):
     return cloud
 

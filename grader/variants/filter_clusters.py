@@ -85,7 +85,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: renumbers what is left
 # loses only: keeps_the_labels, test_labels
 # says: What stays keeps its label
-# claims: numbered anew
+# told: numbered anew
 def filter_clusters(cluster_labels, min_num_points=100):
     filtered = np.zeros_like(cluster_labels)
     number = 0
@@ -107,7 +107,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: at most instead of fewer than
 # loses only: keeps_the_tie, test_ties
 # says: fewer than
-# claims: `<=` stands
+# told: `<=` stands
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] <= min_num_points, 0, cluster_labels)
@@ -115,14 +115,14 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: compares the label with the minimum
 # loses: removes_small_clusters, removes_neighbours, test_swarms
 # says: should be
-# claims: The labels are compared
+# told: The labels are compared
 def filter_clusters(cluster_labels, min_num_points=100):
     return np.where(cluster_labels < min_num_points, 0, cluster_labels)
 
 # %% wrong: deletes the points of small clusters
 # loses: removes_small_clusters, test_course_cloud, test_order
 # says: one label for each
-# claims: are deleted
+# told: are deleted
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return cluster_labels[count[which] >= min_num_points]
@@ -130,7 +130,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: the minimum is written into the function
 # loses: removes_small_clusters, follows_the_minimum, test_swarms
 # says: Compare with min_num_points
-# claims: A fixed minimum
+# told: A fixed minimum
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < 100, 0, cluster_labels)
@@ -152,7 +152,7 @@ def filter_clusters(cluster_labels, min_num_points=10):
 # %% wrong: -1 for noise
 # loses only: writes_zeros
 # says: not a negative one
-# claims: -1 is written
+# told: -1 is written
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, -1, cluster_labels)
@@ -160,7 +160,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: keeps the small ones
 # loses: removes_small_clusters, test_course_cloud
 # says: should be
-# claims: the large clusters that go
+# told: the large clusters that go
 def filter_clusters(cluster_labels, min_num_points=100):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, cluster_labels, 0)
@@ -179,7 +179,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: returns the labels that stay
 # loses: removes_small_clusters, test_swarms
 # says: one label for each
-# claims: names of the labels
+# told: names of the labels
 def filter_clusters(cluster_labels, min_num_points=100):
     found, counts = np.unique(cluster_labels[cluster_labels > 0], return_counts=True)
     return found[counts >= min_num_points]
@@ -204,7 +204,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% wrong: returns the labels as they are
 # loses: removes_small_clusters, removes_neighbours, test_course_cloud, test_swarms
 # says: should be gone
-# claims: Nothing is removed
+# told: Nothing is removed
 def filter_clusters(cluster_labels, min_num_points=100):
     return cluster_labels
 

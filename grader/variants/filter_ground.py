@@ -58,28 +58,28 @@ def filter_ground(cloud, ground_level=-1.2):
 # %% wrong: keeps the road instead
 # loses: keeps_what_stands_above, test_course_cloud, test_fresh_street
 # says: missing
-# claims: the other way round
+# told: the other way round
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] < ground_level]
 
 # %% wrong: the level is written into the function
 # loses only: follows_the_level, test_other_levels
 # says: Compare with ground_level
-# claims: A fixed level of -1.2
+# told: A fixed level of -1.2
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] >= -1.2]
 
 # %% wrong: the zero of a map
 # loses: keeps_what_stands_above, follows_the_level, test_course_cloud
 # says: missing
-# claims: A fixed level of 0
+# told: A fixed level of 0
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 2] > 0]
 
 # %% wrong: looks at y instead of z
 # loses: keeps_what_stands_above, test_course_cloud
 # says: too many
-# claims: Column 1
+# told: Column 1
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[cloud[:, 1] >= ground_level]
 
@@ -127,7 +127,7 @@ def filter_ground(cloud, ground_level=-1.2):
 # %% wrong: sets the road to zero
 # loses: keeps_what_stands_above, test_course_cloud
 # says: holds only the rows
-# claims: are set to 0
+# told: are set to 0
 def filter_ground(cloud, ground_level=-1.2):
     cloud[cloud[:, 2] < ground_level] = 0.0
     return cloud
@@ -148,7 +148,7 @@ def filter_ground(cloud, ground_level=-1.2):
 # %% wrong: returns the heights
 # loses: keeps_what_stands_above, test_course_cloud
 # says: Index the whole cloud
-# claims: are the heights
+# told: are the heights
 def filter_ground(cloud, ground_level=-1.2):
     z = cloud[:, 2]
     return z[z >= ground_level]
@@ -156,7 +156,7 @@ def filter_ground(cloud, ground_level=-1.2):
 # %% wrong: heights without their sign
 # loses: keeps_what_stands_above, follows_the_level, test_course_cloud
 # says: too many
-# claims: without their sign
+# told: without their sign
 def filter_ground(cloud, ground_level=-1.2):
     return cloud[np.abs(cloud[:, 2]) >= ground_level]
 
@@ -188,6 +188,6 @@ def filter_ground(cloud, ground_level=-1.2):
 # %% wrong: returns the cloud as it is
 # loses: keeps_what_stands_above, takes_the_smallest, leaves_its_input, test_course_cloud
 # says: too many
-# claims: Nothing is removed
+# told: Nothing is removed
 def filter_ground(cloud, ground_level=-1.2):
     return cloud

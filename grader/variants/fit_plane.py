@@ -54,7 +54,7 @@ def fit_plane(points):
 # %% wrong: not centred
 # loses: fits_a_road, fits_far_away, test_fit_any_direction
 # says: lies nearer to them
-# claims: not centred
+# told: not centred
 def fit_plane(points):
     xyz = points[:, :3]
     normal = np.linalg.svd(xyz, full_matrices=False)[2][-1]
@@ -63,7 +63,7 @@ def fit_plane(points):
 # %% wrong: the direction of largest spread
 # loses: fits_a_road, fits_a_wall, test_fit_any_direction
 # says: lies nearer to them
-# claims: direction of largest spread
+# told: direction of largest spread
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][0]
@@ -72,7 +72,7 @@ def fit_plane(points):
 # %% wrong: a column of V instead of a row
 # loses: fits_a_road, test_fit_any_direction
 # says: lies nearer to them
-# claims: a column of the SVD's third result
+# told: a column of the SVD's third result
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][:, 2]
@@ -81,7 +81,7 @@ def fit_plane(points):
 # %% wrong: solves for z
 # loses only: fits_a_wall, test_fit_any_direction
 # says: lies nearer to them
-# claims: not square to the plane
+# told: not square to the plane
 def fit_plane(points):
     xyz = points[:, :3]
     a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],
@@ -92,7 +92,7 @@ def fit_plane(points):
 # %% wrong: a normal of another length
 # loses only: fit_has_a_unit_normal, fits_a_wall, test_fit_any_direction
 # says: not 1
-# claims: (a, b, -1) is not divided
+# told: (a, b, -1) is not divided
 def fit_plane(points):
     xyz = points[:, :3]
     a, b, d = np.linalg.lstsq(np.column_stack([xyz[:, :2], np.ones(len(xyz))]), xyz[:, 2],
@@ -102,7 +102,7 @@ def fit_plane(points):
 # %% wrong: the plane through the first three points
 # loses: fits_a_road, test_fit_any_direction
 # says: lies nearer to them
-# claims: Only the first three points
+# told: Only the first three points
 def fit_plane(points):
     p, q, r = points[:3, :3]
     normal = np.cross(q - p, r - p)
@@ -130,7 +130,7 @@ def fit_plane(points):
 # %% wrong: the sign of d
 # loses only: goes_through_the_mean, test_fit_offset
 # says: away from the plane
-# claims: The sign of d is wrong
+# told: The sign of d is wrong
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
@@ -154,7 +154,7 @@ def fit_plane(points):
 # %% wrong: d is 0
 # loses only: goes_through_the_mean, test_fit_offset
 # says: away from the plane
-# claims: d is 0
+# told: d is 0
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][-1]
@@ -163,7 +163,7 @@ def fit_plane(points):
 # %% wrong: the second row
 # loses: fits_a_road, test_fit_any_direction
 # says: lies nearer to them
-# claims: second largest spread
+# told: second largest spread
 def fit_plane(points):
     centre = points[:, :3].mean(axis=0)
     normal = np.linalg.svd(points[:, :3] - centre, full_matrices=False)[2][1]

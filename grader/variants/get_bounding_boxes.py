@@ -94,7 +94,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: minimum and maximum with elif
 # loses only: takes_points_in_any_order, takes_few_points, test_any_order_of_points, test_few_points
 # says: elif asks only one of the two questions
-# claims: `elif` asks about the maximum
+# told: `elif` asks about the maximum
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -113,7 +113,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: minimum and maximum started at zero
 # loses only: starts_anywhere, takes_few_points, test_anywhere, test_course_scan, test_fresh_street, test_any_order_of_points, test_few_points
 # says: never from 0
-# claims: Minimum and maximum start at 0
+# told: Minimum and maximum start at 0
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -128,7 +128,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: a box around label 0, too
 # loses only: leaves_noise_alone, takes_nothing, test_noise, test_none
 # says: 4 boxes for 3 clusters
-# claims: Label 0 gets a box
+# told: Label 0 gets a box
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels):
@@ -151,7 +151,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: range stops before the last label
 # loses: reaches_from_min_to_max, one_box_for_each_label, test_course_scan
 # says: 0 boxes for 1 cluster
-# claims: The last label gets no box
+# told: The last label gets no box
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in range(1, cluster_labels.max(initial=0)):
@@ -165,7 +165,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: boxes in order of first appearance
 # loses only: follows_the_labels, test_order_of_labels
 # says: right boxes in another order
-# claims: in which the labels first occur
+# told: in which the labels first occur
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in dict.fromkeys(cluster_labels.tolist()):
@@ -226,7 +226,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: one maximum for all axes
 # loses: reaches_from_min_to_max, test_course_scan
 # says: has other ends along
-# claims: axis=0 is missing
+# told: axis=0 is missing
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -310,7 +310,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: elif, the maximum first
 # loses only: takes_points_in_any_order, takes_few_points, test_any_order_of_points, test_few_points
 # says: elif asks only one of the two questions
-# claims: `elif` asks about the minimum
+# told: `elif` asks about the minimum
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
     boxes = np.zeros((len(names), 8, 3))
@@ -329,7 +329,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: only the maximum started at zero
 # loses: starts_anywhere, test_anywhere, test_course_scan, test_fresh_street
 # says: Start from the first point
-# claims: The maximum starts at 0
+# told: The maximum starts at 0
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -342,7 +342,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% wrong: started once for all labels
 # loses: one_box_for_each_label, test_course_scan, test_many
 # says: has other ends along x
-# claims: not started afresh
+# told: not started afresh
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     low, high = np.full(3, np.inf), np.full(3, -np.inf)

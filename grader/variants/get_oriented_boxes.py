@@ -187,7 +187,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: axis-aligned boxes as in lesson 08
 # loses only: turns_with_the_cluster, is_no_larger_than_needed, looks_from_above, test_any_heading, test_scanned_vehicles, test_tall_things, test_fresh_street
 # says: is not turned with its cluster
-# claims: The boxes are not turned at all
+# told: The boxes are not turned at all
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -238,7 +238,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: corners turned back the wrong way
 # loses: contains_all_points, turns_with_the_cluster, looks_from_above, test_any_heading
 # says: does not contain all of its points
-# claims: they must be turned back
+# told: they must be turned back
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -255,7 +255,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: turned by plus yaw first, then by minus yaw
 # loses only: turns_with_the_cluster, is_no_larger_than_needed, looks_from_above, test_any_heading, test_scanned_vehicles, test_tall_things, test_fresh_street
 # says: is not turned with its cluster
-# claims: built for minus the heading
+# told: built for minus the heading
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -290,7 +290,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: arctan2 with x and y swapped
 # loses: turns_with_the_cluster, test_any_heading
 # says: is not turned with its cluster
-# claims: built for minus the heading
+# told: built for minus the heading
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -308,7 +308,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: a row of the axes taken for a column
 # loses: turns_with_the_cluster, test_any_heading
 # says: is not turned with its cluster
-# claims: built for minus the heading
+# told: built for minus the heading
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -504,7 +504,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: turned by plus yaw both times
 # loses: contains_all_points, is_no_larger_than_needed, test_any_heading
 # says: does not contain all of its points
-# claims: both turned by plus yaw
+# told: both turned by plus yaw
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -522,7 +522,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: corners not turned back
 # loses: contains_all_points, turns_with_the_cluster, test_any_heading
 # says: does not contain all of its points
-# claims: The corners are not turned back
+# told: The corners are not turned back
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -538,7 +538,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: a box for label 0, too
 # loses only: leaves_noise_alone, takes_nothing, test_noise, test_none
 # says: 3 boxes for 2 clusters
-# claims: Label 0 gets a box
+# told: Label 0 gets a box
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels):
@@ -573,7 +573,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: the largest rectangle instead of the smallest
 # loses only: turns_with_the_cluster, is_no_larger_than_needed, looks_from_above, test_any_heading, test_scanned_vehicles, test_tall_things, test_fresh_street
 # says: is not turned with its cluster
-# claims: the largest that touch their points
+# told: the largest that touch their points
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -622,7 +622,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: the smallest rectangle, turned by plus yaw both times
 # loses: contains_all_points, is_no_larger_than_needed, test_any_heading
 # says: does not contain all of its points
-# claims: both turned by plus yaw
+# told: both turned by plus yaw
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):
@@ -639,7 +639,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: the smallest rectangle, corners not turned back
 # loses: contains_all_points, turns_with_the_cluster, test_any_heading
 # says: does not contain all of its points
-# claims: The corners are not turned back
+# told: The corners are not turned back
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):

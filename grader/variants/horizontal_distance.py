@@ -53,14 +53,14 @@ def horizontal_distance(cloud):
 # %% wrong: length of x, y, z
 # loses: ignores_height, test_distances_in_course_cloud
 # says: of 5 distances are wrong
-# claims: the height is mixed in
+# told: the height is mixed in
 def horizontal_distance(cloud):
     return np.linalg.norm(cloud[:, :3], axis=1)
 
 # %% wrong: length of the whole row
 # loses: ignores_height, ignores_intensity, test_distances_in_fresh_street
 # says: of 5 distances are wrong
-# claims: height and intensity are mixed in
+# told: height and intensity are mixed in
 def horizontal_distance(cloud):
     return np.linalg.norm(cloud, axis=1)
 
@@ -73,56 +73,56 @@ def horizontal_distance(cloud):
 # %% wrong: no square root
 # loses: measures_distance, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: the square root is missing
+# told: the square root is missing
 def horizontal_distance(cloud):
     return cloud[:, 0] ** 2 + cloud[:, 1] ** 2
 
 # %% wrong: sum of the sides
 # loses: measures_distance, test_distances_in_fresh_street
 # says: distances are wrong
-# claims: the way around the corner
+# told: the way around the corner
 def horizontal_distance(cloud):
     return np.abs(cloud[:, 0]) + np.abs(cloud[:, 1])
 
 # %% wrong: the larger of the sides
 # loses: measures_distance, test_distances_in_fresh_street
 # says: distances are wrong
-# claims: the larger of
+# told: the larger of
 def horizontal_distance(cloud):
     return np.maximum(abs(cloud[:, 0]), abs(cloud[:, 1]))
 
 # %% wrong: rows for columns
 # loses: measures_distance, test_distances_in_course_cloud
 # says: one distance for each of the 5 points
-# claims: the first two rows
+# told: the first two rows
 def horizontal_distance(cloud):
     return np.sqrt(cloud[0] ** 2 + cloud[1] ** 2)
 
 # %% wrong: down the columns
 # loses: measures_distance, test_distances_in_course_cloud
 # says: one distance for each of the 5 points
-# claims: taken down the columns
+# told: taken down the columns
 def horizontal_distance(cloud):
     return np.linalg.norm(cloud[:, :2], axis=0)
 
 # %% wrong: down all columns
 # loses: measures_distance, test_distances_in_course_cloud
 # says: one distance for each of the 5 points
-# claims: taken down all columns
+# told: taken down all columns
 def horizontal_distance(cloud):
     return np.linalg.norm(cloud, axis=0)
 
 # %% wrong: columns counted from 1
 # loses: measures_distance, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: Columns are counted from 0
+# told: Columns are counted from 0
 def horizontal_distance(cloud):
     return np.sqrt(cloud[:, 1] ** 2 + cloud[:, 2] ** 2)
 
 # %% wrong: only forward
 # loses: measures_distance, test_distances_when_turned
 # says: distances are wrong
-# claims: a point to the side is far away
+# told: a point to the side is far away
 def horizontal_distance(cloud):
     return np.abs(cloud[:, 0])
 
@@ -149,7 +149,7 @@ def horizontal_distance(cloud):
 # %% wrong: signed, negative behind the car
 # loses: measures_distance, test_distances_in_course_cloud
 # says: 2 of 5 distances are wrong
-# claims: behind the sensor are negative
+# told: behind the sensor are negative
 def horizontal_distance(cloud):
     return np.where(cloud[:, 0] < 0, -1, 1) * np.hypot(cloud[:, 0], cloud[:, 1])
 
@@ -185,7 +185,7 @@ def horizontal_distance(cloud):
 # %% wrong: sorted, nearest first
 # loses: measures_distance, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: The distances are sorted
+# told: The distances are sorted
 def horizontal_distance(cloud):
     return np.sort(np.hypot(cloud[:, 0], cloud[:, 1]))
 

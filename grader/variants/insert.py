@@ -116,7 +116,7 @@ class KdTree:
 # %% wrong: always compares x
 # loses only: axes_alternate, grows_the_quiz, takes_three, test_plane, test_space
 # says: y is compared
-# claims: x is compared at every level
+# told: x is compared at every level
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -133,7 +133,7 @@ def insert(tree, point, index):
 # %% wrong: equal goes left
 # loses only: equal_goes_right, test_equal_coordinates
 # says: is not smaller than
-# claims: `<=` stands
+# told: `<=` stands
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -151,7 +151,7 @@ def insert(tree, point, index):
 # %% wrong: greater goes left
 # loses only: compares_x_first, axes_alternate, grows_the_quiz, equal_goes_right, takes_three, copes_with_depth, test_plane, test_space, test_equal_coordinates
 # says: and should go left
-# claims: greater goes left, and smaller or equal right
+# told: greater goes left, and smaller or equal right
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -169,7 +169,7 @@ def insert(tree, point, index):
 # %% wrong: two dimensions are written into the function
 # loses only: takes_three, test_space
 # says: z is compared
-# claims: z is never compared
+# told: z is never compared
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -202,7 +202,7 @@ def insert(tree, point, index):
 # %% wrong: a second child replaces the first
 # loses: axes_alternate, grows_the_quiz, test_plane
 # says: is not in the tree
-# claims: Each point is hung below the root
+# told: Each point is hung below the root
 def insert(tree, point, index):
     if tree.root is None:
         tree.root = Node(point, index)
@@ -214,7 +214,7 @@ def insert(tree, point, index):
 # %% wrong: the local variable is set, and the tree stays empty
 # loses: first_is_root, test_plane
 # says: tree.root is None after
-# claims: it stays empty
+# told: it stays empty
 def insert(tree, point, index):
     node, depth = tree.root, 0
     while node is not None:
@@ -226,7 +226,7 @@ def insert(tree, point, index):
 # %% wrong: the first axis is y
 # loses: compares_x_first, axes_alternate, grows_the_quiz, test_plane
 # says: at depth 0 x is compared
-# claims: The turns begin with y
+# told: The turns begin with y
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -348,7 +348,7 @@ def insert(tree, point, index):
 # %% wrong: forgets to count the depth
 # loses only: axes_alternate, grows_the_quiz, takes_three, test_plane, test_space
 # says: y is compared
-# claims: the axis does not change
+# told: the axis does not change
 def insert(tree, point, index):
     depth = 0
     if tree.root is None:
@@ -388,7 +388,7 @@ def insert(tree, point, index):
 # %% wrong: not smaller goes left
 # loses: compares_x_first, axes_alternate, grows_the_quiz, test_plane
 # says: and should go right
-# claims: greater or equal goes left
+# told: greater or equal goes left
 def insert(tree, point, index):
     node = Node(point, index)
     if tree.root is None:
@@ -473,7 +473,7 @@ def insert(tree, point, index):
 # %% wrong: does nothing
 # loses: first_is_root, grows_the_quiz, copes_with_depth, test_plane
 # says: The tree is empty
-# claims: it stays empty
+# told: it stays empty
 def insert(tree, point, index):
     return None
 

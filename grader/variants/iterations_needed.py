@@ -74,7 +74,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: rounded down
 # loses only: smallest_that_suffices, test_rounding
 # says: round up, not down
-# claims: It is rounded down
+# told: It is rounded down
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -122,7 +122,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: the exponent is missing
 # loses: reckons_the_number, smallest_that_suffices, follows_the_sample_size, test_iterations
 # says: not the number of samples
-# claims: The exponent is missing
+# told: The exponent is missing
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -135,7 +135,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: always a plane
 # loses only: follows_the_sample_size, test_sizes
 # says: not the number of samples
-# claims: The exponent is always 3
+# told: The exponent is always 3
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -149,7 +149,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: log of the confidence
 # loses: reckons_the_number, smallest_that_suffices, test_iterations
 # says: not the number of samples
-# claims: that of the confidence
+# told: that of the confidence
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -163,7 +163,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: inliers and outliers swapped
 # loses: reckons_the_number, one_is_enough, test_iterations
 # says: not the number of samples
-# claims: are swapped
+# told: are swapped
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -177,7 +177,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: the expected number of samples
 # loses: reckons_the_number, smallest_that_suffices, test_iterations
 # says: not the number of samples
-# claims: on average
+# told: on average
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -233,7 +233,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # %% wrong: always a line
 # loses: reckons_the_number, test_iterations
 # says: not the number of samples
-# claims: The exponent is always 2
+# told: The exponent is always 2
 import math
 
 def iterations_needed(inlier_ratio, sample_size, confidence):

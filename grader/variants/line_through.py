@@ -71,7 +71,7 @@ def line_through(p, q):
 # %% wrong: the normal has any length
 # loses only: has_a_unit_normal, test_unit_normals
 # says: The normal (a, b) must have length 1
-# claims: as long as the points are apart
+# told: as long as the points are apart
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     if dx == 0 and dy == 0:
@@ -89,7 +89,7 @@ def line_through(p, q):
 # %% wrong: the direction instead of the normal
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
-# claims: the quarter turn is missing
+# told: the quarter turn is missing
 def line_through(p, q):
     d = q - p
     length = np.linalg.norm(d)
@@ -101,7 +101,7 @@ def line_through(p, q):
 # %% wrong: swapped without the sign
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
-# claims: that mirrors the direction
+# told: that mirrors the direction
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -113,7 +113,7 @@ def line_through(p, q):
 # %% wrong: c with the wrong sign
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
-# claims: c has the wrong sign
+# told: c has the wrong sign
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -125,7 +125,7 @@ def line_through(p, q):
 # %% wrong: c without dividing
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
-# claims: and c is not
+# told: and c is not
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -136,7 +136,7 @@ def line_through(p, q):
 # %% wrong: c forgotten
 # loses: passes_through_both, test_lines_through_pairs
 # says: misses
-# claims: c is missing
+# told: c is missing
 def line_through(p, q):
     dx, dy = q[0] - p[0], q[1] - p[1]
     length = np.hypot(dx, dy)
@@ -188,7 +188,7 @@ def line_through(p, q):
 # %% wrong: normalised over all three numbers
 # loses only: has_a_unit_normal, test_unit_normals
 # says: The normal (a, b) must have length 1
-# claims: all three numbers together
+# told: all three numbers together
 def line_through(p, q):
     if np.array_equal(p, q):
         return None
@@ -198,7 +198,7 @@ def line_through(p, q):
 # %% wrong: slope and intercept returned
 # loses: passes_through_both, has_a_unit_normal
 # says: A line is three numbers
-# claims: the slope and the height
+# told: the slope and the height
 def line_through(p, q):
     if q[0] == p[0]:
         return None

@@ -76,7 +76,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the nearest, whoever else has it
 # loses only: is_one_to_one, test_one_to_one
 # says: several current boxes
-# claims: also where that one has a nearer partner
+# told: also where that one has a nearer partner
 def match_boxes(previous, current, max_distance):
     if len(previous) == 0:
         return np.full(len(current), -1)
@@ -86,7 +86,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: first come, first served
 # loses only: prefers_the_nearer, test_nearer
 # says: closest of all pairs first
-# claims: Whichever current box comes first
+# told: Whichever current box comes first
 def match_boxes(previous, current, max_distance):
     partner, taken = np.full(len(current), -1), set()
     for i, box in enumerate(current.mean(axis=1)):
@@ -100,7 +100,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: never too far
 # loses only: ends_at_the_limit, test_limit
 # says: it has no partner
-# claims: pairs are made as long as
+# told: pairs are made as long as
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -113,7 +113,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the best sum first, max_distance afterwards
 # loses only: ends_at_the_limit, test_limit
 # says: that is its partner
-# claims: The best sum is sought among all pairs
+# told: The best sum is sought among all pairs
 from scipy.optimize import linear_sum_assignment
 
 def match_boxes(previous, current, max_distance):
@@ -127,7 +127,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the other way round
 # loses: finds_again, test_many_boxes, test_lengths
 # says: was previous box
-# claims: wrong way round
+# told: wrong way round
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(previous), -1)
@@ -140,7 +140,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the first corner stands for the box
 # loses only: goes_by_the_centres, test_order_of_corners
 # says: mean of all eight
-# claims: Corners are compared
+# told: Corners are compared
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current[:, 0][:, None] - previous[:, 0][None], axis=2)
     partner = np.full(len(current), -1)
@@ -153,7 +153,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: squared distance
 # loses only: ends_at_the_limit, test_limit
 # says: Take the root
-# claims: square of the distance
+# told: square of the distance
 def match_boxes(previous, current, max_distance):
     table = ((current.mean(axis=1)[:, None] - previous.mean(axis=1)[None]) ** 2).sum(axis=2)
     partner = np.full(len(current), -1)
@@ -166,7 +166,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the distance is written into the function
 # loses only: ends_at_the_limit, test_limit
 # says: Compare with max_distance
-# claims: A fixed distance
+# told: A fixed distance
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -179,7 +179,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: box k is box k
 # loses: finds_again, is_one_to_one, test_many_boxes
 # says: was previous box
-# claims: Box k of the one
+# told: Box k of the one
 def match_boxes(previous, current, max_distance):
     index = np.arange(len(current))
     return np.where(index < len(previous), index, -1)
@@ -187,7 +187,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: everything is new
 # loses: finds_again, is_one_to_one, test_many_boxes
 # says: was previous box
-# claims: No box gets a partner
+# told: No box gets a partner
 def match_boxes(previous, current, max_distance):
     return np.full(len(current), -1)
 
@@ -218,7 +218,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: every previous box takes the nearest, however far
 # loses only: ends_at_the_limit, test_limit, test_second_choice, test_lengths
 # says: it has no partner
-# claims: Each previous box takes
+# told: Each previous box takes
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -270,7 +270,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: 0 for new ones
 # loses: marks_new_ones, ends_at_the_limit, test_new_ones, test_limit
 # says: -1
-# claims: 0 stands where
+# told: 0 stands where
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.zeros(len(current), dtype=int)
@@ -295,7 +295,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: strikes out the row and forgets the column
 # loses only: is_one_to_one, test_one_to_one
 # says: several current boxes
-# claims: also where that one has a nearer partner
+# told: also where that one has a nearer partner
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -308,7 +308,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: strikes out the column and forgets the row
 # loses only: takes_the_nearer, test_second_choice
 # says: put infinity into table[row, :]
-# claims: gets another, farther one later
+# told: gets another, farther one later
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), -1)
@@ -346,7 +346,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: the nearest, however far and whoever else has it
 # loses only: marks_new_ones, test_new_ones, is_one_to_one, ends_at_the_limit, test_one_to_one, test_limit
 # says: it has no partner
-# claims: however far it is and whoever else has it
+# told: however far it is and whoever else has it
 def match_boxes(previous, current, max_distance):
     if not len(previous):
         return np.full(len(current), -1)
@@ -368,7 +368,7 @@ def match_boxes(previous, current, max_distance):
 # %% wrong: corner against corner
 # loses only: goes_by_the_centres, test_order_of_corners
 # says: mean of all eight
-# claims: Corners are compared
+# told: Corners are compared
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current[:, None] - previous[None], axis=3).mean(axis=2)
     partner = np.full(len(current), -1)

@@ -104,7 +104,7 @@ def median_order(points):
 # %% wrong: the upper median
 # loses only: takes_the_lower, test_lower_medians
 # says: not the lower median
-# claims: the upper one comes first
+# told: the upper one comes first
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -118,7 +118,7 @@ def median_order(points, rows=None, depth=0):
 # %% wrong: always along x
 # loses only: takes_turns, takes_the_lower, takes_three_axes, least_depth, test_depth, test_medians, test_lower_medians, test_median_extremes
 # says: along y
-# claims: x decides in every part
+# told: x decides in every part
 def median_order(points, rows=None):
     if rows is None:
         rows = np.argsort(points[:, 0])
@@ -145,7 +145,7 @@ def median_order(points):
 # %% wrong: sorted by x
 # loses: starts_with_the_median, halves_every_part, least_depth, test_depth, test_medians
 # says: not the median along x
-# claims: sorted by x, and that is all
+# told: sorted by x, and that is all
 def median_order(points):
     return np.argsort(points[:, 0])
 
@@ -181,7 +181,7 @@ def median_order(points):
 # %% wrong: two dimensions are written into the function
 # loses only: takes_three_axes, test_depth[3, test_medians[3, test_medians_of_street
 # says: along z
-# claims: z is left out
+# told: z is left out
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -195,7 +195,7 @@ def median_order(points, rows=None, depth=0):
 # %% wrong: children before their parent
 # loses: starts_with_the_median, halves_every_part, test_medians
 # says: not the median
-# claims: stands between its two parts
+# told: stands between its two parts
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -209,7 +209,7 @@ def median_order(points, rows=None, depth=0):
 # %% wrong: the worksheet's order, the largest first
 # loses: starts_with_the_median, least_depth, test_depth, test_medians
 # says: not the median
-# claims: the largest first
+# told: the largest first
 def median_order(points):
     return np.argsort(-points[:, 0])
 
@@ -251,7 +251,7 @@ def median_order(points):
 # %% wrong: the median comes after its halves
 # loses: starts_with_the_median, halves_every_part, test_halves, test_medians
 # says: not the median
-# claims: stands after its two parts
+# told: stands after its two parts
 def median_order(points, rows=None, depth=0):
     if rows is None:
         rows = np.arange(len(points))
@@ -265,7 +265,7 @@ def median_order(points, rows=None, depth=0):
 # %% wrong: the first axis is y
 # loses: starts_with_the_median, takes_turns, least_depth, test_medians
 # says: not the median along x
-# claims: The turns begin with y
+# told: The turns begin with y
 def median_order(points, rows=None, depth=1):
     if rows is None:
         rows = np.arange(len(points))
@@ -316,7 +316,7 @@ def median_order(points):
 # %% wrong: the order of arrival
 # loses: starts_with_the_median, halves_every_part, least_depth, test_depth, test_medians
 # says: not the median along x
-# claims: in the order in which they came
+# told: in the order in which they came
 def median_order(points):
     return list(range(len(points)))
 

@@ -63,7 +63,7 @@ def plane_through(p, q, r):
 # %% wrong: forgets to normalise
 # loses only: has_a_unit_normal, test_lengths
 # says: has length
-# claims: is not divided by its length
+# told: is not divided by its length
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     if np.linalg.norm(normal) < 1e-9:
@@ -73,7 +73,7 @@ def plane_through(p, q, r):
 # %% wrong: normalises after d
 # loses only: holds_its_points, test_offsets
 # says: do not lie on the plane
-# claims: computed with the long normal
+# told: computed with the long normal
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -93,7 +93,7 @@ def plane_through(p, q, r):
 # %% wrong: the sign of d
 # loses only: holds_its_points, test_offsets
 # says: do not lie on the plane
-# claims: The sign of d is wrong
+# told: The sign of d is wrong
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -105,7 +105,7 @@ def plane_through(p, q, r):
 # %% wrong: cross product of the points themselves
 # loses: stands_upright, test_random_triangles
 # says: is not perpendicular
-# claims: of the points p and q themselves
+# told: of the points p and q themselves
 def plane_through(p, q, r):
     normal = np.cross(p, q)
     length = np.linalg.norm(normal)
@@ -176,7 +176,7 @@ def plane_through(p, q, r):
 # %% wrong: p is not subtracted from r
 # loses: stands_upright, test_random_triangles
 # says: is not perpendicular
-# claims: but not from r
+# told: but not from r
 def plane_through(p, q, r):
     normal = np.cross(q - p, r)
     length = np.linalg.norm(normal)
@@ -188,7 +188,7 @@ def plane_through(p, q, r):
 # %% wrong: d is always 0
 # loses only: holds_its_points, test_offsets
 # says: do not lie on the plane
-# claims: d is always 0
+# told: d is always 0
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)

@@ -57,7 +57,7 @@ def point_line_distance(points, line):
 # %% wrong: no absolute value
 # loses only: takes_both_sides, test_distances_on_both_sides, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: the absolute value is missing
+# told: the absolute value is missing
 def point_line_distance(points, line):
     a, b, c = line
     return a * points[:, 0] + b * points[:, 1] + c
@@ -65,7 +65,7 @@ def point_line_distance(points, line):
 # %% wrong: negative ones become 0
 # loses only: takes_both_sides, test_distances_on_both_sides, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: all get 0
+# told: all get 0
 def point_line_distance(points, line):
     a, b, c = line
     return np.maximum(a * points[:, 0] + b * points[:, 1] + c, 0)
@@ -73,14 +73,14 @@ def point_line_distance(points, line):
 # %% wrong: c forgotten
 # loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: c is missing
+# told: c is missing
 def point_line_distance(points, line):
     return np.abs(points @ np.array(line)[:2])
 
 # %% wrong: c subtracted
 # loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: c has the wrong sign
+# told: c has the wrong sign
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[:, 0] + b * points[:, 1] - c)
@@ -88,7 +88,7 @@ def point_line_distance(points, line):
 # %% wrong: c outside the bracket
 # loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
 # says: distances are wrong
-# claims: c is added after it
+# told: c is added after it
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[:, 0] + b * points[:, 1]) + c
@@ -96,7 +96,7 @@ def point_line_distance(points, line):
 # %% wrong: the absolute value of each part
 # loses: measures_square_to_the_line, test_distances_from_lines
 # says: distances are wrong
-# claims: of the three parts are added
+# told: of the three parts are added
 def point_line_distance(points, line):
     a, b, c = line
     return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c)
@@ -111,7 +111,7 @@ def point_line_distance(points, line):
 # %% wrong: straight up and down
 # loses: measures_square_to_the_line, measures_from_upright_lines, test_distances_from_lines
 # says: distances are wrong
-# claims: straight up and down
+# told: straight up and down
 def point_line_distance(points, line):
     a, b, c = line
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -120,7 +120,7 @@ def point_line_distance(points, line):
 # %% wrong: squared
 # loses: measures_square_to_the_line, test_distances_from_lines
 # says: distances are wrong
-# claims: squared distances
+# told: squared distances
 def point_line_distance(points, line):
     a, b, c = line
     return (a * points[:, 0] + b * points[:, 1] + c) ** 2
@@ -128,7 +128,7 @@ def point_line_distance(points, line):
 # %% wrong: rows for columns
 # loses: measures_square_to_the_line, test_distances_in_course_cloud
 # says: one distance for each of the 6 points
-# claims: the first two points
+# told: the first two points
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[0] + b * points[1] + c)
@@ -155,7 +155,7 @@ def point_line_distance(points, line):
 # %% wrong: x and y swapped
 # loses: measures_square_to_the_line, test_distances_from_lines
 # says: distances are wrong
-# claims: x and y are swapped
+# told: x and y are swapped
 def point_line_distance(points, line):
     a, b, c = line
     return np.abs(a * points[:, 1] + b * points[:, 0] + c)

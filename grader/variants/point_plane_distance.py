@@ -40,28 +40,28 @@ def point_plane_distance(points, plane):
 # %% wrong: no absolute value
 # loses only: forgets_the_sign, takes_abs_last, test_both_sides
 # says: distances are not right
-# claims: No absolute value is taken
+# told: No absolute value is taken
 def point_plane_distance(points, plane):
     return points[:, :3] @ np.asarray(plane[:3]) + plane[3]
 
 # %% wrong: d is missing
 # loses only: adds_d, takes_abs_last, test_offset_planes
 # says: distances are not right
-# claims: d is missing
+# told: d is missing
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]))
 
 # %% wrong: d is subtracted
 # loses only: adds_d, takes_abs_last, test_offset_planes
 # says: distances are not right
-# claims: d is subtracted
+# told: d is subtracted
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]) - plane[3])
 
 # %% wrong: whole rows times the plane
 # loses only: ignores_intensity, test_four_columns
 # says: are others than without it
-# claims: Whole rows are multiplied
+# told: Whole rows are multiplied
 def point_plane_distance(points, plane):
     plane = np.asarray(plane)
     if points.shape[1] == 4:
@@ -71,7 +71,7 @@ def point_plane_distance(points, plane):
 # %% wrong: squared
 # loses: measures_distances, test_distances_in_the_course_cloud
 # says: distances are not right
-# claims: squares of the distances
+# told: squares of the distances
 def point_plane_distance(points, plane):
     return (points[:, :3] @ np.asarray(plane[:3]) + plane[3]) ** 2
 
@@ -115,21 +115,21 @@ def point_plane_distance(points, plane):
 # %% wrong: absolute value before d is added
 # loses only: takes_abs_last
 # says: distances are not right
-# claims: and d is added after that
+# told: and d is added after that
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3])) + plane[3]
 
 # %% wrong: absolute value of the products and of d
 # loses only: adds_d, takes_abs_last, test_offset_planes
 # says: distances are not right
-# claims: are taken apart and then added
+# told: are taken apart and then added
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3])) + abs(plane[3])
 
 # %% wrong: absolute value of each product, then d
 # loses: measures_distances, test_distances_in_the_course_cloud
 # says: distances are not right
-# claims: of each product
+# told: of each product
 def point_plane_distance(points, plane):
     a, b, c, d = plane
     return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c * points[:, 2]) + d
@@ -137,7 +137,7 @@ def point_plane_distance(points, plane):
 # %% wrong: absolute value of all four
 # loses: measures_distances, test_distances_in_the_course_cloud
 # says: distances are not right
-# claims: of c z and of d
+# told: of c z and of d
 def point_plane_distance(points, plane):
     a, b, c, d = plane
     return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c * points[:, 2]) + abs(d)
@@ -145,7 +145,7 @@ def point_plane_distance(points, plane):
 # %% wrong: divided by the length of all four numbers
 # loses only: adds_d, takes_abs_last, test_offset_planes
 # says: distances are not right
-# claims: the length of all four numbers
+# told: the length of all four numbers
 def point_plane_distance(points, plane):
     plane = np.asarray(plane)
     return np.abs(points[:, :3] @ plane[:3] + plane[3]) / np.linalg.norm(plane)

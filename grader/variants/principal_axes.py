@@ -110,7 +110,7 @@ def principal_axes(points):
 # %% wrong: columns left in ascending order
 # loses only: orders_by_spread, test_order
 # says: not in the order of the spread
-# claims: order of increasing spread
+# told: order of increasing spread
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -156,7 +156,7 @@ def principal_axes(points):
 # %% wrong: axes in the rows
 # loses: finds_the_directions, takes_few_points, test_any_turn
 # says: No column runs along
-# claims: they stand in the rows
+# told: they stand in the rows
 def principal_axes(points):
     if len(points) < 3:
         return np.eye(3)
@@ -166,7 +166,7 @@ def principal_axes(points):
 # %% wrong: sorts the rows of the matrix instead of its columns
 # loses: finds_the_directions, test_any_turn
 # says: No column runs along
-# claims: the rows of the matrix
+# told: the rows of the matrix
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -178,7 +178,7 @@ def principal_axes(points):
 # %% wrong: not centred
 # loses only: centres_the_points, test_place
 # says: Subtract the mean
-# claims: The points are not centred
+# told: The points are not centred
 def principal_axes(points):
     q = points[:, :3]
     axes = np.linalg.eigh(q.T @ q)[1][:, ::-1]
@@ -187,7 +187,7 @@ def principal_axes(points):
 # %% wrong: z-score instead of centring
 # loses: finds_the_directions, test_any_turn
 # says: No column runs along
-# claims: divided by its own spread
+# told: divided by its own spread
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)
@@ -288,7 +288,7 @@ def principal_axes(cluster):
 # %% wrong: ascending and left-handed at times
 # loses only: orders_by_spread, stays_right_handed, test_order, test_handed
 # says: not in the order of the spread
-# claims: order of increasing spread
+# told: order of increasing spread
 def principal_axes(points):
     if len(points) == 0:
         return np.eye(3)

@@ -45,7 +45,7 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% wrong: outside in all three coordinates
 # loses only: keeps_ahead_and_beside, keeps_above_and_below, test_remove_from_streets, test_remove_other_boxes, test_remove_heights, test_remove_faces
 # says: .any(axis=1)
-# claims: in x and in y and in z
+# told: in x and in y and in z
 def remove_ego_returns(cloud, minimum, maximum):
     xyz = cloud[:, :3]
     return cloud[((xyz < minimum) | (xyz > maximum)).all(axis=1)]
@@ -53,14 +53,14 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% wrong: keeps our own car
 # loses: removes_our_own, test_remove_from_streets
 # says: ~inside
-# claims: the other way round
+# told: the other way round
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
 # %% wrong: a column of air above the car goes, too
 # loses only: keeps_above_and_below, test_remove_from_streets, test_remove_heights, test_remove_faces
 # says: missing
-# claims: above or below the box
+# told: above or below the box
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[~((cloud[:, :2] >= minimum[:2]) & (cloud[:, :2] <= maximum[:2])).all(axis=1)]
 
@@ -73,7 +73,7 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% wrong: an ego box written into the function
 # loses only: follows_the_ego_box, removes_the_faces, test_remove_other_boxes, test_remove_heights, test_remove_faces
 # says: by their names
-# claims: The lesson's own box
+# told: The lesson's own box
 def remove_ego_returns(cloud, minimum, maximum):
     minimum, maximum = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
     return cloud[~((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
@@ -81,14 +81,14 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% wrong: open box
 # loses only: removes_the_faces, test_remove_faces
 # says: too many
-# claims: Points on the faces stay
+# told: Points on the faces stay
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[~((cloud[:, :3] > minimum) & (cloud[:, :3] < maximum)).all(axis=1)]
 
 # %% wrong: removes the rows with both corners swapped
 # loses: removes_our_own, test_remove_from_streets
 # says: too many
-# claims: Nothing is removed
+# told: Nothing is removed
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[~((cloud[:, :3] >= maximum) & (cloud[:, :3] <= minimum)).all(axis=1)]
 
@@ -101,7 +101,7 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% wrong: zeroes our own returns instead of removing them
 # loses: removes_our_own, frees_the_smallest, test_remove_from_streets
 # says: values changed
-# claims: are set to 0
+# told: are set to 0
 def remove_ego_returns(cloud, minimum, maximum):
     cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)] = 0
     return cloud
@@ -159,7 +159,7 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% wrong: returns the cloud as it is
 # loses: removes_our_own, frees_the_smallest, frees_a_copy
 # says: too many
-# claims: Nothing is removed
+# told: Nothing is removed
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud
 

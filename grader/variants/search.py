@@ -152,7 +152,7 @@ class KdTree:
 # %% wrong: strictly greater on the right
 # loses only: reaches_the_split, test_search_split
 # says: where the box ends exactly at the split
-# claims: `>` stands
+# told: `>` stands
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -171,7 +171,7 @@ def search(tree, target, tolerance):
 # %% wrong: only the target's own side
 # loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
 # says: Not found
-# claims: Only the side on which the target itself lies
+# told: Only the side on which the target itself lies
 def search(tree, target, tolerance):
     found, node, depth = [], tree.root, 0
     while node is not None:
@@ -185,7 +185,7 @@ def search(tree, target, tolerance):
 # %% wrong: else instead of a second if
 # loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
 # says: Not found
-# claims: The right side is searched only where
+# told: The right side is searched only where
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -204,7 +204,7 @@ def search(tree, target, tolerance):
 # %% wrong: the box decides
 # loses only: measures_a_circle, test_search_circle
 # says: Found, but farther
-# claims: The box decides
+# told: The box decides
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -272,7 +272,7 @@ def search(tree, target, tolerance):
 # %% wrong: squared distance against plain tolerance
 # loses only: takes_the_radius, test_search_radius
 # says: farther than
-# claims: The square of the distance
+# told: The square of the distance
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -291,7 +291,7 @@ def search(tree, target, tolerance):
 # %% wrong: two dimensions are written into the function
 # loses only: searches_space, test_search_street
 # says: Not found
-# claims: z is never compared
+# told: z is never compared
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -328,7 +328,7 @@ def search(tree, target, tolerance):
 # %% wrong: strictly closer than the tolerance
 # loses only: includes_the_border, reaches_the_split, test_search_border, test_search_split
 # says: Not found
-# claims: `<` stands
+# told: `<` stands
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -347,7 +347,7 @@ def search(tree, target, tolerance):
 # %% wrong: the circle prunes instead of the cut
 # loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
 # says: Not found
-# claims: Both sides are searched below nodes that are near
+# told: Both sides are searched below nodes that are near
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -397,7 +397,7 @@ def search(tree, target, tolerance):
 # %% wrong: the sides are swapped
 # loses: finds_the_target, looks_on_both_sides, test_search_plane
 # says: Not found
-# claims: The sides are swapped
+# told: The sides are swapped
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -416,7 +416,7 @@ def search(tree, target, tolerance):
 # %% wrong: the ends of the box are swapped
 # loses: looks_on_both_sides, test_search_plane
 # says: Not found
-# claims: The ends of the box are swapped
+# told: The ends of the box are swapped
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -435,7 +435,7 @@ def search(tree, target, tolerance):
 # %% wrong: returns at the first empty place
 # loses: looks_on_both_sides, test_search_plane
 # says: Not found
-# claims: The left side is searched only where the right one is not
+# told: The left side is searched only where the right one is not
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -454,7 +454,7 @@ def search(tree, target, tolerance):
 # %% wrong: the tolerance is left out on the left
 # loses: looks_on_both_sides, test_search_plane
 # says: Not found
-# claims: The tolerance is left out on the left
+# told: The tolerance is left out on the left
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -473,7 +473,7 @@ def search(tree, target, tolerance):
 # %% wrong: the tolerance is left out on the right
 # loses: looks_on_both_sides, test_search_plane
 # says: Not found
-# claims: The tolerance is left out on the right
+# told: The tolerance is left out on the right
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -492,7 +492,7 @@ def search(tree, target, tolerance):
 # %% wrong: the first axis is y
 # loses: finds_the_target, test_search_plane
 # says: Not found
-# claims: The turns begin with y
+# told: The turns begin with y
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 1)]
     while stack:
@@ -511,7 +511,7 @@ def search(tree, target, tolerance):
 # %% wrong: one coordinate decides who is near
 # loses: looks_on_both_sides, measures_a_circle, test_search_plane
 # says: Found, but farther
-# claims: One coordinate decides
+# told: One coordinate decides
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -530,7 +530,7 @@ def search(tree, target, tolerance):
 # %% wrong: whoever is met is found
 # loses: finds_the_target, test_search_plane
 # says: Found, but farther
-# claims: whatever its distance
+# told: whatever its distance
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -642,7 +642,7 @@ def search(tree, target, tolerance):
 # %% wrong: everybody below a far node is left out
 # loses: looks_on_both_sides, finds_the_target, test_search_plane
 # says: Not found
-# claims: The search ends at each node that is not near
+# told: The search ends at each node that is not near
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:

@@ -68,7 +68,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: rounds towards zero
 # loses only: floors_below_zero, test_voxels_all_around
 # says: fewer rows than
-# claims: rounded towards zero
+# told: rounded towards zero
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -81,7 +81,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: rounds to the nearest
 # loses: begins_at_multiples, test_voxels_of_course_cloud
 # says: np.floor, not np.round
-# claims: rounded to the nearest
+# told: rounded to the nearest
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -94,7 +94,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: counts cells from the corner of the cloud
 # loses: begins_at_multiples, test_voxels_of_course_cloud
 # says: Take no minimum off
-# claims: lowest corner of the cloud
+# told: lowest corner of the cloud
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -107,7 +107,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: the first point of each cell instead of the mean
 # loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
 # says: not the mean of the points
-# claims: The first point of each cell
+# told: The first point of each cell
 def voxel_grid(cloud, voxel_size=0.2):
     cells = np.floor(cloud[:, :3] / voxel_size)
     return cloud[np.unique(cells, axis=0, return_index=True)[1]]
@@ -115,7 +115,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: a dictionary that keeps the last point
 # loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
 # says: not the mean of the points
-# claims: The last point of each cell
+# told: The last point of each cell
 def voxel_grid(cloud, voxel_size=0.2):
     cells = {}
     for row in cloud:
@@ -125,7 +125,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: adds with +=
 # loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
 # says: adds every row
-# claims: only the last row
+# told: only the last row
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -138,7 +138,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: the middle of each cell instead of the mean
 # loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
 # says: divide by the counts
-# claims: the middles of the cells
+# told: the middles of the cells
 def voxel_grid(cloud, voxel_size=0.2):
     cells = np.unique(np.floor(cloud[:, :3] / voxel_size), axis=0)
     return (cells + 0.5) * voxel_size
@@ -146,14 +146,14 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: the numbers of the cells
 # loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
 # says: divide by the counts
-# claims: the numbers of the cells
+# told: the numbers of the cells
 def voxel_grid(cloud, voxel_size=0.2):
     return np.unique(np.floor(cloud[:, :3] / voxel_size), axis=0)
 
 # %% wrong: cells in the plane only
 # loses: cuts_in_three_directions, test_voxels_of_fresh_street, test_voxels_of_course_cloud
 # says: fewer rows than
-# claims: z is left out
+# told: z is left out
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -166,7 +166,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: intensity takes part in the cell
 # loses only: ignores_the_intensity, test_voxels_of_bright_points
 # says: more rows than
-# claims: The intensity takes part
+# told: The intensity takes part
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -179,7 +179,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: the size is written into the function
 # loses only: follows_the_size, test_voxel_sizes
 # says: Divide by voxel_size
-# claims: A fixed size of 0.2
+# told: A fixed size of 0.2
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -192,7 +192,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: forgets the size
 # loses: one_point_per_cell, follows_the_size, test_voxel_sizes
 # says: fewer rows than
-# claims: voxel_size is left out
+# told: voxel_size is left out
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -205,7 +205,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: multiplies with the size
 # loses: one_point_per_cell, follows_the_size, test_voxel_sizes
 # says: fewer rows than
-# claims: are multiplied
+# told: are multiplied
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -293,7 +293,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: sums without dividing
 # loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
 # says: not the mean of the points
-# claims: not divided by the counts
+# told: not divided by the counts
 def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
@@ -332,6 +332,6 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% wrong: merges nothing
 # loses: one_point_per_cell, averages_each_cell, test_voxels_of_course_cloud
 # says: more rows than
-# claims: Nothing is merged
+# told: Nothing is merged
 def voxel_grid(cloud, voxel_size=0.2):
     return cloud

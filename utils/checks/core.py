@@ -191,14 +191,14 @@ def check(function: Callable, exercise: str | None = None) -> None:
     else:
         outcomes = _run_all(checks, function, table)
     failed = [outcome for outcome in outcomes if outcome.failure]
-    claim = blamed = None
+    mistake = blamed = None
     # What hangs would hang again, and what was not started or is refused needs no cause.
     if failed and not any(
         isinstance(one.failure, NotStarted | Refused | Stopped) for one in failed
     ):
-        claim, blamed = _claim(exercise, function), _blamed(exercise, function)
+        mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
     notes = [] if failed else [run_check(one, function) for one in notes_of(exercise)]
-    story = resolve(outcomes, checks, claim, notes, blamed)
+    story = resolve(outcomes, checks, mistake, notes, blamed)
     table.finish(story)
     if story.first:
         raise ChecksFailed(story.in_one_line)
@@ -229,7 +229,7 @@ def _refusal(exercise: str, modules: list[str]) -> Refused:
     )
 
 
-def _claim(exercise: str, function: Callable) -> Mistake | None:
+def _mistake(exercise: str, function: Callable) -> Mistake | None:
     try:
         with limited(SECONDS):
             return diagnose(exercise, function)

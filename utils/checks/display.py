@@ -130,7 +130,7 @@ def as_html(story: Story) -> str:
 
 def _all_details(story: Story) -> list[tuple[str, str]]:
     """What is said about the first failure, and which function to mend first."""
-    said = details(story.first, story.claim)
+    said = details(story.first, story.mistake)
     if story.blamed:
         sentence = f"{story.blamed}, which this calls, does not pass its own checks."
         said.insert(0, ("Begin there", sentence))

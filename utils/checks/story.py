@@ -31,7 +31,7 @@ class Story:
         What cannot be judged yet; without a failure where it was not even run.
     notes : tuple of Outcome
         What costs no points.
-    claim : Mistake or None
+    mistake : Mistake or None
         What explains all answers; None where the first failure is no answer.
     blamed : str or None
         A function that this one calls and that is wrong itself.
@@ -43,7 +43,7 @@ class Story:
     others: tuple[Outcome, ...] = ()
     waiting: tuple[Outcome, ...] = ()
     notes: tuple[Outcome, ...] = ()
-    claim: Mistake | None = None
+    mistake: Mistake | None = None
     blamed: str | None = None
 
     @property
@@ -66,7 +66,7 @@ class Story:
 def resolve(
     outcomes: Sequence[Outcome],
     checks: Sequence[Check] = (),
-    claim: Mistake | None = None,
+    mistake: Mistake | None = None,
     notes: Sequence[Outcome] = (),
     blamed: str | None = None,
 ) -> Story:
@@ -78,7 +78,7 @@ def resolve(
         What was run, basics first.
     checks : sequence of Check
         All there are; those that were not run are waiting.
-    claim : Mistake, optional
+    mistake : Mistake, optional
     notes : sequence of Outcome
     blamed : str, optional
 
@@ -102,17 +102,17 @@ def resolve(
     waiting += tuple(one for one in failed if one is not first and one not in ready)
     same = tuple(one for one in rest if cause is not None and one.failure.cause == cause)
     others = tuple(one for one in rest if one not in same)
-    claim = claim if first.failure.is_about_an_answer else None
-    return Story(passed, first, same, others, waiting, notes, claim, blamed)
+    mistake = mistake if first.failure.is_about_an_answer else None
+    return Story(passed, first, same, others, waiting, notes, mistake, blamed)
 
 
-def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, str]]:
+def details(outcome: Outcome, mistake: Mistake | None = None) -> list[tuple[str, str]]:
     """What there is to say about a failure, each as (label, text).
 
     Parameters
     ----------
     outcome : Outcome
-    claim : Mistake, optional
+    mistake : Mistake, optional
         What explains it.
 
     Returns
@@ -121,14 +121,14 @@ def details(outcome: Outcome, claim: Mistake | None = None) -> list[tuple[str, s
     """
     failure = outcome.failure
     said = [
-        ("What your code does", claim.says if claim else ""),
+        ("What your code does", mistake.says if mistake else ""),
         ("What happened", failure.message),
         *([("Where", _where(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),
         ("Given", failure.given),
         ("Yours", failure.yours),
         ("Expected", failure.expected),
-        ("Hint", hint_for(outcome, claim)),
+        ("Hint", hint_for(outcome, mistake)),
     ]
     if failure.is_about_the_check:
         said.append(("Why it matters", outcome.check.why))
@@ -140,9 +140,9 @@ def _where(failure: Raised) -> str:
     return f"{failure.place}{line}" if failure.place else ""
 
 
-def hint_for(outcome: Outcome, claim: Mistake | None = None) -> str:
+def hint_for(outcome: Outcome, mistake: Mistake | None = None) -> str:
     """The hint that belongs to a failure: of its cause, of its own, or of what was checked."""
-    if claim:
-        return claim.hint
+    if mistake:
+        return mistake.hint
     failure = outcome.failure
     return failure.hint or (outcome.check.hint if failure.is_about_the_check else "")

@@ -1,0 +1,55 @@
+"""From how the checks of an exercise ended to what a verdict says about it."""
+
+from __future__ import annotations
+
+from grader.course.lessons import Exercise, Lesson
+from grader.judging.followed import Followed
+from grader.judging.messages import messages_of, text_of, told
+from grader.judging.points import shares, total
+from grader.judging.trial import Asked
+from grader.judging.verdict import CheckResult, ExerciseResult
+from utils.checks.outcomes import Outcome
+from utils.checks.story import resolve
+
+
+def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
+    """The exercises of a lesson of which nothing was asked."""
+    return tuple(
+        ExerciseResult(exercise.name, 0.0, exercise.points, ())
+        for exercise in lesson.machine_graded
+    )
+
+
+def result_of(exercise: Exercise, asked: Asked, followed: Followed | None) -> ExerciseResult:
+    """What a verdict says about an exercise.
+
+    Parameters
+    ----------
+    exercise : grader.course.lessons.Exercise
+    asked : grader.judging.trial.Asked
+        What came of asking the notebook.
+    followed : grader.judging.followed.Followed or None
+        How the exercise fared with right helpers, if better.
+    """
+    said, mistake = [], asked.mistakes.get(exercise.name)
+    outcomes = asked.about(exercise.name)
+    if followed:
+        said, mistake, outcomes = [followed.sentence], None, followed.outcomes
+    tellable = [told(outcome, open_to_all=followed is None) for outcome in outcomes]
+    story = resolve(tellable, mistake=mistake)
+    messages = messages_of(story)
+    most = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
+    checks = tuple(
+        _result(outcome, points, messages.get(outcome, ""))
+        for outcome, points in zip(tellable, most, strict=True)
+    )
+    said += [text_of(story.first, story.mistake)] if story.first else []
+    first = story.first.check.name if story.first and not story.not_started else ""
+    score = total([result.score for result in checks])
+    return ExerciseResult(exercise.name, score, exercise.points, checks, "\n".join(said), first)
+
+
+def _result(outcome: Outcome, points: float, message: str) -> CheckResult:
+    check, passed = outcome.check, outcome.failure is None
+    score = points if passed else 0.0
+    return CheckResult(check.name, check.title, passed, score, points, message, check.is_shown)
