@@ -97,12 +97,12 @@ def checks_of(exercise: str) -> tuple[Check, ...]:
     LookupError
         If the course has no such exercise.
     """
-    return tuple(one for one in _all_of(exercise) if not one.is_note)
+    return tuple(declared for declared in _all_of(exercise) if not declared.is_note)
 
 
 def notes_of(exercise: str) -> tuple[Check, ...]:
     """The notes of an exercise, which cost no points; see `checks_of`."""
-    return tuple(one for one in _all_of(exercise) if one.is_note)
+    return tuple(declared for declared in _all_of(exercise) if declared.is_note)
 
 
 def _all_of(exercise: str) -> list[Check]:
@@ -194,10 +194,10 @@ def check(function: Callable, exercise: str | None = None) -> None:
     mistake = blamed = None
     # What hangs would hang again, and what was not started or is refused needs no cause.
     if failed and not any(
-        isinstance(one.failure, NotStarted | Refused | Stopped) for one in failed
+        isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
     ):
         mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
-    notes = [] if failed else [run_check(one, function) for one in notes_of(exercise)]
+    notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
     story = resolve(outcomes, checks, mistake, notes, blamed)
     table.finish(story)
     if story.first:
@@ -213,8 +213,8 @@ def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> lis
     """Run checks, and show each as it ends; after one that hangs, or a stub, no more."""
     outcomes = []
     with one_run():
-        for one in checks:
-            outcomes.append(run_check(one, function))
+        for one_check in checks:
+            outcomes.append(run_check(one_check, function))
             table.show(outcomes)
             if isinstance(outcomes[-1].failure, Stopped | NotStarted):
                 break
@@ -247,7 +247,7 @@ def _blamed(exercise: str, function: Callable) -> str | None:
     lesson = checks_of(exercise)[0].lesson
     for name, helper in functions_used(function).items():
         if name != exercise and name in _CHECKS and checks_of(name)[0].lesson == lesson:
-            for one in checks_of(name):
-                if run_check(one, helper).failure:
+            for one_check in checks_of(name):
+                if run_check(one_check, helper).failure:
                     return name
     return None

@@ -134,9 +134,9 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
         }
         try:
             answer = known.ask(function, *copy.deepcopy(case))
-            fitting = [one for one in fitting if known.same(answer, predicted[one])]
+            fitting = [mistake for mistake in fitting if known.same(answer, predicted[mistake])]
         except Exception:  # of the student's code, or of a comparison with whatever it returned
             return None
-        telling.update(one for one in fitting if not known.same(right, predicted[one]))
+        telling.update(mistake for mistake in fitting if not known.same(right, predicted[mistake]))
     fitting = [mistake for mistake in fitting if telling[mistake] >= _TELLING_CASES]
     return fitting[0] if len(fitting) == 1 else None

@@ -84,12 +84,13 @@ def as_text(story: Story) -> str:
     if story.first:
         lines.append(f"[failed] {story.first.check.title}")
         lines += [f"    {label}: {text}" for label, text in _all_details(story)]
-    lines += [f"    [failed] for the same reason: {one.check.title}" for one in story.same]
+    lines += [f"    [failed] for the same reason: {outcome.check.title}" for outcome in story.same]
     lines += [f"[failed] {o.check.title}: {o.failure.message}" for o in story.others]
-    lines += [f"[waiting] {one.check.title}" for one in story.waiting]
+    lines += [f"[waiting] {outcome.check.title}" for outcome in story.waiting]
     lines += [f"[passed] {outcome.check.title}" for outcome in story.passed]
     lines += [
-        f"[note] {one.check.title}: {one.failure.message} {one.check.why}" for one in story.notes
+        f"[note] {outcome.check.title}: {outcome.failure.message} {outcome.check.why}"
+        for outcome in story.notes
     ]
     return "\n".join(lines)
 
@@ -113,17 +114,20 @@ def as_html(story: Story) -> str:
         if story.same:
             body += (
                 f"<details><summary>{_count(story.same)} for the same reason</summary>"
-                f"{_titles(one.check for one in story.same)}</details>"
+                f"{_titles(outcome.check for outcome in story.same)}</details>"
             )
         rows.append(_row("failed", story.first.check.title, body))
     rows += [
-        _row("failed", one.check.title, _line("", one.failure.message)) for one in story.others
+        _row("failed", outcome.check.title, _line("", outcome.failure.message))
+        for outcome in story.others
     ]
     rows += _rows("waiting", story.waiting, story)
     rows += _rows("passed", story.passed, story)
     rows += [
-        _row("note", one.check.title, _line("", f"{one.failure.message} {one.check.why}"))
-        for one in story.notes
+        _row(
+            "note", outcome.check.title, _line("", f"{outcome.failure.message} {outcome.check.why}")
+        )
+        for outcome in story.notes
     ]
     return _table(rows)
 
@@ -140,8 +144,8 @@ def _all_details(story: Story) -> list[tuple[str, str]]:
 def _rows(state: str, outcomes: Sequence[Outcome], story: Story) -> list[str]:
     """What holds, or waits, row by row; beside a failure many rows are folded into one."""
     if story.first is None or len(outcomes) <= _MANY:
-        return [_row(state, one.check.title) for one in outcomes]
-    titles = _titles(one.check for one in outcomes)
+        return [_row(state, outcome.check.title) for outcome in outcomes]
+    titles = _titles(outcome.check for outcome in outcomes)
     summary = f"<summary>{len(outcomes)} checks</summary>"
     return [_row(state, "", f"<details>{summary}{titles.removeprefix('<br>')}</details>")]
 
@@ -151,7 +155,7 @@ def _count(outcomes: Sequence[Outcome]) -> str:
 
 
 def _titles(checks: Iterable[Check]) -> str:
-    return "".join(f"<br>{escape(one.title)}" for one in checks)
+    return "".join(f"<br>{escape(check.title)}" for check in checks)
 
 
 def _line(label: str, text: str) -> str:

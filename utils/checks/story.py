@@ -86,22 +86,24 @@ def resolve(
     -------
     Story
     """
-    passed = tuple(one for one in outcomes if one.failure is None)
-    failed = [one for one in outcomes if one.failure is not None]
-    ran = [one.check for one in outcomes]
-    waiting = tuple(Outcome(one, None) for one in checks if one not in ran)
-    notes = tuple(one for one in notes if one.failure is not None)
+    passed = tuple(outcome for outcome in outcomes if outcome.failure is None)
+    failed = [outcome for outcome in outcomes if outcome.failure is not None]
+    ran = [outcome.check for outcome in outcomes]
+    waiting = tuple(Outcome(check, None) for check in checks if check not in ran)
+    notes = tuple(outcome for outcome in notes if outcome.failure is not None)
     if not failed:
         return Story(passed, None, waiting=waiting, notes=notes)
     # A stub explains everything; otherwise the checks stand in the order to read them in.
-    stubs = [one for one in failed if isinstance(one.failure, NotStarted)]
-    ready = [one for one in failed if not isinstance(one.failure, NotYet)]
+    stubs = [outcome for outcome in failed if isinstance(outcome.failure, NotStarted)]
+    ready = [outcome for outcome in failed if not isinstance(outcome.failure, NotYet)]
     first = (stubs or ready or failed)[0]
     cause = first.failure.cause
-    rest = [one for one in ready if one is not first]
-    waiting += tuple(one for one in failed if one is not first and one not in ready)
-    same = tuple(one for one in rest if cause is not None and one.failure.cause == cause)
-    others = tuple(one for one in rest if one not in same)
+    rest = [outcome for outcome in ready if outcome is not first]
+    waiting += tuple(outcome for outcome in failed if outcome is not first and outcome not in ready)
+    same = tuple(
+        outcome for outcome in rest if cause is not None and outcome.failure.cause == cause
+    )
+    others = tuple(outcome for outcome in rest if outcome not in same)
     mistake = mistake if first.failure.is_about_an_answer else None
     return Story(passed, first, same, others, waiting, notes, mistake, blamed)
 

@@ -29,7 +29,9 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
     """
     forbidden = _forbidden().get(lesson, ())
     used = set(_modules_of(function)) if forbidden else ()
-    return [one for one in forbidden if any(f"{name}.".startswith(f"{one}.") for name in used)]
+    return [
+        module for module in forbidden if any(f"{name}.".startswith(f"{module}.") for name in used)
+    ]
 
 
 def functions_used(function: Callable) -> dict[str, Callable]:
@@ -95,8 +97,8 @@ def _functions(function: object) -> list[FunctionType]:
             waiting += vars(value).values()
         else:
             for code in _codes(value.__code__):
-                waiting += [one for _, one in _globals_in(code, value)]
-    return [one for one in found if isinstance(one, FunctionType)]
+                waiting += [used for _, used in _globals_in(code, value)]
+    return [used for used in found if isinstance(used, FunctionType)]
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
