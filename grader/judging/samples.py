@@ -38,6 +38,23 @@ def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
     return remember
 
 
+def generator_for_students(seed: int, label: str) -> np.random.Generator:
+    """A generator that may be handed to a student.
+
+    NumPy's seeding can be run backwards: the state of a generator tells what it was made from.
+    This one is made from a digest, which leads no further back.
+
+    Parameters
+    ----------
+    seed : int
+        A secret.
+    label : str
+        Of what it is for: nothing else is drawn from the same digest.
+    """
+    digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
+    return np.random.default_rng(int.from_bytes(digest, "big"))
+
+
 @functools.cache
 def course_cloud() -> np.ndarray:
     """``data/cloud.txt``, read-only."""

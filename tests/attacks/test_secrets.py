@@ -1,0 +1,130 @@
+"""What of the course's secret crosses with a question: nothing from which another one is drawn.
+
+The state of a generator tells what it was made from, as NumPy's seeding can be run backwards; the
+numbers below are those of `numpy.random.SeedSequence` and of PCG64.
+"""
+
+import copy
+import hashlib
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import load_reference
+from grader.judging import samples
+from grader.judging.asking import run_tests
+from tests.students import student_with
+
+WORD, PCG = 2**32, 2**128
+PCG_MULTIPLIER = 0x2360ED051FC65DA44385DF649FCCF645
+INIT_A, MULT_A, INIT_B, MULT_B = 0x43B0D7E5, 0x931E8875, 0x8B51F9DD, 0x58F38DED
+MIX_L, MIX_R = 0xCA01F9DD, 0x4973F715
+PUBLIC = 100_000  # numbers of runs, sizes and the like, which whoever has the project knows
+SEED = 0xC0FFEE_5EED_0F_A_C0FFEE_5EED
+
+
+def unshift(word):
+    """The inverse of word ^ word >> 16."""
+    return word ^ word >> 16
+
+
+def constants(first, factor, count):
+    found = [first]
+    for _ in range(count):
+        found.append(found[-1] * factor % WORD)
+    return found
+
+
+def seed_behind(generator):
+    """What a generator of NumPy's own was made from, if that has 128 bits at the most."""
+    state = generator.bit_generator.state["state"]
+    backwards = (state["state"] - state["inc"]) * pow(PCG_MULTIPLIER, -1, PCG) - state["inc"]
+    high, low = backwards % PCG >> 64, backwards % 2**64
+    words = [high % WORD, high >> 32, low % WORD, low >> 32]
+    hashes = constants(INIT_B, MULT_B, 4)
+    pool = [
+        unshift(word) * pow(hashes[n + 1], -1, WORD) % WORD ^ hashes[n]
+        for n, word in enumerate(words)
+    ]
+    # Four words were put in, and then each was mixed into the three others.
+    hashes = constants(INIT_A, MULT_A, 16)
+    step = 16
+    for source in (3, 2, 1, 0):
+        for target in (3, 2, 1, 0):
+            if source == target:
+                continue
+            step -= 1
+            mixed = (pool[source] ^ hashes[step]) * hashes[step + 1] % WORD
+            mixed ^= mixed >> 16
+            pool[target] = (unshift(pool[target]) + MIX_R * mixed) * pow(MIX_L, -1, WORD) % WORD
+    entropy = [
+        unshift(word) * pow(hashes[n + 1], -1, WORD) % WORD ^ hashes[n]
+        for n, word in enumerate(pool)
+    ]
+    return sum(word << 32 * n for n, word in enumerate(entropy))
+
+
+@pytest.mark.parametrize("seed", [0, 7, 2026, 2**32 + 5, 29034951985294, 2**127 + 12345])
+def test_seeding_can_be_run_backwards(seed):
+    """Else the tests below could not fail."""
+    generator = np.random.default_rng(seed)
+    assert seed_behind(generator) == seed
+
+
+def test_a_generator_for_students_leads_back_to_nothing():
+    found = seed_behind(samples.generator_for_students(SEED, "a test"))
+    assert found != SEED and found > 2**64
+    other = seed_behind(samples.generator_for_students(SEED, "another test"))
+    assert other != found
+    again = samples.generator_for_students(SEED, "a test")
+    assert again.random() == samples.generator_for_students(SEED, "a test").random()
+
+
+def everything_in(value):
+    """Generators and whole numbers among the arguments of a call."""
+    if isinstance(value, (list, tuple)):
+        for item in value:
+            yield from everything_in(item)
+    elif isinstance(value, dict):
+        yield from everything_in(list(value.values()))
+    elif isinstance(value, (np.random.Generator, int, np.integer)):
+        yield value
+
+
+@pytest.mark.slow
+def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, monkeypatch):
+    """No generator, and no whole number, in any question of the hidden tests."""
+    crossed, drawn_from = [], set()
+    make = np.random.default_rng
+
+    def noted(seed=None):
+        drawn_from.add(seed if isinstance(seed, int) else None)
+        return make(seed)
+
+    def listening(function):
+        def ask(*arguments, **keywords):
+            for value in everything_in([arguments, keywords]):
+                crossed.append(copy.deepcopy(value))  # before anybody draws from it
+            return function(*arguments, **keywords)
+
+        return ask
+
+    monkeypatch.setattr(np.random, "default_rng", noted)
+    for remembered in vars(samples).values():
+        if hasattr(remembered, "cache_clear"):
+            remembered.cache_clear()
+    reference = load_reference(lesson.name)
+    answers = {
+        exercise.name: listening(getattr(reference, exercise.name))
+        for exercise in lesson.machine_graded
+    }
+    run_tests(lesson, student_with(lesson, answers), SEED, lambda check: not check.is_shown)
+    text = f"{SEED} {lesson.tests.name}"
+    secret = int.from_bytes(hashlib.sha256(text.encode()).digest()[:6], "big")
+    secrets = {seed for seed in drawn_from if seed is not None and seed >= PUBLIC}
+    assert any(abs(seed - secret) < 1000 for seed in secrets) or not secrets
+    for value in crossed:
+        found = seed_behind(value) if isinstance(value, np.random.Generator) else int(value)
+        assert found < PUBLIC or isinstance(value, np.random.Generator), (lesson.name, value)
+        assert found not in secrets and found != SEED
+        assert abs(found - secret) > 1000
