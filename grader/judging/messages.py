@@ -69,7 +69,10 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError):
         said = str(error) if visible else error.without_words
         tip = tip_for(error.type_name, error.message, error.line)
-        return Raised(said, kind=error.type_name, place=error.place, tip=tip)
+        kind, place = error.type_name, error.place
+        if not visible:
+            kind, place = error.told_type, error.told_place
+        return Raised(said, kind=kind, place=place, tip=tip)
     if isinstance(error, NotYet) or (isinstance(error, CheckFailed) and visible):
         return error
     if isinstance(error, CheckFailed):

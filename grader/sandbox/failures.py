@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import builtins
-
 from utils.remote import RemoteError
 
-# Names that say something and that student code did not choose.
-KNOWN_EXCEPTIONS = {
-    name
-    for name, value in vars(builtins).items()
-    if isinstance(value, type) and issubclass(value, BaseException)
-} | {"LinAlgError", "AxisError", "QhullError"}
+# Names that say something and that student code did not choose. Few: which of them it is may
+# tell something about a hidden question.
+KNOWN_EXCEPTIONS = (
+    *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FloatingPointError"),
+    *("ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError", "ModuleNotFoundError"),
+    *("NameError", "OverflowError", "QhullError", "RecursionError", "RuntimeError", "TypeError"),
+    *("UnboundLocalError", "ValueError", "ZeroDivisionError"),
+)
+# As many lines of a student's own are told apart about a hidden question.
+MOST_LINES = 64
 
 
 class StudentError(RemoteError):
@@ -27,8 +29,11 @@ class StudentError(RemoteError):
         What stands there, in the student's.
     inside : str
         The exercise that it happened in; empty where it was in none.
+    told_type, told_place : str, str or None
+        What may be told of a hidden question: a type of Python's or NumPy's that is among few,
+        and the place if it is.
     without_words : str
-        The same in our words alone: a type that Python or NumPy defines, and the place.
+        The sentence with these alone.
     """
 
     def __init__(
@@ -39,12 +44,15 @@ class StudentError(RemoteError):
         place: str | None = None,
         line: str = "",
         inside: str = "",
+        is_one_of_few: bool = False,
     ) -> None:
         self.type_name, self.message = type_name, message
         self.place, self.line, self.inside = place, line, inside
         where = f" ({place})" if place else ""
-        known = type_name if type_name in KNOWN_EXCEPTIONS else "an exception of its own"
-        self.without_words = f"{function} raised {known}{where}."
+        self.told_type = type_name if type_name in KNOWN_EXCEPTIONS else "another exception"
+        self.told_place = place if is_one_of_few else None
+        told_where = f" ({place})" if self.told_place else ""
+        self.without_words = f"{function} raised {self.told_type}{told_where}."
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 
 

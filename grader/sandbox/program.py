@@ -9,6 +9,12 @@ from dataclasses import dataclass, field
 PACKAGES = ("numpy", "scipy", "matplotlib")
 
 
+def cell_and_line(place: str) -> tuple[int, int] | None:
+    """Both numbers of a place such as ``code cell 3, line 12``; None if it is none."""
+    found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
+    return (int(found[1]), int(found[2])) if found else None
+
+
 @dataclass(frozen=True)
 class Given:
     """Code of the lesson that takes the place of whatever a notebook makes of it."""
@@ -55,9 +61,9 @@ class Program:
 
     def line_at(self, place: str) -> str | None:
         """What stands at a place such as ``code cell 3, line 12``; None if there is no such one."""
-        found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
+        found = cell_and_line(place)
         if not found:
             return None
-        cell, line = int(found[1]), int(found[2])
+        cell, line = found
         lines = self.cells[cell - 1].split("\n") if 0 < cell <= len(self.cells) else []
         return lines[line - 1].strip() if 0 < line <= len(lines) else None

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
-from grader.sandbox.failures import StudentError, StudentStopped, why_it_ended
+from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, why_it_ended
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.patience import Patience, stopwatch
-from grader.sandbox.program import Program
+from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.untrusted import names_a_number, positions, readable, rows, texts
 from utils.remote import Observed, Remote
@@ -115,6 +115,7 @@ class Student:
         self._run_whole, self._told = True, False
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
+        self._lines: dict[str, list[list[int]]] = {}
 
     def __enter__(self) -> Student:
         return self
@@ -244,7 +245,18 @@ class Student:
         place, line = (None, "") if line is None else (place, readable(line))
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
-        return StudentError(name, kind or "Exception", message, place, line, inside)
+        few = place is not None and self._is_one_of_few(place)
+        return StudentError(name, kind or "Exception", message, place, line, inside, few)
+
+    def _is_one_of_few(self, place: str) -> bool:
+        """Whether a place is a line of the exercise as it was handed in, and that is short.
+
+        The process that tells the place is the student's, and so could be the line.
+        """
+        ranges = self._lines.get(self.exercise, ())
+        cell, line = cell_and_line(place)
+        is_there = any(cell == where and first <= line <= last for where, first, last in ranges)
+        return is_there and sum(1 + last - first for _, first, last in ranges) <= MOST_LINES
 
     def _ensure_running(self) -> None:
         if self._worker:
@@ -278,6 +290,7 @@ class Student:
         if not self._told:
             self.problems += texts(found.get("problems")) + texts(failed.get("problems"))
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
+            self._lines = found["lines"]
             self._told = True
         if self._missing and self._run_whole:
             self._try_whole_notebook()

@@ -1,6 +1,7 @@
 """What a student may try to have shown: the questions of hidden tests, markup, commands."""
 
 import json
+import math
 import re
 
 import numpy as np
@@ -10,10 +11,11 @@ from grader.classroom.report import write_report
 from grader.classroom.submissions import Submission
 from grader.console import print_class, print_verdict
 from grader.course.lessons import find_lesson
-from grader.course.paths import Course
+from grader.course.paths import PROJECT, Course
 from grader.lms.autograded import score_output
-from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
+from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
 from tests.attacks.attacking import attack, function, tried
+from utils.checks import tips
 
 # A function that learns a question and wants to tell it: letters stand for its digits.
 TELLS = """
@@ -163,9 +165,10 @@ def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
     },
 )
 def test_a_failure_is_told_by_type_and_place_alone(kind, place):
-    error = StudentError("f", kind, "leakabcd", place)
+    error = StudentError("f", kind, "leakabcd", place, is_one_of_few=True)
     assert "leak" not in error.without_words and place in error.without_words
     assert (kind in error.without_words) == (kind in KNOWN_EXCEPTIONS)
+    assert place not in StudentError("f", kind, "leakabcd", place).without_words
 
 
 @tried(
@@ -184,6 +187,56 @@ def test_claims_a_place_that_is_not_in_the_notebook(name):
         student.f(np.zeros(3))
     assert "987" not in error.value.without_words and "77" not in error.value.without_words
     assert "leak" not in error.value.without_words
+
+
+LINE_THAT_TELLS = """
+def {name}(cloud, *arguments, **keywords):
+    line = 100 + int(abs(cloud[0][0]) * 1000) % 4000
+    exec(compile("\\n" * line + "1 / 0", {where}, "exec"))
+"""
+
+
+@tried(
+    "where",
+    {
+        "a cell of blank lines": "next(f'code cell {n}' for n in range(1, 90) if n != here())",
+        "the exercise's own cell": "f'code cell {here()}'",
+    },
+)
+def test_tells_a_hidden_question_by_the_line_that_fails(where, hand_in):
+    """A cell may have thousands of lines; what is told is one of the function's own, or none."""
+    here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 5000
+    source = LINE_THAT_TELLS.format(name="filter_ground", where=where) + here
+    verdict = hand_in({"filter_ground": source})
+    said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
+    lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
+    assert said and all(line < 100 for line in lines)
+
+
+def test_tells_a_hidden_question_by_one_of_many_lines_of_the_function(hand_in):
+    """Whose function is long is told no line."""
+    body = "    if row == {0}: return 1 / 0\n"
+    head = "def filter_ground(cloud, *a, **k):\n    row = int(abs(cloud[0][0]) * 1000) % {0}\n"
+    for count, told in ((40, True), (400, False)):
+        source = head.format(count) + "".join(body.format(n) for n in range(count))
+        verdict = hand_in({"filter_ground": source})
+        said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
+        assert said and any("line" in words for words in said) == told
+
+
+def test_how_much_a_failure_can_tell_is_what_the_threat_model_says():
+    """In bits, of what a student can choose: whether to raise, what, where, and our tip for it."""
+    tips_for = {kind: {""} for kind in (*KNOWN_EXCEPTIONS, "another")}
+    for kinds, _, _, tip in tips._TIPS:
+        for kind in kinds.split("|"):
+            tips_for.setdefault(kind, {""}).add(tip)
+    raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
+    ends_otherwise = 20  # passes, is wrong in some way of ours, hangs, dies
+    bits = math.ceil(math.log2(raised + ends_otherwise))
+    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    assert f"up to {bits} bits about its question" in threats
+    assert f"at most {MOST_LINES} lines" in threats
+    assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
 
 
 INJECTION = (

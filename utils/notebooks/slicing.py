@@ -58,6 +58,22 @@ def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Stateme
     return [statements[position] for position in sorted(kept)]
 
 
+def lines_of(name: str, statements: list[Statement]) -> list[list[int]]:
+    """Where a notebook writes a function, and those of its own functions that this one needs.
+
+    Returns
+    -------
+    list of [int, int, int]
+        Number of the code cell, first and last line.
+    """
+    kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+    return [
+        [statement.cell, statement.node.lineno, statement.node.end_lineno]
+        for statement in slice_for((name,), statements)
+        if isinstance(statement.node, kinds) and statement.cell
+    ]
+
+
 def is_checked(name: str, statements: list[Statement]) -> bool:
     """Whether a `check(name)` follows the last definition: then it is an exercise."""
     return _end_of_exercise(name, statements) < len(statements)

@@ -57,7 +57,8 @@ def main(read_end: int, write_end: int) -> None:
     needed = slicing.slice_for(start["names"], statements)
     # No line of the student has run: this is still what their text says.
     uses = {name: used_by(name, start["names"], statements) for name in start["names"]}
-    wire.send(write_end, {"problems": [*problems, *refusals], "uses": uses})
+    lines = {name: slicing.lines_of(name, statements) for name in start["names"]}
+    wire.send(write_end, {"problems": [*problems, *refusals], "uses": uses, "lines": lines})
 
     namespace = make_namespace()
     failures = run(needed, namespace)
