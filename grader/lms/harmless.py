@@ -24,12 +24,14 @@ _ADDRESS = re.compile(
 )
 # These make links and styles, or load more that does.
 _FORMULA = re.compile(r"\\(?=(?:href|url|style|class|cssId|data|html[A-Z]\w*|require|Extension)\b)")
+# A picture from anywhere else is fetched, with the cookies of whoever looks.
+_FETCHED = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
 _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)")
 _FILE_NAME = re.compile(r"[\w .()+\-]{1,100}")
 
 
 def harmless(markdown: str) -> str:
-    """Markdown in which nothing is HTML, script or style.
+    """Markdown in which nothing is HTML, script or style, and no picture comes from elsewhere.
 
     Parameters
     ----------
@@ -43,6 +45,7 @@ def harmless(markdown: str) -> str:
     """
     text = _TAG.sub("<" + NO_WIDTH, markdown)
     text = _ADDRESS.sub("]" + NO_WIDTH, text)
+    text = _FETCHED.sub("!" + NO_WIDTH, text)
     text = _DIAGRAM.sub(r"\1text ", text)
     return _FORMULA.sub(lambda found: "\\" + NO_WIDTH, text)
 

@@ -41,6 +41,8 @@ class Reader(html.parser.HTMLParser):
             address = "".join((value or "").split()).lower()
             if name.startswith("on") or name == "style" and "url(" in address:
                 self.obeyed.append((tag, name))
+            if tag == "img" and name == "src" and not address.startswith(("attachment:", "data:")):
+                self.obeyed.append((tag, name, value))
             if name in ("href", "src", "action", "formaction", "xlink:href"):
                 scheme = SCHEME.match(address)
                 if scheme and scheme[1] not in ("http", "https", "mailto", "attachment"):
@@ -96,6 +98,13 @@ SCRIPTS = {
     "as data": "[x](data:text/html;base64,PHNjcmlwdD4=)",
     "as a file": "[x](file:///etc/passwd)",
     "Visual Basic": "[x](vbscript:alert(1))",
+    "a picture of the hub's": "![x](/hub/logout)",
+    "a picture that tells when it is looked at": "![x](https://example.org/seen.png)",
+    "a picture by reference": "![x][y]\n\n[y]: https://example.org/seen.png",
+    "a picture by its name": "![x]\n\n[x]: https://example.org/seen.png",
+    "a picture in a link": "[![x](https://example.org/seen.png)](https://example.org)",
+    "a picture with brackets": "![[a] b](/hub/logout)",
+    "a picture over lines": "![a\nb](/hub/logout)",
     "a link in a picture": "[![x](y)](javascript:alert(1))",
     "a title": '[x](y "a\\" onmouseover=\\"alert(1)")',
     "a name with quotes": '![" onerror="alert(1)](x)',
