@@ -7,10 +7,10 @@ from utils.remote import RemoteError
 # Names that say something and that student code did not choose. Few: which of them it is may
 # tell something about a hidden question.
 KNOWN_EXCEPTIONS = (
-    *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FloatingPointError"),
-    *("ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError", "ModuleNotFoundError"),
-    *("NameError", "OverflowError", "QhullError", "RecursionError", "RuntimeError", "TypeError"),
-    *("UnboundLocalError", "ValueError", "ZeroDivisionError"),
+    *("ArithmeticError", "AssertionError", "AttributeError", "AxisError", "FileNotFoundError"),
+    *("FloatingPointError", "ImportError", "IndexError", "KeyError", "LinAlgError", "MemoryError"),
+    *("ModuleNotFoundError", "NameError", "OverflowError", "QhullError", "RecursionError"),
+    *("RuntimeError", "TypeError", "UnboundLocalError", "ValueError", "ZeroDivisionError"),
 )
 # As many lines of a student's own are told apart about a hidden question.
 MOST_LINES = 64
