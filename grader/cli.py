@@ -8,6 +8,7 @@ from pathlib import Path
 
 from grader import commands
 from grader.classroom.executors import processors
+from grader.course.seed import ShortSeed
 from grader.lms.exporters import EXPORTERS
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
@@ -28,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         return options.run(options)
-    except SandboxUnavailable as error:
+    except (SandboxUnavailable, ShortSeed) as error:
         print(error, file=sys.stderr)
         return commands.WRONG_CALL
     except KeyboardInterrupt:

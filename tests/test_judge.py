@@ -355,7 +355,7 @@ def command(*arguments):
 @pytest.mark.slow
 def test_command_line_prints_one_json_object(sandbox):
     lesson = find_lesson("06_filter_ground")
-    done = command("judge", lesson.solved, "--json", "--seed", 5, "--sandbox", sandbox.name)
+    done = command("judge", lesson.solved, "--json", "--seed", 2**64 + 5, "--sandbox", sandbox.name)
     assert done.returncode == 0, done.stderr
     verdict = json.loads(done.stdout)
     assert set(verdict) == {
@@ -396,7 +396,9 @@ def test_grading_without_a_sandbox_is_refused(monkeypatch, capsys):
 
     monkeypatch.setattr(bubblewrap, "_complaint", lambda: "bubblewrap is not installed.")
     lesson = find_lesson("06_filter_ground")
-    assert cli.main(["judge", str(lesson.released), "--seed", "1"]) == 2
+    assert cli.main(["judge", str(lesson.released), "--seed", str(2**64)]) == 2
     assert "--sandbox process" in capsys.readouterr().err
-    assert cli.main(["judge", str(lesson.released), "--seed", "1", "--sandbox", "process"]) == 0
+    assert (
+        cli.main(["judge", str(lesson.released), "--seed", str(2**64), "--sandbox", "process"]) == 0
+    )
     assert "WARNING: no sandbox" in capsys.readouterr().err

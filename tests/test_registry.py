@@ -215,7 +215,7 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
     assert "is what its source says" in run(copy, "grader", "build", "--check")
 
     def judge(path):
-        options = ("--json", "--seed", 1, "--sandbox", sandbox.name)
+        options = ("--json", "--seed", 2**64 + 1, "--sandbox", sandbox.name)
         verdict = json.loads(run(copy, "grader", "judge", path, *options))
         return verdict["score"], verdict["max_score"], verdict
 

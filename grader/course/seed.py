@@ -7,6 +7,12 @@ import tempfile
 
 from grader.course.paths import Course
 
+SHORTEST = 2**64  # below it, whoever knows one hidden question finds the seed by trying
+
+
+class ShortSeed(Exception):
+    """A seed that can be found by trying; `str()` is the sentence to show."""
+
 
 def course_seed(course: Course, given: int | None = None) -> int:
     """The seed to grade with.
@@ -21,9 +27,13 @@ def course_seed(course: Course, given: int | None = None) -> int:
     -------
     int
         The same on every call for one course: drawn once and kept in ``.course_seed``.
+
+    Raises
+    ------
+    ShortSeed
     """
     if given is not None:
-        return given
+        return _long_enough(given, "Leave --seed out")
     if not course.seed_file.exists():
         # Complete before it has its name: two graders may start at the same time.
         descriptor, draft = tempfile.mkstemp(dir=course.root)
@@ -32,4 +42,15 @@ def course_seed(course: Course, given: int | None = None) -> int:
         with contextlib.suppress(FileExistsError):
             os.link(draft, course.seed_file)
         os.unlink(draft)
-    return int(course.seed_file.read_text("utf-8"))
+    kept = int(course.seed_file.read_text("utf-8"))
+    return _long_enough(kept, f"Remove {course.seed_file.name}")
+
+
+def _long_enough(seed: int, leave_it_to_us: str) -> int:
+    if seed < SHORTEST:
+        better = secrets.randbits(127) | SHORTEST
+        raise ShortSeed(
+            f"A seed like {seed} can be found by trying, and with it every hidden question. "
+            f"{leave_it_to_us}, and one is drawn; or take this one: {better}"
+        )
+    return seed

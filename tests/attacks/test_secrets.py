@@ -10,7 +10,10 @@ import hashlib
 import numpy as np
 import pytest
 
+from grader import cli, commands
 from grader.course.lessons import load_reference
+from grader.course.paths import Course
+from grader.course.seed import ShortSeed, course_seed
 from grader.judging import samples
 from grader.judging.asking import run_tests
 from tests.students import student_with
@@ -120,11 +123,34 @@ def test_nothing_that_crosses_tells_what_another_question_is_drawn_from(lesson, 
     }
     run_tests(lesson, student_with(lesson, answers), SEED, lambda check: not check.is_shown)
     text = f"{SEED} {lesson.tests.name}"
-    secret = int.from_bytes(hashlib.sha256(text.encode()).digest()[:6], "big")
+    secret = int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
     secrets = {seed for seed in drawn_from if seed is not None and seed >= PUBLIC}
     assert any(abs(seed - secret) < 1000 for seed in secrets) or not secrets
+    # With a digest of it in hand, a GPU tries 2**33 a second.
+    assert all(seed > 2**100 for seed in secrets)
     for value in crossed:
         found = seed_behind(value) if isinstance(value, np.random.Generator) else int(value)
         assert found < PUBLIC or isinstance(value, np.random.Generator), (lesson.name, value)
         assert found not in secrets and found != SEED
         assert abs(found - secret) > 1000
+
+
+@pytest.mark.parametrize("seed", [0, -(2**70), 2026, 2**64 - 1])
+def test_a_seed_that_can_be_tried_out_is_refused(seed, tmp_path, monkeypatch, capsys):
+    course = Course(tmp_path)
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    assert cli.main(["grade", f"--seed={seed}", "--sandbox", "process"]) == commands.WRONG_CALL
+    assert "Leave --seed out" in (said := capsys.readouterr().err)
+    offered = int(said.split()[-1])
+    assert course_seed(course, offered) == offered
+    course.seed_file.write_text(f"{seed}\n")
+    with pytest.raises(ShortSeed, match="Remove .course_seed"):
+        course_seed(course)
+
+
+def test_a_seed_that_is_drawn_is_long_enough(tmp_path):
+    seeds = set()
+    for number in range(200):
+        (folder := tmp_path / str(number)).mkdir()
+        seeds.add(course_seed(Course(folder)))
+    assert len(seeds) == 200
