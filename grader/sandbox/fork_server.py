@@ -68,6 +68,8 @@ def _import(names: list[str], forbidden: list[str]) -> None:
     # What is in memory cannot be hidden.
     sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
     for name in names:
+        if worker.forbidden_part(name, forbidden):
+            continue
         with contextlib.suppress(ImportError):
             importlib.import_module(name)
     del sys.meta_path[0]

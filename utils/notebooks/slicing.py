@@ -162,11 +162,16 @@ def imported_modules(statements: Iterable[Statement]) -> Iterator[tuple[int, str
     """
     for statement in statements:
         for node in ast.walk(statement.node):
-            if isinstance(node, ast.Import):
-                yield from ((statement.cell, alias.name) for alias in node.names)
-            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                yield statement.cell, node.module
-                yield from ((statement.cell, f"{node.module}.{alias.name}") for alias in node.names)
+            yield from ((statement.cell, module) for module in imported_by(node))
+
+
+def imported_by(node: ast.AST) -> Iterator[str]:
+    """Dotted names of what one node imports: modules, and what may be a module in one."""
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+        yield node.module
+        yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 def _future_flags(nodes: list[ast.stmt]) -> int:

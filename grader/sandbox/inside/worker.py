@@ -30,6 +30,7 @@ import wire  # noqa: E402
 import wire_format  # noqa: E402
 
 from utils.notebooks import slicing  # noqa: E402
+from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 
 LONGEST_TEXT = 400
 # What comes along with an attribute at most: a small tree, whose nodes have a few small values.
@@ -50,7 +51,7 @@ def main(read_end: int, write_end: int) -> None:
     wire.send(write_end, "ready")
 
     start = wire.receive(read_end)
-    sys.meta_path.append(importing.Beside(start["modules"]))
+    sys.meta_path.append(importing.Beside(start["modules"], rules["forbidden"]))
     statements, problems = slicing.parse_notebook(start["cells"])
     statements = with_given_code(statements, start["names"], start["given"])
     statements, refusals = without_forbidden(statements, rules["forbidden"])
@@ -120,19 +121,21 @@ def without_forbidden(
 ) -> tuple[list[slicing.Statement], list[str]]:
     """Leave out imports that the lesson forbids; also return a sentence for each cell with one.
 
-    The names that such a statement binds are remembered, for when they are missed.
+    The names that such a statement binds are remembered, for when they are missed. Where it lies
+    within another statement, it raises.
     """
     kept, sentences = [], {}
     for statement in statements:
         modules = [module for _, module in slicing.imported_modules([statement])]
-        refused = next((name for name in modules if importing.is_forbidden(name, forbidden)), None)
+        refused = next((name for name in modules if forbidden_part(name, forbidden)), None)
         if refused:
             sentences[
                 f"Code cell {statement.cell} imports {refused}, which is not allowed in this "
                 "lesson: it does the exercise for you."
             ] = True
             _REFUSED.update(dict.fromkeys(statement.binds, refused))
-        if not refused or not isinstance(statement.node, (ast.Import, ast.ImportFrom)):
+            importing.refuse_imports(statement.node, forbidden)
+        if not refused or not isinstance(statement.node, ast.Import | ast.ImportFrom):
             kept.append(statement)
     return kept, list(sentences)
 
@@ -319,9 +322,8 @@ def describe(error: BaseException) -> dict:
     except BaseException:
         message = ""
     if isinstance(error, NameError) and error.name in _REFUSED:
-        module = _REFUSED[error.name]
-        error = ImportError()
-        message = f"{module} is not allowed in this lesson: it does the exercise for you"
+        error = refusal(_REFUSED[error.name])
+        message = str(error)
     if isinstance(error, ModuleNotFoundError) and "." not in str(error.name):
         message += ", where notebooks are judged: only the packages that the lesson needs are there"
     return {
