@@ -11,10 +11,11 @@ from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
 from utils.checks.limits import TimeUp, limited
 from utils.checks.outcomes import Check, Outcome
+from utils.checks.refusing import Refusing
 from utils.checks.remembering import one_run
 from utils.checks.story import resolve
 from utils.checks.tips import place_in, tip_for
-from utils.checks.using import functions_used, refused_modules
+from utils.checks.using import forbidden_in, functions_used, refused_modules
 from utils.lent import own
 
 if TYPE_CHECKING:
@@ -151,12 +152,15 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
         )
         return Outcome(one_check, Stopped(sentence))
     except Exception as error:
-        return Outcome(one_check, _raised(one_check.exercise, error, function))
+        return Outcome(one_check, _raised(one_check, error, function))
     return Outcome(one_check, None)
 
 
-def _raised(exercise: str, error: Exception, function: Callable) -> CheckFailed:
+def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFailed:
     """What an exception means for whoever wrote the function."""
+    exercise = one_check.exercise
+    if isinstance(error, ImportError) and error.name in forbidden_in(one_check.lesson):
+        return _refusal(exercise, [error.name])
     kind, (name, place, line) = type(error).__name__, place_in(error, function)
     if isinstance(error, NotImplementedError):
         return NotStarted(exercise, name or exercise)
@@ -210,13 +214,31 @@ def _part(function: Callable, exercise: str) -> Callable:
 
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
-    """Run checks, and show each as it ends; after one that hangs, or a stub, no more."""
+    """Run checks, while what the lesson forbids refuses; what is refused is all that is told."""
+    with Refusing(forbidden_in(checks[0].lesson)) as refusing:
+        outcomes = None
+        while outcomes is None:
+            outcomes = _run_each(checks, function, table, refusing)
+    failures = [outcome.failure for outcome in outcomes]
+    refused = next((failure for failure in failures if isinstance(failure, Refused)), None)
+    return [Outcome(checks[0], refused)] if refused else outcomes
+
+
+def _run_each(
+    checks: tuple[Check, ...], function: Callable, table: Table, refusing: Refusing
+) -> list[Outcome] | None:
+    """Run checks, and show each as it ends; after one that hangs, or a stub, no more.
+
+    None where the function has imported something forbidden along the way: begin anew without.
+    """
     outcomes = []
     with one_run():
         for one_check in checks:
             outcomes.append(run_check(one_check, function))
+            if refusing.hide():
+                return None
             table.show(outcomes)
-            if isinstance(outcomes[-1].failure, Stopped | NotStarted):
+            if isinstance(outcomes[-1].failure, Stopped | NotStarted | Refused):
                 break
     return outcomes
 

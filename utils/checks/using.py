@@ -27,7 +27,7 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
     list of str
         Their names, as the lesson gives them.
     """
-    forbidden = _forbidden().get(lesson, ())
+    forbidden = forbidden_in(lesson)
     used = set(_modules_of(function)) if forbidden else ()
     return [
         module for module in forbidden if any(f"{name}.".startswith(f"{module}.") for name in used)
@@ -43,6 +43,11 @@ def functions_used(function: Callable) -> dict[str, Callable]:
         for name, value in _globals_in(code, part)
         if isinstance(value, FunctionType) and value is not function
     }
+
+
+def forbidden_in(lesson: str) -> tuple[str, ...]:
+    """The modules that a lesson forbids; see `refused_modules`."""
+    return tuple(_forbidden().get(lesson, ()))
 
 
 @functools.cache
