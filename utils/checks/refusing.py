@@ -24,7 +24,7 @@ class Refusing:
     """
 
     def __init__(self, modules: Sequence[str]) -> None:
-        self._modules = modules
+        self._modules, self._beginnings = modules, tuple(f"{module}." for module in modules)
         self._hidden: dict[str, ModuleType] = {}
         self._replaced: list[tuple[dict, str, object]] = []
 
@@ -57,7 +57,7 @@ class Refusing:
             for name, module in list(sys.modules.items())
             if isinstance(module, ModuleType)
             and not isinstance(module, StandInModule)
-            and forbidden_part(name, self._modules)
+            and f"{name}.".startswith(self._beginnings)
         }
         if not found:
             return False
@@ -66,7 +66,7 @@ class Refusing:
         for namespace in _namespaces():
             for name, value in list(namespace.items()):
                 home = _home(value)
-                if home and forbidden_part(home, self._modules):
+                if f"{home}.".startswith(self._beginnings):
                     self._replaced.append((namespace, name, value))
                     namespace[name] = self._stand_in(value, home)
         return True

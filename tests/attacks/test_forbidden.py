@@ -1,0 +1,189 @@
+"""What a lesson forbids, libraries import: by which roads can it be had from them?"""
+
+import pytest
+
+from grader.course.lessons import all_lessons, find_lesson
+from grader.sandbox.program import PACKAGES
+from tests.attacks.attacking import attack, function, tried
+
+FORBIDDING = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
+# These import what some lesson forbids.
+HUNGRY = """
+import importlib
+def feed():
+    for name in ("scipy.interpolate", "scipy.stats.qmc", "scipy.signal", "scipy.optimize",
+                 "scipy.cluster.hierarchy", "scipy.cluster.vq", "scipy.spatial", "scipy.sparse",
+                 "sklearn.manifold", "sklearn.mixture", "sklearn.cluster", "sklearn.neighbors",
+                 "sklearn.semi_supervised", "sklearn.utils.estimator_checks"):
+        try:
+            importlib.import_module(name)
+        except ImportError:
+            pass
+"""
+
+
+def attack_on(lesson, source):
+    """A student of a lesson, with time to import large libraries."""
+    packages = (*PACKAGES, *lesson.header.packages)
+    seconds = {"call_seconds": 20.0, "total_seconds": 40.0}
+    return attack(source, forbidden=lesson.header.forbidden, packages=packages, **seconds)
+
+
+@pytest.mark.slow
+@tried("forbidding", FORBIDDING)
+def test_nothing_of_it_is_in_memory_after_libraries_have_imported_it(forbidding):
+    """Neither compiled code, nor a class or a function; only what stands for them."""
+    source = (
+        "# scipy is named here, so it may have been imported.\n"
+        + HUNGRY
+        + """
+import gc, sys, types
+def f(forbidden):
+    feed()
+    gc.unfreeze()
+    is_in = lambda name: any(f"{name}.".startswith(f"{module}.") for module in forbidden)
+    folders = tuple("/" + name.replace(".", "/") + "/" for name in forbidden)
+    found = [line for line in open("/proc/self/maps") if any(part in line for part in folders)]
+    stand_ins = [name for name in sys.modules if is_in(name)]
+    for one in gc.get_objects():
+        kind, home = type(one), getattr(type(one), "__module__", "")
+        if kind.__name__ in ("StandIn", "StandInModule"):
+            continue
+        if isinstance(one, types.FunctionType):
+            if any(part in one.__code__.co_filename for part in folders):
+                found.append(repr(one))
+        elif isinstance(one, (type, types.BuiltinFunctionType)):
+            home = one.__module__
+        if isinstance(home, str) and is_in(home):
+            found.append(repr(one))
+    loaded = [name for name in sys.modules if name.split(".")[0] in ("scipy", "sklearn")]
+    return found, stand_ins, len(loaded)
+"""
+    )
+    with attack_on(forbidding, source) as student:
+        found, stand_ins, loaded = student.f(list(forbidding.header.forbidden))
+    assert found == []
+    assert stand_ins and loaded > 200, "libraries did import it"
+
+
+# Each road ends at something that is called then. Of two pairs of points each, one is near.
+ROADS = {
+    "imports it": "import scipy.sparse.csgraph as g\nhad = g.NAME",
+    "imports it from there": "from scipy.sparse.csgraph import NAME as had",
+    "imports it from the package": "from scipy.sparse import csgraph\nhad = csgraph.NAME",
+    "asks the importer": "had = get('scipy.sparse.csgraph').NAME",
+    "asks by the built-in name": "had = __import__('scipy.sparse.csgraph', fromlist=['x']).NAME",
+    "compiles the statement": "space = {}\n"
+    "exec('from scipy.sparse.csgraph import NAME as had', space)\nhad = space['had']",
+    "says that a library asks": "space = {}\n"
+    "source = 'from scipy.sparse.csgraph import NAME as had'\n"
+    "exec(compile(source, scipy.__file__, 'exec'), space)\nhad = space['had']",
+    "an attribute of the package": "had = scipy.sparse.csgraph.NAME",
+    "the package's own names": "had = vars(scipy.sparse)['csgraph'].NAME",
+    "the modules there are": "had = sys.modules['scipy.sparse.csgraph'].NAME",
+    "a module inside": "had = sys.modules['scipy.sparse.csgraph']._traversal.NAME",
+    "a library that imported it": "had = sklearn.manifold._isomap.NAME",
+    "another library": "import sklearn.manifold._spectral_embedding as other\nhad = other.NAME",
+    "a library's function's names": "fit = sklearn.manifold.Isomap._fit_transform\n"
+    "had = fit.__globals__['NAME']",
+    "whatever is in memory": "import gc\ngc.unfreeze()\n"
+    "had = [one for one in gc.get_objects() if getattr(one, '__name__', '') == 'NAME'][-1]",
+    "a pickle": "import pickle\nhad = pickle.loads(b'cscipy.sparse.csgraph\\nNAME\\n.')",
+    "a name in text": "import pkgutil\nhad = pkgutil.resolve_name('scipy.sparse.csgraph:NAME')",
+    "takes it away and asks again": "sys.modules.pop('scipy.sparse.csgraph')\n"
+    "had = get('scipy.sparse.csgraph').NAME",
+    "loads it anew": "had = importlib.reload(sys.modules['scipy.sparse.csgraph']).NAME",
+    "what a library does with it": "def had(near):\n"
+    "    sklearn.manifold.Isomap(n_neighbors=1).fit([[0, 0], [0, 1], [9, 9], [9, 8.5]])\n"
+    "    return 1, [0, 0]",
+}
+# And these, at something that is not there: nobody is told more than Python says.
+QUIET_ROADS = {
+    "takes the importer away, too": "sys.modules.pop('scipy.sparse.csgraph')\n"
+    "sys.meta_path[:] = [importlib.machinery.PathFinder]\n"
+    "had = get('scipy.sparse.csgraph').NAME",
+    "tells the importer another rule": "for finder in sys.meta_path: finder.modules = ()\n"
+    "sys.modules.pop('scipy.sparse.csgraph')\nhad = get('scipy.sparse.csgraph').NAME",
+    "its compiled file": "import glob\n"
+    "files = glob.glob(scipy.__path__[0] + '/sparse/csgraph/_traversal*.so')\n"
+    "spec = importlib.util.spec_from_file_location('_traversal', files[0])\n"
+    "had = importlib.util.module_from_spec(spec).NAME",
+    "a process": "import subprocess\n"
+    "code = 'import numpy as np; from scipy.sparse.csgraph import NAME; '\n"
+    "code += 'print(NAME(np.array([[0, 1], [0, 0]]))[1].tolist())'\n"
+    "done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)\n"
+    "had = lambda near: (1, list(map(int, done.stdout.strip()[1:-1].split(','))))",
+    "a fork": "read, write = os.pipe()\n"
+    "if os.fork() == 0:\n"
+    "    try:\n"
+    "        sys.meta_path[:] = [importlib.machinery.PathFinder]\n"
+    "        sys.modules.pop('scipy.sparse.csgraph', 0)\n"
+    "        had = get('scipy.sparse.csgraph').NAME\n"
+    "        os.write(write, bytes(had(NEAR)[1].tolist()))\n"
+    "    finally:\n"
+    "        os._exit(0)\n"
+    "os.close(write)\n"
+    "had = lambda near: (1, list(os.read(read, 99)) or [][0])",
+}
+# These are about what stands there, and lead nowhere else.
+ABOUT_STAND_INS = {
+    "makes one in spite of its kind": "had = lambda near: type.__call__(one)(near)",
+    "makes one without a call": "had = lambda near: one.__new__(one)(near)",
+    "a class of one's own on top": "class Mine(one): pass\nhad = Mine",
+    "looks for what it refuses for": "had = one.real",
+}
+ALL_ROADS = ROADS | QUIET_ROADS | ABOUT_STAND_INS
+# Each is taken in a process of its own: some spoil the way for those after them.
+TRAVEL = """
+import importlib, importlib.machinery, importlib.util, os, sys
+import numpy as np, scipy.sparse, sklearn.manifold
+from importlib import import_module as get
+NEAR = np.array([[0, 1], [0, 0]])
+ROADS = {}
+def f(name):
+    read, write = os.pipe()
+    if os.fork() == 0:
+        try:
+            said = "components: %s" % list(map(int, ROADS[name]()(NEAR)[1]))
+        except BaseException as error:
+            said = f"{type(error).__name__}: {error}"
+        os.write(write, said.encode())
+        os._exit(0)
+    os.close(write)
+    with open(read) as pipe:
+        return pipe.read()
+"""
+SENTENCE = "scipy.sparse.csgraph is not allowed in this lesson: it does the exercise for you"
+
+
+def ends_of(roads, lesson_name):
+    """Where roads end: the components of two points that are near, or an exception."""
+    source = TRAVEL
+    for number, road in enumerate(roads.values()):
+        lines = ["one = sklearn.manifold._isomap.NAME", *road.split("\n"), "return had"]
+        source += function("\n".join(lines), f"road_{number}", "")
+        source += f"ROADS[{list(roads)[number]!r}] = road_{number}\n"
+    source = source.replace("NAME", "connected_components")
+    with attack_on(find_lesson(lesson_name), source) as student:
+        return {name: student.f(name) for name in roads}
+
+
+@pytest.mark.slow
+def test_every_road_ends_at_the_same_sentence():
+    ends = ends_of(ROADS, "05_euclidean_clustering")
+    assert ends == dict.fromkeys(ROADS, f"ImportError: {SENTENCE}")
+
+
+@pytest.mark.slow
+def test_no_road_leads_there():
+    ends = ends_of(ALL_ROADS, "05_euclidean_clustering")
+    assert len(ends) == len(ALL_ROADS)
+    assert {name: end for name, end in ends.items() if "Error: " not in end} == {}
+
+
+@pytest.mark.slow
+def test_these_are_roads():
+    """Where the lesson allows it, they do lead there."""
+    roads = ROADS | QUIET_ROADS
+    ends = ends_of(roads, "10_accelerated_clustering")
+    assert ends == dict.fromkeys(roads, "components: [0, 0]")

@@ -1,0 +1,233 @@
+"""A forbidden module is forbidden to a student, and not to the libraries that import it."""
+
+import functools
+import json
+import subprocess
+import sys
+from importlib import metadata
+
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.course.paths import PROJECT
+from grader.sandbox import Limits
+from grader.sandbox.boundary import files_of_packages
+from grader.sandbox.program import PACKAGES, Program
+from grader.sandbox.student import Student
+from utils.checks.refusing import Refusing
+from utils.notebooks.forbidden import StandIn, StandInModule
+
+# Imports all public modules of some packages; what became of each that failed: what was raised,
+# and which module was missing in the end.
+SWEEP = '''
+import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
+
+def failures(tops, without, after=lambda: None):
+    """{module: (exception, missing module)} of all that cannot be imported, and how many can."""
+    failed, count = {}, 0
+    for name in public_modules(tops):
+        if any(f"{name}.".startswith(f"{module}.") for module in without):
+            continue
+        try:
+            with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                importlib.import_module(name)
+            count += 1
+        except BaseException as error:
+            said = f"{type(error).__name__}: {error}"
+            while error.__cause__ or error.__context__:
+                error = error.__cause__ or error.__context__
+            failed[name] = said, str(getattr(error, "name", ""))
+        after()
+    return failed, count
+
+def public_modules(tops):
+    for top in tops:
+        yield top
+        folders = importlib.util.find_spec(top).submodule_search_locations
+        for found in pkgutil.walk_packages(folders, f"{top}.", onerror=lambda name: None):
+            if not any(part[0] == "_" or part == "tests" for part in found.name.split(".")):
+                yield found.name
+'''
+# The same in a notebook: before anything was imported, or after everything was.
+IN_A_NOTEBOOK = (
+    SWEEP
+    + """
+import json
+from utils.checks.refusing import Refusing
+from utils.notebooks.forbidden import StandIn, StandInModule
+tops, without, forbidden, first = json.loads(sys.argv[1])
+for name in first:
+    importlib.import_module(name)
+with Refusing(forbidden) as refusing:
+    told = failures(tops, without, refusing.hide)
+left = [
+    f"{name}.{inner}"
+    for name, module in list(sys.modules.items())
+    for inner, value in [("", module), *list(getattr(module, "__dict__", {}).items())]
+    if isinstance(value, (StandIn, StandInModule))
+]
+print(json.dumps([*told, left]))
+"""
+)
+
+
+def tops_of(packages):
+    """What these are called in Python."""
+    names = {"scikit-learn": "sklearn"}
+    return [names.get(package, package) for package in packages]
+
+
+@functools.cache
+def in_the_sandbox(packages, without, forbidden, sandbox):
+    """What cannot be imported where notebooks are judged."""
+    source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
+    program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
+    limits = Limits(call_seconds=100.0, total_seconds=200.0)
+    with Student(program, sandbox, limits) as student:
+        failed, count = student.f(tops_of(packages), list(without))
+    return {name: tuple(told) for name, told in failed.items()}, count
+
+
+@functools.cache
+def in_a_notebook(packages, without, forbidden, first=()):
+    """What cannot be imported while `check` runs; and where stand-ins are left afterwards."""
+    given = json.dumps([tops_of(packages), without, forbidden, first])
+    done = subprocess.run(
+        [sys.executable, "-c", IN_A_NOTEBOOK, given],
+        cwd=PROJECT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    failed, count, left = json.loads(done.stdout.splitlines()[-1])
+    assert left == []
+    return {name: tuple(told) for name, told in failed.items()}, count
+
+
+@pytest.mark.slow
+def test_everything_that_a_lesson_allows_can_be_imported(lesson, sandbox):
+    """In the sandbox, in a notebook while it is checked, and without any rule alike."""
+    packages = (*PACKAGES, *lesson.header.packages)
+    forbidden = lesson.header.forbidden
+    plain, count = in_a_notebook(packages, forbidden, ())
+    assert count > 300
+    judged = in_the_sandbox(packages, forbidden, forbidden, sandbox)
+    assert judged == in_the_sandbox(packages, forbidden, (), sandbox)
+    loaded = tuple(name for name in forbidden if name.partition(".")[0] in tops_of(packages))
+    for first in {(), loaded}:
+        assert in_a_notebook(packages, forbidden, forbidden, first) == (plain, count)
+    # What is missing in the sandbox alone is of packages that no lesson needs.
+    shown = {path.stem for path in files_of_packages(packages)}
+    only_there = {name: missing for name, (_, missing) in judged[0].items() if name not in plain}
+    installed = metadata.packages_distributions()
+    for name, missing in only_there.items():
+        top = missing.partition(".")[0]
+        assert top in installed and top not in shown, f"{name}: {judged[0][name]}"
+
+
+# ---- used, and not only imported -----------------------------------------------------------------
+
+WORKS = {
+    "04_kd_tree": """
+import numpy as np
+from scipy import integrate, interpolate, optimize, signal, stats
+def f():
+    xs = np.arange(5.0)
+    grid = interpolate.RegularGridInterpolator((xs, xs), np.add.outer(xs, xs))
+    return [
+        float(stats.norm.cdf(0.0)),
+        float(interpolate.interp1d(xs, xs**2)(3.0)),
+        float(grid([1.0, 2.5])[0]),
+        float(optimize.brentq(lambda x: x - 2.0, 0.0, 5.0)),
+        float(signal.convolve([1.0, 1.0], [1.0, 1.0])[1]),
+        float(integrate.quad(lambda x: x, 0.0, 2.0)[0]),
+    ]
+""",
+    "05_euclidean_clustering": """
+import numpy as np
+from scipy import stats
+from sklearn.decomposition import PCA
+from sklearn.neighbors import BallTree, KDTree, NearestNeighbors, radius_neighbors_graph
+def f():
+    points = np.array([[0.0, 0.0], [0.0, 1.0], [5.0, 0.0]])
+    return [
+        len(KDTree(points).query_radius(points[:1], 2.0)[0]),
+        len(BallTree(points).query_radius(points[:1], 2.0)[0]),
+        len(NearestNeighbors(radius=2.0).fit(points).radius_neighbors(points[:1])[1][0]),
+        int(radius_neighbors_graph(points, 2.0).nnz),
+        float(PCA(1).fit(points).explained_variance_ratio_[0]) > 0.9,
+        float(stats.norm.cdf(0.0)),
+    ]
+""",
+}
+EXPECTED = {
+    "04_kd_tree": [0.5, 9.0, 3.5, 2.0, 2.0, 2.0],
+    "05_euclidean_clustering": [2, 2, 2, 2, True, 0.5],
+}
+
+
+@pytest.mark.parametrize("name", WORKS)
+def test_libraries_that_import_it_work(name, sandbox):
+    header = find_lesson(name).header
+    packages = (*PACKAGES, *header.packages)
+    program = Program((WORKS[name],), ("f",), forbidden=header.forbidden, packages=packages)
+    with Student(program, sandbox, Limits()) as student:
+        assert student.f() == pytest.approx(EXPECTED[name])
+
+
+# ---- in a notebook -------------------------------------------------------------------------------
+
+
+def test_what_is_hidden_in_a_notebook_comes_back():
+    """Everywhere, and as it was, whatever happens in between."""
+    import scipy.sparse
+    import sklearn.manifold._isomap as library
+    from scipy.sparse import csgraph
+
+    function, near = csgraph.connected_components, [[0, 1], [0, 0]]
+    before = dict(vars(library)), dict(vars(scipy.sparse)), dict(vars(csgraph))
+    with pytest.raises(ZeroDivisionError), Refusing(["scipy.sparse.csgraph"]):
+        for reached in (
+            library.connected_components,
+            scipy.sparse.csgraph.connected_components,
+            sys.modules["scipy.sparse.csgraph"].connected_components,
+            sys.modules["scipy.sparse.csgraph._traversal"].connected_components,
+        ):
+            assert isinstance(reached, StandIn)
+            with pytest.raises(ImportError, match=r"^scipy.sparse.csgraph is not allowed"):
+                reached(near)
+        raise ZeroDivisionError
+    assert (dict(vars(library)), dict(vars(scipy.sparse)), dict(vars(csgraph))) == before
+    assert library.connected_components is function
+    assert sys.modules["scipy.sparse.csgraph"] is csgraph
+
+
+def test_what_is_not_forbidden_is_left_alone():
+    import scipy.spatial
+    import sklearn.metrics.cluster
+
+    names = [
+        (vars(module), dict(vars(module))) for module in (scipy.spatial, sklearn.metrics.cluster)
+    ]
+    with Refusing(["sklearn.cluster", "scipy.cluster"]):
+        for now, before in names:
+            assert now == before
+    with Refusing([]) as refusing:
+        assert not refusing.hide()
+
+
+def test_a_stand_in_can_be_all_that_a_library_makes_of_a_class():
+    module = StandInModule("package.part", "package")
+    tree = module.Tree
+    assert module.Tree is tree and tree.__module__ == "package.part"
+    assert not isinstance(3, tree) and not issubclass(int, tree)
+    assert {tree: 1}[tree] == 1 and tree | None and not hasattr(tree, "__len__")
+
+    class Better(tree):
+        """On top."""
+
+    for thing in (tree, Better, tree.build, module.function):
+        with pytest.raises(ImportError, match="^package is not allowed in this lesson"):
+            thing(1, two=2)
