@@ -63,6 +63,117 @@ def NAME(cloud, threshold=0.5):
 }
 
 
+GROWN = """
+import numpy as np
+IMPORT
+def NAME(cloud, threshold=0.5):
+    points, labels, count = np.asarray(cloud)[:, :3], np.zeros(len(cloud), int), 0
+    if not len(points):
+        return labels
+    PREPARE
+    for seed in range(len(points)):
+        if labels[seed]:
+            continue
+        count += 1
+        labels[seed], waiting = count, [seed]
+        while waiting:
+            near = NEIGHBOURS
+            new = [other for other in near if not labels[other]]
+            labels[new] = count
+            waiting += new
+    return labels
+"""
+
+
+def grown(imported, prepare, neighbours):
+    """The exercise of lesson 05, with neighbours that a library finds."""
+    source = GROWN.replace("IMPORT", imported).replace("PREPARE", prepare)
+    return source.replace("NEIGHBOURS", neighbours)
+
+
+BELOW = "np.nextafter(threshold, 0)"
+QUERY = f"tree.query_radius(points[[waiting.pop()]], {BELOW})[0]"
+FAR = "np.linalg.norm(points - points[waiting.pop()], axis=1)"
+# A neighbour search is allowed; these libraries import what is forbidden for other purposes.
+SEARCHES = {
+    "scikit-learn's tree": grown(
+        "from sklearn.neighbors import KDTree", "tree = KDTree(points)", QUERY
+    ),
+    "scikit-learn's tree, inside": grown(
+        "", "from sklearn.neighbors import KDTree\n    tree = KDTree(points)", QUERY
+    ),
+    "scikit-learn's neighbours": grown(
+        "from sklearn.neighbors import NearestNeighbors",
+        f"tree = NearestNeighbors(radius={BELOW}).fit(points)",
+        "tree.radius_neighbors(points[[waiting.pop()]])[1][0]",
+    ),
+    "SciPy's tree": grown(
+        "from scipy.spatial import cKDTree",
+        "tree = cKDTree(points)",
+        f"tree.query_ball_point(points[waiting.pop()], {BELOW})",
+    ),
+    "a library that is not used": grown(
+        "from sklearn.mixture import GaussianMixture\nfrom scipy import stats",
+        "stats.norm.cdf(0.0)",
+        f"np.flatnonzero({FAR} < threshold)",
+    ),
+}
+# What these use does the exercise, and is had from a library, or used by one.
+BY_A_LIBRARY_INSIDE = {
+    "a name in a library": (
+        grown(
+            "import sklearn.manifold._isomap as library\nfrom scipy.spatial.distance import cdist",
+            "return library.connected_components(cdist(points, points) < threshold)[1] + 1",
+            "[]",
+        ),
+        "scipy.sparse.csgraph",
+    ),
+    "a name in a library, imported inside": (
+        grown(
+            "from scipy.spatial.distance import cdist",
+            "import sklearn.manifold._isomap as library\n"
+            "    return library.connected_components(cdist(points, points) < threshold)[1] + 1",
+            "[]",
+        ),
+        "scipy.sparse.csgraph",
+    ),
+    "a library that uses one": (
+        grown(
+            "from sklearn.mixture import GaussianMixture",
+            "GaussianMixture(1).fit(np.arange(9.0).reshape(-1, 1))",
+            f"np.flatnonzero({FAR} < threshold)",
+        ),
+        "sklearn.cluster",
+    ),
+    "a library that imports it when it is used": (
+        grown(
+            "from sklearn.preprocessing import KBinsDiscretizer",
+            "KBinsDiscretizer(2, strategy='kmeans').fit(np.arange(9.0).reshape(-1, 1))",
+            f"np.flatnonzero({FAR} < threshold)",
+        ),
+        "sklearn.cluster",
+    ),
+    "the modules there are": (
+        grown(
+            "import sys\nimport sklearn.mixture",
+            "tools = sklearn.mixture and sys.modules['sklearn.cluster']\n"
+            "    return tools.DBSCAN(eps=threshold, min_samples=1).fit(points).labels_ + 1",
+            "[]",
+        ),
+        "sklearn.cluster",
+    ),
+    "the importer": (
+        grown(
+            "import importlib",
+            "tools = importlib.import_module('sklearn.cluster')\n"
+            "    return tools.DBSCAN(eps=threshold, min_samples=1).fit(points).labels_ + 1",
+            "[]",
+        ),
+        "sklearn.cluster",
+    ),
+}
+
+
 def shown_by_check(name, source, capsys):
     space = {"__name__": "__main__"}
     exec(source.replace("NAME", name), space)
@@ -87,6 +198,27 @@ def test_what_does_the_exercise_is_refused_in_05(way, sandbox, tmp_path, capsys)
     score, said = score_of(*FIVE, source, sandbox, tmp_path)
     assert score == 0 and "not allowed in this lesson" in said
     assert "spelt" not in said, "a name that is refused is no typing mistake"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", SEARCHES)
+def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, capsys):
+    shown = shown_by_check(FIVE[1], SEARCHES[way], capsys)
+    assert "[passed]" in shown and "[failed]" not in shown
+    assert score_of(*FIVE, SEARCHES[way], sandbox, tmp_path) == (40, "()['']")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", BY_A_LIBRARY_INSIDE)
+def test_what_a_library_holds_is_refused_in_05(way, sandbox, tmp_path, capsys):
+    """At the first `check`, which has libraries imported, and at the next."""
+    source, module = BY_A_LIBRARY_INSIDE[way]
+    sentence = "not allowed in this lesson: it does the exercise for you"
+    for _ in range(2):
+        shown = shown_by_check(FIVE[1], source, capsys)
+        assert f"{module}, which is {sentence}" in shown and "[passed]" not in shown
+    score, said = score_of(*FIVE, source, sandbox, tmp_path)
+    assert score == 0 and f"{module} is {sentence}" in said
 
 
 @pytest.mark.parametrize("way", DONE_BY_A_LIBRARY)
