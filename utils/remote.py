@@ -22,6 +22,10 @@ class RemoteError(Exception):
     """What a function that lives elsewhere raised there."""
 
 
+class RemoteStopped(Exception):
+    """What lives elsewhere hung or died, and is gone."""
+
+
 @dataclass(frozen=True)
 class Observed:
     """A call that was looked at.

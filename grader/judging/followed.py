@@ -96,7 +96,7 @@ def _with_right(
     return dataclasses.replace(
         program,
         names=(exercise.name, *given.names),
-        given=Given((*given.names, *helpers), "\n".join([given.source, *right])),
+        given=Given((*given.names, *helpers), "\n".join([given.source, *right]), given.open),
     )
 
 

@@ -188,7 +188,7 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
         cells,
         lesson.names,
         modules,
-        Given(lesson.header.given, given_code(lesson)),
+        Given(lesson.header.given, given_code(lesson), open=lesson.header.given),
         lesson.header.forbidden,
         (*PACKAGES, *lesson.header.packages),
         lesson.steps,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from utils.remote import RemoteError
+from utils.remote import RemoteError, RemoteStopped
 
 # Names that say something and that student code did not choose. Few: which of them it is may
 # tell something about a hidden question.
@@ -56,7 +56,7 @@ class StudentError(RemoteError):
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 
 
-class StudentStopped(Exception):
+class StudentStopped(RemoteStopped):
     """A student's process hung, died or broke the protocol; `str()` is the sentence to show."""
 
 

@@ -17,10 +17,19 @@ def cell_and_line(place: str) -> tuple[int, int] | None:
 
 @dataclass(frozen=True)
 class Given:
-    """Code of the lesson that takes the place of whatever a notebook makes of it."""
+    """Code of the lesson that takes the place of whatever a notebook makes of it.
+
+    Attributes
+    ----------
+    names : tuple of str
+    source : str
+    open : tuple of str
+        Those of the names that a notebook may write anew: then its own count.
+    """
 
     names: tuple[str, ...] = ()
     source: str = ""
+    open: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -282,7 +282,11 @@ class Student:
                 "cells": list(program.cells),
                 "names": list(program.names),
                 "modules": program.modules,
-                "given": {"names": list(program.given.names), "source": program.given.source},
+                "given": {
+                    "names": list(program.given.names),
+                    "source": program.given.source,
+                    "open": list(program.given.open),
+                },
             }
         )
         failed = self._start()

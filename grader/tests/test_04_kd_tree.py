@@ -311,7 +311,7 @@ def test_search_split(student, seed):
 )
 def test_search_prunes(student, seed):
     for question in traps_and_decoys(seed):
-        assert_pruned(student.KdTree, *question, as_given=True)
+        assert_pruned(student.KdTree, *question)
 
 
 @functools.cache

@@ -58,8 +58,8 @@ def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Stateme
     return [statements[position] for position in sorted(kept)]
 
 
-def lines_of(name: str, statements: list[Statement]) -> list[list[int]]:
-    """Where a notebook writes a function, and those of its own functions that this one needs.
+def lines_of(names: Iterable[str], statements: list[Statement]) -> list[list[int]]:
+    """Where a notebook writes functions, and those of its own functions that these need.
 
     Returns
     -------
@@ -69,7 +69,7 @@ def lines_of(name: str, statements: list[Statement]) -> list[list[int]]:
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     return [
         [statement.cell, statement.node.lineno, statement.node.end_lineno]
-        for statement in slice_for((name,), statements)
+        for statement in slice_for(names, statements)
         if isinstance(statement.node, kinds) and statement.cell
     ]
 
@@ -77,6 +77,19 @@ def lines_of(name: str, statements: list[Statement]) -> list[list[int]]:
 def is_checked(name: str, statements: list[Statement]) -> bool:
     """Whether a `check(name)` follows the last definition: then it is an exercise."""
     return _end_of_exercise(name, statements) < len(statements)
+
+
+def end_of_checks(names: Iterable[str], statements: list[Statement]) -> int:
+    """Position of the last ``check(name)`` of some names; 0 without one."""
+    names = tuple(names)
+    return max(
+        (
+            position
+            for position, statement in enumerate(statements)
+            if any(_is_check(statement.node, name) for name in names)
+        ),
+        default=0,
+    )
 
 
 def _needed_by(name: str, statements: list[Statement]) -> set[int]:

@@ -53,17 +53,19 @@ def main(read_end: int, write_end: int) -> None:
     start = wire.receive(read_end)
     sys.meta_path.append(importing.Beside(start["modules"], rules["forbidden"]))
     statements, problems = slicing.parse_notebook(start["cells"])
-    statements = with_given_code(statements, start["names"], start["given"])
+    statements, own = with_given_code(statements, start["names"], start["given"])
     statements, refusals = without_forbidden(statements, rules["forbidden"])
     needed = slicing.slice_for(start["names"], statements)
     # No line of the student has run: this is still what their text says.
-    uses = {name: used_by(name, start["names"], statements) for name in start["names"]}
-    lines = {name: slicing.lines_of(name, statements) for name in start["names"]}
+    # An answer may be a method of a class of one's own.
+    uses = {name: used_by((name, *own), start["names"], statements) for name in start["names"]}
+    lines = {name: slicing.lines_of((name, *own), statements) for name in start["names"]}
     wire.send(write_end, {"problems": [*problems, *refusals], "uses": uses, "lines": lines})
 
     namespace = make_namespace()
     failures = run(needed, namespace)
-    missing = [name for name in start["names"] if name not in namespace]
+    lend_members(own, start["given"]["source"], namespace)
+    missing = missing_from(namespace, start["names"], own)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
     while True:
@@ -74,7 +76,7 @@ def main(read_end: int, write_end: int) -> None:
         if "whole" in request:
             # `exec`, `globals()` and the like bind names that nobody can read off the text.
             run(statements, namespace)
-            missing = [name for name in start["names"] if name not in namespace]
+            missing = missing_from(namespace, start["names"], own)
             wire.send(write_end, {"missing": missing})
         else:
             reply(write_end, request["id"], answer(request, namespace, objects))
@@ -82,11 +84,11 @@ def main(read_end: int, write_end: int) -> None:
 
 def with_given_code(
     statements: list[slicing.Statement], names: list[str], given: dict
-) -> list[slicing.Statement]:
-    """Put the lesson's own code in the place of whatever the notebook makes of it.
+) -> tuple[list[slicing.Statement], frozenset[str]]:
+    """Put the lesson's own code where it belongs.
 
-    Who wrote a class of one's own where the lesson gives one has answered in its methods: they
-    count as the functions that are nowhere else.
+    It takes the place of whatever the notebook makes of it, but for what the notebook may write
+    anew: where it does so, above the last check of it, all runs as it stands there.
 
     Parameters
     ----------
@@ -95,25 +97,80 @@ def with_given_code(
     names : list of str
         What will be called.
     given : dict
-        ``names`` that the lesson gives, and their ``source`` as it was released.
+        ``names`` that the lesson gives, those of them that are ``open`` to a notebook, and their
+        ``source`` as it was released.
+
+    Returns
+    -------
+    statements : list of slicing.Statement
+    own : frozenset of str
+        What the notebook has written anew.
     """
-    theirs = frozenset(given["names"])
     released, _ = slicing.parse_notebook([given["source"]])
-    kept, methods = [], []
-    for statement in statements:
-        if statement.binds and statement.binds <= theirs:
-            methods += [
-                slicing.describe(statement.cell, node, statement.future)
-                for node in getattr(statement.node, "body", ())
-                if isinstance(node, ast.FunctionDef)
-            ]
-        elif not statement.changes & theirs:
-            kept.append(statement)
-    bound = frozenset().union(*(statement.binds for statement in kept))
-    methods = [method for method in methods if method.binds <= set(names) - bound]
     # No place in the notebook is the lesson's fault.
     released = [dataclasses.replace(statement, cell=0) for statement in released]
-    return [*released, *kept, *methods]
+    theirs, may_change = frozenset(given["names"]), frozenset(given["open"])
+    ends = [slicing.end_of_checks(checked, statements) for checked in (may_change, names)]
+    end = ends[0] or ends[1] or len(statements)
+    kept, own = _less_given(statements, released, theirs, may_change, end)
+    bound = theirs.union(*(statement.binds for statement in kept))
+    if not own and not bound.issuperset(names):
+        # Answers that are nowhere else are perhaps in a class below its checks.
+        kept, own = _less_given(statements, released, theirs, may_change, len(statements))
+    if not own:
+        kept = [statement for statement in kept if statement.cell]
+    return [*released, *kept], own
+
+
+def _less_given(
+    statements: list[slicing.Statement],
+    released: list[slicing.Statement],
+    theirs: frozenset[str],
+    may_change: frozenset[str],
+    end: int,
+) -> tuple[list[slicing.Statement], frozenset[str]]:
+    """A notebook without what it makes of the lesson's code; and what it may write anew, and does.
+
+    Of that counts what stands above a position. What is as it was released stays in its place.
+    """
+    as_released = {ast.dump(statement.node): statement for statement in released}
+    kept, own = [], set()
+    for position, statement in enumerate(statements):
+        about = (statement.binds | statement.changes) & theirs
+        same = as_released.get(ast.dump(statement.node)) if about else None
+        if same:
+            kept.append(same)
+        elif about and about <= may_change and position < end:
+            kept.append(statement)
+            own |= about
+        elif not statement.changes & theirs and not (statement.binds and statement.binds <= theirs):
+            kept.append(statement)
+    return kept, frozenset(own)
+
+
+def lend_members(own: Iterable[str], source: str, namespace: dict) -> None:
+    """Give classes of the notebook the methods of the lesson's that they lack.
+
+    Parameters
+    ----------
+    own : iterable of str
+        Names of what the notebook has written anew.
+    source : str
+        Of what the lesson gives.
+    namespace : dict
+        The notebook's, in which these methods look up names.
+    """
+    if not own:
+        return
+    lessons = {}
+    with contextlib.suppress(BaseException):  # of metaclasses, and names that mean something else
+        for statement in slicing.parse_notebook([source])[0]:
+            exec(slicing.compile_statement(statement, "the lesson"), namespace, lessons)
+        for name in own:
+            for member, value in vars(lessons[name]).items():
+                is_method = isinstance(value, types.FunctionType) and not member.startswith("_")
+                if is_method and not hasattr(namespace[name], member):
+                    setattr(namespace[name], member, value)
 
 
 def without_forbidden(
@@ -140,11 +197,23 @@ def without_forbidden(
     return kept, list(sentences)
 
 
-def used_by(name: str, names: list[str], statements: list[slicing.Statement]) -> list[str]:
-    """The other functions among `names` that one of them calls, directly or not."""
-    needed = slicing.slice_for((name,), statements)
+def used_by(
+    parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
+) -> list[str]:
+    """The functions among `names` that an answer calls, directly or not: its parts call them."""
+    needed = slicing.slice_for(parts, statements)
     bound = set().union(*(statement.binds for statement in needed))
-    return [other for other in names if other in bound and other != name]
+    return [other for other in names if other in bound and other != parts[0]]
+
+
+def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list[str]:
+    """The names that a notebook does not define, be it as a method of a class of its own."""
+    classes = [namespace.get(name) for name in own]
+    return [
+        name
+        for name in names
+        if name not in namespace and not any(name in dir(one) for one in classes)
+    ]
 
 
 def volunteer_for_the_memory_killer() -> None:

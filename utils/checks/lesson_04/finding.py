@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 import utils
-from utils.checks.lesson_04.trees import assert_indices, assert_tree, exact_text, method_of, planted
+from utils.checks.lesson_04.trees import assert_indices, assert_tree, exact_text, planted_with
 from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief
 from utils.geometry import Node, table_of
 
@@ -112,7 +112,6 @@ def assert_pruned(
     trap: int,
     decoy: int,
     place: Sequence[float],
-    as_given: bool = False,
 ) -> None:
     """A search leaves a region alone that cannot hold a neighbour, and follows the splits.
 
@@ -133,23 +132,12 @@ def assert_pruned(
         comes to it; whoever sorts out nodes in wrong places, to compare with the others, does not.
     place : sequence of float
         Where it is moved: within the tolerance, and beyond a split.
-    as_given : bool
-        Whether the class must be the lesson's, which plants; in a notebook it may be another.
     """
-    if not method_of(KdTree(), "plant"):
-        if as_given:
-            raise CheckFailed("KdTree cannot plant a tree: leave the class as the lesson gives it.")
-        # Inserted, the nodes would stand where they may be found.
-        assert_found(planted(KdTree, root), root, target, tolerance)
-        return
-    points, left, right, indices = table_of(root)
+    _, left, right, indices = table_of(root)
     rows = indices.index(trap), indices.index(decoy)
     assert all(left[row] == right[row] == -1 for row in rows)
     assert math.dist(place, target) < tolerance
-    points = np.array(points)
-    points[rows, :] = target, place
-    tree = KdTree()
-    tree.plant(points, left, right, indices)
+    tree = planted_with(KdTree, root, {trap: target, decoy: place})
     answer = as_indices(tree.search(copy.copy(target), tolerance))
     if trap in answer:
         raise CheckFailed(

@@ -232,8 +232,8 @@ def leaves_the_point(KdTree: Callable) -> None:
 )
 def copes_with_depth(KdTree: Callable) -> None:
     _assert_sides(KdTree)
-    tree = planted(KdTree, chain(1200), as_lists=True)
     try:
+        tree = planted(KdTree, chain(1200), as_lists=True)
         tree.insert(np.array([1200.0, 1200.0]), 1200)
     except Exception as error:
         if "RecursionError" not in error_names(error):

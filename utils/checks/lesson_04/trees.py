@@ -8,18 +8,36 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.claims import MOST_OF_A_POINT
-from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, call_each
+from utils.checks.remembering import once
+from utils.checks.vocabulary import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    brief,
+    call_each,
+    frozen,
+    needs,
+    reach,
+)
 from utils.geometry import SIDES, Node, grown, places_of, table_of
+from utils.remote import Remote, RemoteError, RemoteStopped
 
 # Nodes of a wrong tree that are looked through; it may have no end.
 MOST_NODES = 200
+# In the plane and in space: no point twice, many coordinates equal.
+_SAMPLES = frozen(
+    tuple(
+        np.random.default_rng(7).permutation(list(np.ndindex((3,) * k)))[:9].astype(float)
+        for k in (2, 3)
+    )
+)
 
 
 def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> object:
     """A tree of the student's class with the same nodes as a right one.
 
-    The class of the lesson can be given its nodes ready-made, so that a slip in `insert` does not
-    spoil `search`. A class without `plant` has to insert them.
+    The class of the lesson is given its nodes ready-made, so that a slip in `insert` does not
+    spoil `search`. One that knows more about a tree than the lesson's inserts them.
 
     Parameters
     ----------
@@ -37,11 +55,117 @@ def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> obje
     points, left, right, indices = table_of(root)
     points = points if as_lists else np.array(points)
     plant = method_of(tree, "plant")
-    if plant:
+    if plant and _is_planted(KdTree):
         plant(points, left, right, indices)
         return tree
     call_each(tree.insert, zip(points, indices, strict=True))
     return tree
+
+
+def planted_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]]) -> object:
+    """A tree of the student's class with some points where no right tree has them.
+
+    Parameters
+    ----------
+    KdTree : callable
+    root : node
+        A right tree.
+    places : dict of int to sequence of float
+        By index, the points that some of its nodes have instead of their own.
+
+    Returns
+    -------
+    object
+        Of the student's class.
+    """
+    tree = KdTree()
+    points, left, right, indices = table_of(root)
+    plant = method_of(tree, "plant")
+    if not plant or not _is_planted(KdTree):
+        tree = planted(KdTree, root)
+        with needs("every point is where it belongs"):
+            assert_tree(tree, points, indices)
+        if _are_moved(tree, root, places):
+            return tree
+        if not plant:
+            raise CheckFailed(
+                "The point of a node cannot be changed, so nobody can see whether search goes by "
+                "it.",
+                hint="Let `point` be an attribute that can be set, as the lesson's Node does.",
+            )
+        tree = KdTree()
+        plant = tree.plant
+    points = [places.get(index, point) for index, point in zip(indices, points, strict=True)]
+    plant(np.array(points), left, right, indices)
+    return tree
+
+
+def _are_moved(tree: object, root: Node, places: dict[int, Sequence[float]]) -> bool:
+    """Give nodes other points; whether that can be done."""
+    for way, node in places_of(root).items():
+        if node.index in places:
+            names = ["root", *(SIDES[letter] for letter in way), "__setattr__"]
+            try:
+                reach(tree, names)("point", np.array(places[node.index]))
+            except Exception as error:
+                if not _is_readable_only(error):
+                    raise
+                return False
+    return True
+
+
+def _is_readable_only(error: Exception) -> bool:
+    return not {"AttributeError", "FrozenInstanceError"}.isdisjoint(error_names(error))
+
+
+def _is_planted(KdTree: Callable) -> bool:
+    """Whether trees of a class that can plant are planted, and not inserted node by node."""
+    try:
+        _assert_knows_more(KdTree)
+        _assert_inserts(KdTree)
+    except CheckFailed:
+        return True
+    return False
+
+
+@once
+def _assert_knows_more(KdTree: Callable) -> None:
+    """A tree of one point, or its node, holds more than the lesson's, or is of another kind."""
+    try:
+        tree, ready = KdTree(), KdTree()
+        tree.insert(np.zeros(2), 0)
+        kind = _kind_of_root(tree)
+        if kind == "NoneType" or type(kind) is not str:
+            raise CheckFailed("Nothing is at the root.")
+        ready.plant(np.zeros((1, 2)), [-1], [-1], [0])
+        same = kind == _kind_of_root(ready)
+        fields = [reach(tree, [*of, "__dict__", "__len__"])() for of in ([], ["root"])]
+    except _of_the_student(KdTree):
+        return
+    if same and fields == [1, 4]:
+        raise CheckFailed("A tree knows its root, and a node the four things of the lesson.")
+
+
+def _kind_of_root(tree: object) -> object:
+    return reach(tree, ["root", "__class__", "__qualname__"])
+
+
+@once
+def _assert_inserts(KdTree: Callable) -> None:
+    """What is inserted stands where it belongs, so that a tree can be made so."""
+    for points in _SAMPLES:
+        try:
+            tree = KdTree()
+            call_each(tree.insert, zip(points.copy(), range(len(points)), strict=True))
+            assert_tree(tree, points)
+            assert_indices(tree, points, range(len(points)))
+        except _of_the_student(KdTree):
+            raise CheckFailed("Nothing can be inserted.") from None
+
+
+def _of_the_student(KdTree: Callable) -> type[Exception] | tuple[type[Exception], ...]:
+    """What a student's code may raise, or make of its process, when it is asked."""
+    return (RemoteError, RemoteStopped) if isinstance(KdTree, Remote) else Exception
 
 
 def method_of(tree: object, name: str) -> Callable | None:
