@@ -1,0 +1,64 @@
+"""What the likeliest slips earn by the checks alone, and whether a teacher would sign it."""
+
+import ast
+import importlib
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from grader.course.lessons import lesson_of, load_reference
+from grader.judging.asking import run_tests
+from tests import slips
+from tests.students import student_with
+
+SEED = 7
+TABLES = {
+    path.stem: importlib.import_module(f"tests.slips.{path.stem}").SLIPS
+    for path in sorted(Path(slips.__file__).parent.glob("lesson_*.py"))
+}
+ALL = {
+    f"{exercise}: {slip.title}": (exercise, slip)
+    for table in TABLES.values()
+    for exercise, likeliest in table.items()
+    for slip in likeliest
+}
+
+
+def solution_of(exercise):
+    """The text of the lesson's own function."""
+    lesson = lesson_of(exercise)
+    for node in ast.parse(lesson.text).body:
+        if isinstance(node, ast.FunctionDef) and node.name == exercise:
+            return ast.get_source_segment(lesson.text, node)
+    raise LookupError(exercise)
+
+
+def with_slip(exercise, slip):
+    """The lesson's right functions, and the one with the slip in its place."""
+    lesson, source = lesson_of(exercise), solution_of(exercise)
+    assert source.count(slip.old) == 1, f"{slip.old!r} stands there {source.count(slip.old)} times"
+    answers = vars(load_reference(lesson.name))
+    space = dict(answers[exercise].__globals__)
+    exec(textwrap.dedent(source.replace(slip.old, slip.new)), space)
+    return lesson, {**answers, exercise: space[exercise]}
+
+
+def share_of(exercise, slip):
+    """Share of the exercise's weight that the checks leave, and the names of those that fail."""
+    lesson, answers = with_slip(exercise, slip)
+    outcomes = run_tests(
+        lesson, student_with(lesson, answers), SEED, lambda check: check.exercise == exercise
+    )
+    whole = sum(outcome.check.weight for outcome in outcomes)
+    failed = [outcome.check for outcome in outcomes if outcome.failure is not None]
+    return 1 - sum(check.weight for check in failed) / whole, [check.name for check in failed]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ALL)
+def test_a_teacher_would_sign_what_a_slip_earns(case):
+    exercise, slip = ALL[case]
+    share, failed = share_of(exercise, slip)
+    assert failed
+    assert slip.harm.least <= share <= slip.harm.most, (round(share, 3), failed)
