@@ -73,7 +73,8 @@ def filter_clusters(cluster_labels, min_num_points=100):
 
 # %% wrong: labels move up while the loop walks along them
 # loses: removes_small_clusters, removes_neighbours, test_swarms
-# says: both have to go
+# says: should be gone
+# told: labels move up
 def filter_clusters(cluster_labels, min_num_points=100):
     labels = cluster_labels.copy()
     for label in range(1, labels.max(initial=0) + 1):
@@ -144,7 +145,7 @@ def filter_clusters(labels, minimum=100):
 
 # %% wrong: default changed
 # loses only: keeps_the_default
-# says: should be gone
+# says: Without a minimum other clusters stay
 def filter_clusters(cluster_labels, min_num_points=10):
     _, which, count = np.unique(cluster_labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, 0, cluster_labels)
@@ -223,3 +224,39 @@ def filter_clusters(cluster_labels, min_num_points=100):
         if np.sum(cluster_labels == label) < min_num_points:
             filtered[cluster_labels == label] = 0
     return filtered
+
+# %% wrong: closes the gap in the loop, and stumbles over no labels
+# loses only: removes_small_clusters, keeps_the_labels, removes_neighbours, follows_the_minimum, takes_the_smallest, test_course_cloud, test_swarms, test_labels, test_order, test_extremes, test_kinds_of_numbers
+# says: should be gone
+# told: labels move up
+def filter_clusters(cluster_labels, min_num_points=100):
+    labels = cluster_labels.copy()
+    for number in range(1, labels.max() + 1):
+        how_many = np.sum(labels == number)
+        if 0 < how_many < min_num_points:
+            labels[labels == number] = 0
+            labels[labels > number] -= 1
+    return labels
+
+# %% wrong: the last label is left out
+# loses only: removes_small_clusters, follows_the_minimum, allows_gaps, takes_the_smallest, test_course_cloud, test_swarms, test_extremes, test_kinds_of_numbers
+# says: ends before n
+# told: The last label is left out
+def filter_clusters(cluster_labels, min_num_points=100):
+    labels = cluster_labels.copy()
+    for label in range(1, cluster_labels.max()):
+        if np.sum(cluster_labels == label) < min_num_points:
+            labels[cluster_labels == label] = 0
+    return labels
+
+# %% wrong: the place in the table is taken for the label
+# loses: removes_small_clusters, removes_neighbours, allows_gaps, test_course_cloud
+# says: should be left
+# told: place in the table
+def filter_clusters(cluster_labels, min_num_points=100):
+    labels = cluster_labels.copy()
+    _, how_many = np.unique(cluster_labels, return_counts=True)
+    for label, count in enumerate(how_many):
+        if count < min_num_points:
+            labels[cluster_labels == label] = 0
+    return labels

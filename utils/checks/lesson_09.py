@@ -8,6 +8,7 @@ import utils
 from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import NotYet
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
@@ -29,7 +30,7 @@ _KEPT = frozen(np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0, 5]))
 def assert_kept(
     answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
 ) -> None:
-    """The right points are left; under which label, and what the others have, is not looked at.
+    """The right clusters are left, each with a label of its own; which labels is not looked at.
 
     Parameters
     ----------
@@ -42,6 +43,7 @@ def assert_kept(
     """
     yours = as_labels(answer, len(labels))
     if np.array_equal(yours > 0, expected > 0):
+        _assert_apart(yours, labels, minimum)
         return
     gone = np.unique(labels[(yours <= 0) & (expected > 0)])
     left = np.unique(labels[(yours > 0) & (expected == 0) & (labels > 0)])
@@ -57,6 +59,19 @@ def assert_kept(
         expected=_counted(expected),
         draw=lambda: _draw(labels, yours, expected),
     )
+
+
+def _assert_apart(yours: np.ndarray, labels: np.ndarray, minimum: int | None) -> None:
+    """What were two clusters are not one now."""
+    left = yours > 0
+    old = [np.unique(labels[left & (yours == label)]) for label in np.unique(yours[left])]
+    if together := next((both.tolist() for both in old if len(both) > 1), None):
+        raise CheckFailed(
+            f"Clusters {together[0]} and {together[1]} have the same label now: two obstacles "
+            "became one.",
+            given=_call(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+            yours=brief(yours),
+        )
 
 
 def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
@@ -81,11 +96,27 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
         )
 
 
+_BASIC = "clusters with too few points go, the others stay"
+
+
 @once
 def assert_works(filter_clusters: Callable) -> None:
-    """Small clusters go and large ones stay; where not, no other property can be looked at."""
-    with needs("clusters with too few points go, the others stay"):
+    """Small clusters go and large ones stay; where not, no other size can be looked at."""
+    with needs(_BASIC):
         assert_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
+
+
+@once
+def assert_chooses(filter_clusters: Callable) -> None:
+    """Of six clusters at least five go or stay as they should.
+
+    Enough to ask for what has nothing to do with sizes: names, input, label 0. Who lets all stay,
+    or all go, gets three; who looks at the first label alone, four.
+    """
+    yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
+    same = (yours > 0) == (_KEPT > 0)
+    if sum(same[cluster == _LABELS].all() for cluster in range(1, 7)) < 5:
+        raise NotYet(_BASIC)
 
 
 def _call(labels: np.ndarray, minimum: int | None) -> str:
@@ -151,7 +182,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     hint="Change no label but to 0: start from a copy of the labels.",
 )
 def keeps_the_labels(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
+    assert_chooses(filter_clusters)
     assert_labels_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
@@ -163,7 +194,7 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
     hint="Write 0 where a cluster is too small.",
 )
 def writes_zeros(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
+    assert_chooses(filter_clusters)
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     if (yours < 0).any():
         raise CheckFailed(
@@ -223,8 +254,8 @@ _FILTERED = Case(
     "filter_clusters",
     {"cluster_labels": _LABELS, "min_num_points": 3},
     expected=_KEPT,
-    look=lambda answer, labels, minimum, kept: assert_kept(answer, labels, kept),
-    basic=assert_works,
+    look=lambda answer, labels, minimum, kept: as_labels(answer, len(labels)),
+    basic=assert_chooses,
 )
 
 
@@ -235,8 +266,19 @@ _FILTERED = Case(
     why="Later lessons call filter_clusters(labels) and rely on it.",
 )
 def keeps_the_default(filter_clusters: Callable) -> None:
-    labels = np.repeat([1, 2, 3], [60, 98, 102])
-    assert_kept(filter_clusters(labels.copy()), labels, np.repeat([0, 0, 3], [60, 98, 102]), 100)
+    sizes = [60, 99, 100, 101]
+    labels = np.repeat([1, 2, 3, 4], sizes)
+    given, left_out = (
+        as_labels(answer, len(labels)) > 0
+        for answer in (filter_clusters(labels.copy(), 100), filter_clusters(labels.copy()))
+    )
+    if not np.array_equal(given, left_out):
+        raise CheckFailed(
+            "Without a minimum other clusters stay than with a minimum of 100.",
+            given=_call(labels, None),
+            yours=f"{np.count_nonzero(left_out)} points stay",
+            expected=f"{np.count_nonzero(given)}, as in your function with 100",
+        )
 
 
 promises.names(
@@ -254,7 +296,7 @@ promises.names(
     hint="Leave out the label 0 when you look for clusters, or let it stay what it is.",
 )
 def leaves_noise_alone(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
+    assert_chooses(filter_clusters)
     labels = np.array([0, 2, 0, 2, 0, 1, 2, 0, 0, 1, 0, 2])
     yours = as_labels(filter_clusters(labels.copy(), 3), len(labels))
     if (yours[labels == 0] > 0).any():
@@ -316,8 +358,19 @@ promises.untouched(
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def returns_a_new_array(filter_clusters: Callable) -> None:
-    assert_works(filter_clusters)
+    assert_chooses(filter_clusters)
     assert_new_array(filter_clusters, _LABELS, 0)
+
+
+@noted(
+    "filter_clusters",
+    title="The labels are an array, not a list",
+    why="The next cells ask for filtered > 0, which a list cannot answer. End with np.array(...).",
+)
+def returns_an_array(filter_clusters: Callable) -> None:
+    answer = filter_clusters(_LABELS.copy(), 3)
+    if isinstance(answer, (list, tuple)):
+        raise CheckFailed(f"The labels are a {type(answer).__name__}.")
 
 
 @noted(
@@ -343,6 +396,22 @@ def _counts(labels: np.ndarray) -> np.ndarray:
 def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
     """As if what is left were numbered from 1."""
     return np.searchsorted(np.unique(right[right > 0]), right) + (right > 0)
+
+
+def _closed_up(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
+    """As if the later labels moved up by one whenever a cluster goes, in the middle of the loop."""
+    labels = labels.copy()
+    for label in range(1, labels.max() + 1):
+        if np.count_nonzero(labels == label) < minimum:
+            labels[labels == label] = 0
+            labels[labels > label] -= 1
+    return labels
+
+
+def _one_too_far(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
+    """As if each cluster had the size of the next; the last one has none."""
+    sizes = np.append(np.bincount(labels)[1:], minimum)
+    return np.where(sizes[labels] < minimum, 0, labels)
 
 
 mistakes(
@@ -390,10 +459,30 @@ mistakes(
         "Nothing is removed: the labels come back as they went in.",
         lambda right, labels, minimum: labels,
     ),
+    Mistake(
+        "The later labels move up while the loop walks along them, so that it never looks at the "
+        "cluster that follows one that goes.",
+        _closed_up,
+        "Change no label but to 0. Read the labels from cluster_labels, and write into a copy.",
+    ),
+    Mistake(
+        "The last label is left out: its cluster stays, however small it is.",
+        lambda right, labels, minimum: np.where(labels == labels.max(), labels, right),
+        "range(1, n) ends before n. np.unique(cluster_labels) holds every label, the last as well.",
+    ),
+    Mistake(
+        "You go by the place in the table of counts, not by the label: each cluster stays or goes "
+        "by the size of the next one.",
+        _one_too_far,
+        "np.unique gives labels and counts side by side: take both, "
+        "for label, count in zip(names, how_many).",
+    ),
+    # Labels without a gap, which a loop over range() gets right; the first is the call that a
+    # failed check shows.
     cases=(
-        (np.array([2, 2, 4, 4, 4, 7, 7, 7, 7, 9, 9]), 3),
-        (np.array([5, 3, 5, 3, 5, 8, 5, 8, 8]), 3),
-        (np.repeat([4, 6, 130], [3, 120, 7]), 7),
+        (_LABELS, 3),
+        (np.array([5, 2, 1, 4, 2, 6, 4, 3, 5, 4, 1, 2, 5, 4, 3]), 3),
+        (np.repeat([1, 2, 3, 4, 5], [7, 3, 130, 6, 2]), 7),
     ),
     right=_right,
 )
