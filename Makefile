@@ -5,7 +5,7 @@ BIN := .venv/bin
 # Jupyter refuses to run as root, which is who you are in most containers.
 AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 
-.PHONY: help lab demo grade test proof colab bench build check pictures constraints clean
+.PHONY: help lab demo grade test proof colab mutants bench build check pictures constraints clean
 
 help:
 	@echo "make lab      open the notebooks in JupyterLab"
@@ -14,6 +14,7 @@ help:
 	@echo "make test     run the tests"
 	@echo "make proof    run all of them, with every seed, answer and attack"
 	@echo "make colab    run the notebooks with Colab's versions"
+	@echo "make mutants  change the judge's rules one by one: do the tests notice?"
 	@echo "make bench    measure speed and memory against other libraries"
 	@echo "make build    write the notebooks from their sources"
 	@echo "make check    are the notebooks fresh, is the code clean?"
@@ -58,6 +59,11 @@ proof: .venv/ready-dev
 # Installs half a gigabyte of Colab's versions, once.
 colab: .venv/ready-dev
 	$(BIN)/python -m pytest -m colab -o faulthandler_timeout=1800
+
+# cosmic-ray stands apart: none of ours needs what it needs.
+mutants: .venv/ready-dev
+	@$(BIN)/python -m venv .venv/cosmic-ray && .venv/cosmic-ray/bin/$(INSTALL) cosmic-ray==8.7.0
+	$(BIN)/python tests/mutants.py
 
 bench: .venv/ready-dev
 	@for file in tests/benchmarks/bench_*.py; do echo "== $$file"; PYTHONPATH=. $(BIN)/python $$file || exit 1; done

@@ -28,7 +28,7 @@ def shares(points: float, weights: Sequence[float]) -> list[float]:
     """
     cents, whole = round(100 * points), sum(weights)
     exact = [cents * weight / whole for weight in weights]
-    given = [int(share + 1e-9) for share in exact]
+    given = [int(share) for share in exact]
     order = sorted(range(len(exact)), key=lambda row: (round(given[row] - exact[row], 9), row))
     for row in order[: cents - sum(given)]:
         given[row] += 1
