@@ -8,8 +8,8 @@ import numpy as np
 
 from grader.judging import samples
 from grader.judging.marks import hidden
-from utils.checks.clusters import assert_works
-from utils.checks.vocabulary import assert_partition
+from utils.checks.clusters import assert_from_one, assert_works
+from utils.checks.vocabulary import assert_partition, assert_untouched
 
 
 def assert_clusters(student, cloud, threshold=1.0):
@@ -46,9 +46,9 @@ def test_course_cloud(student, seed):
 
 @hidden(
     "euclidean_clustering",
-    weight=6,
+    weight=8,
     title="Right on streets you have not seen",
-    hint="Nothing about one particular cloud may stand in the function.",
+    hint="In every street the same holds: all that a chain of neighbours joins is one cluster.",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -59,7 +59,7 @@ def test_fresh_streets(student, seed):
     "euclidean_clustering",
     weight=4,
     title="Right at thresholds you have not seen",
-    hint="Is it the distance that is compared with the threshold, or its square?",
+    hint="Neighbours are two points whose distance in metres is below threshold.",
 )
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 350)[:, :3]
@@ -69,9 +69,9 @@ def test_other_thresholds(student, seed):
 
 @hidden(
     "euclidean_clustering",
-    weight=4,
+    weight=7,
     title="Long winding chains stay whole",
-    hint="Every point that gets a label must be asked for its own neighbours.",
+    hint="A cluster is all that can be reached from neighbour to neighbour, however far.",
 )
 def test_long_chain(student, seed):
     # A spiral of 400 points, 0.45 m apart, its turns 1.5 m apart, and a shorter one beside it.
@@ -89,7 +89,7 @@ def test_long_chain(student, seed):
     "euclidean_clustering",
     weight=3,
     title="A chain of thousands of points, beginning at its end",
-    hint="A function that calls itself for each neighbour nests too deep: use a queue.",
+    hint="A queue follows a chain to its end, however long it is.",
 )
 def test_deep_chain(student, seed):
     # Whoever recurses must go 1100 calls deep, where Python allows 1000.
@@ -101,7 +101,7 @@ def test_deep_chain(student, seed):
     "euclidean_clustering",
     weight=2,
     title="The order of the points does not matter",
-    hint="Labels may not depend on which point comes first.",
+    hint="Which points belong together is the same whichever comes first.",
 )
 def test_order(student, seed):
     cloud, labels = objects(seed)
@@ -114,7 +114,7 @@ def test_order(student, seed):
     "euclidean_clustering",
     weight=2,
     title="Place and turn of the cloud do not matter",
-    hint="Only the distance between two points counts: the root of dx² + dy² + dz².",
+    hint="A distance, the root of dx² + dy² + dz², is the same in every direction.",
 )
 def test_place_and_turn(student, seed):
     rng = np.random.default_rng(seed)
@@ -126,9 +126,9 @@ def test_place_and_turn(student, seed):
 
 @hidden(
     "euclidean_clustering",
-    weight=2,
+    weight=7,
     title="Right with intensities, small ones and large ones",
-    hint="cloud[:, :3] are the coordinates.",
+    hint="The coordinates are cloud[:, :3]; whatever the intensity is, the clusters are the same.",
 )
 def test_intensity(student, seed):
     cloud, labels = objects(seed)
@@ -142,7 +142,7 @@ def test_intensity(student, seed):
     "euclidean_clustering",
     weight=1,
     title="Takes single precision, and columns first in memory",
-    hint="A cloud may be float32, and need not lie row by row in memory.",
+    hint="The same lines serve every kind of array.",
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = objects(seed)
@@ -152,9 +152,9 @@ def test_kinds_of_arrays(student, seed):
 
 @hidden(
     "euclidean_clustering",
-    weight=2,
+    weight=3,
     title="Right for hundreds of clusters",
-    hint="Labels go as high as there are clusters: 8 bits end at 255.",
+    hint="Labels go as high as there are clusters, and each cluster has its own.",
 )
 def test_many_clusters(student, seed):
     assert_works(student.euclidean_clustering)
@@ -172,3 +172,30 @@ def test_extremes(student, seed):
     rng = np.random.default_rng(seed)
     assert_clusters(student, rng.uniform(0, 0.2, (60, 3)))
     assert_clusters(student, np.repeat(rng.uniform(-9, 9, (5, 3)), 4, axis=0))
+
+
+@hidden(
+    "euclidean_clustering",
+    weight=2,
+    title="Every point has a label above 0, wherever it stands in the cloud",
+    hint="A point without neighbours is a cluster of its own: the first of the cloud, any, the "
+    "last.",
+)
+def test_every_point(student, seed):
+    assert_works(student.euclidean_clustering)
+    cloud, _ = objects(seed)
+    alone = np.random.default_rng(seed).uniform(30, 40, (2, 3)) * [[-1, -1, 1], [1, 1, 1]]
+    for whole in (np.vstack([alone[:1], cloud, alone[1:]]), alone[:1]):
+        assert_from_one(student.euclidean_clustering(whole.copy(), 1.0), len(whole))
+
+
+@hidden(
+    "euclidean_clustering",
+    weight=1,
+    title="Never writes into the cloud that it is given",
+    hint="Labels stand in an array of their own.",
+)
+def test_input(student, seed):
+    assert_works(student.euclidean_clustering)
+    cloud = samples.patch_of_course_cloud(seed, 300) * [1, 1, 1, 255]
+    assert_untouched(student.euclidean_clustering, cloud, 0.5)

@@ -183,7 +183,7 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: labels from 0
-# loses only: counts_from_one
+# loses only: counts_from_one, takes_the_smallest, test_every_point
 # says: not 1 to N
 # told: start from 0
 def euclidean_clustering(cloud, threshold=0.5):
@@ -433,7 +433,7 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: labelled on leaving the queue
-# loses: takes_a_dense_wall, test_fresh_streets
+# loses: takes_a_dense_wall
 # says: did not answer
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
@@ -453,7 +453,7 @@ def euclidean_clustering(cloud, threshold=0.5):
     return labels
 
 # %% wrong: the counter goes up at every point
-# loses only: counts_from_one
+# loses only: counts_from_one, test_every_point
 # says: not 1 to N
 # told: at every point
 def euclidean_clustering(cloud, threshold=0.5):
@@ -678,7 +678,7 @@ def euclidean_clustering(cloud, threshold=1.0):
     return labels
 
 # %% wrong: writes labels into the cloud
-# loses only: leaves_its_input
+# loses only: leaves_its_input, test_input
 # says: changed its input
 def euclidean_clustering(cloud, threshold=0.5):
     xyz = cloud[:, :3]
@@ -736,3 +736,106 @@ def euclidean_clustering(cloud, threshold=0.5):
             newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
             labels[newcomers] = cluster
             waiting.extend(newcomers)
+
+# %% wrong: no cluster begins at the first point
+# loses only: counts_from_one, takes_the_smallest, test_every_point
+# says: begin at 0
+# told: at the first point
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(1, len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: no cluster begins at the last point
+# loses only: counts_from_one, takes_the_smallest, test_every_point
+# says: go to the last
+# told: at the last point
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz) - 1):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: empties the caller's intensities
+# loses only: leaves_its_input, test_input
+# says: changed its input
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.flatnonzero((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    cloud[:, 3:] = 0
+    return labels
+
+# %% wrong: a mask in the queue
+# loses: separates_groups, test_course_cloud
+# says: np.flatnonzero(mask) lists the numbers
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = (distance < threshold) & (labels == 0)
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels
+
+# %% wrong: np.where gives a tuple
+# loses: separates_groups, test_course_cloud
+# says: np.flatnonzero gives the array itself
+def euclidean_clustering(cloud, threshold=0.5):
+    xyz = cloud[:, :3]
+    labels = np.zeros(len(xyz), dtype=int)
+    cluster = 0
+    for start in range(len(xyz)):
+        if labels[start] > 0:
+            continue
+        cluster += 1
+        labels[start] = cluster
+        waiting = deque([start])
+        while waiting:
+            distance = np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)
+            newcomers = np.where((distance < threshold) & (labels == 0))
+            labels[newcomers] = cluster
+            waiting.extend(newcomers)
+    return labels

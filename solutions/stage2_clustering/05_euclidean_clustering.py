@@ -180,7 +180,7 @@ print("close and free:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 # %% [markdown]
 # ## Exercise · `euclidean_clustering` (40 points)
 #
-# Give each point the number of its cluster: 1 for the cluster of the first point, 2 for the next new one, and so on.
+# Give each point the number of its cluster: 1 for the cluster of the first point, 2 for the next new one, and so on. (Numbers in another order are as right; the text and its pictures then name others than yours.)
 #
 # - **Neighbours are strictly closer than `threshold`**, in x, y and z. Intensity is not a place.
 # - **Compare with all points at once**, in one line of NumPy; no more is needed here. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed and has its turn in lesson 10.
@@ -201,8 +201,7 @@ def euclidean_clustering(cloud, threshold=0.5):
     Returns
     -------
     ndarray of int, shape (n,)
-        The label of each point, from 1 to the number of clusters, in the order in which
-        the clusters first appear in the cloud.
+        The label of each point, from 1 to the number of clusters.
     """
     # 1. All labels are 0, which means "none yet". The counter of clusters is 0 too.
     # 2. Go through the points. One that has a label already needs nothing more.

@@ -14,7 +14,7 @@ from utils.checks.clusters import (
     in_order,
 )
 from utils.checks.promises import Case, promise
-from utils.checks.vocabulary import CheckFailed, as_labels, frozen
+from utils.checks.vocabulary import CheckFailed, as_labels, brief, frozen
 
 
 def case_of(lesson: str, exercise: str) -> Case:
@@ -62,7 +62,7 @@ def default(case: Case, name: str, *, why: str) -> None:
 
 
 def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1) -> None:
-    """No points have no labels, and one point has one; with intensities and without."""
+    """No points have no labels, and one point has label 1; with intensities and without."""
     title = "Takes an empty cloud and one point"
 
     @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
@@ -70,7 +70,15 @@ def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1)
         case.basic(euclidean_clustering)
         for columns in (3, 4):
             for n in (0, 1):
-                as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
+                labels = as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
+                if not (labels == 1).all():
+                    raise CheckFailed(
+                        "One point alone is a cluster, too.",
+                        given="a cloud of one point",
+                        yours=brief(labels),
+                        expected="[1]",
+                        hint="It has no neighbours, and begins a cluster all the same.",
+                    )
 
 
 _EQUAL = frozen(np.array([[1.0, 2, 3], [5, 0, 0], [1, 2, 3], [5, 9, 0], [1, 2, 3]]))

@@ -1,7 +1,7 @@
 """Visible checks of lesson 05: `euclidean_clustering`.
 
-The clouds are such that one slip about the threshold shows in one check: 0.5 instead of the
-parameter, or a square too many or too few, gets all the others right.
+The clouds are such that one slip shows in few checks: 0.5 instead of the parameter, or a square
+too many or too few, gets all but one right, and balls instead of chains all that ask about pairs.
 """
 
 import sys
@@ -12,16 +12,19 @@ import numpy as np
 from utils.checks import cluster_promises, promises
 from utils.checks.cluster_mistakes import (
     by_steps,
+    frozen_cases,
     length,
     lines_of_points,
     measured_wrongly,
     mixed_up,
+    on_a_line,
     right_on_a_line,
     same_clusters,
 )
 from utils.checks.clusters import (
     GROUPS,
     LABELS,
+    assert_an_array,
     assert_clusters,
     assert_from_one,
     assert_numbered_by_appearance,
@@ -35,6 +38,7 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
+    brief,
     frozen,
 )
 
@@ -53,11 +57,13 @@ _SEVEN = frozen(
     )
 )
 _SEVEN_LABELS = frozen(np.array([1, 2, 1, 2, 1, 1, 3]))
+# Of the three groups, with a point alone before and behind them.
+_ALONE = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
 
 
 @visible(
     "euclidean_clustering",
-    weight=4,
+    weight=3,
     title="Groups far apart are clusters of their own",
     why="A cluster is an obstacle: two cars must not become one, nor one car two.",
     hint="Take a point without a label, give it a new label, then give the same label to "
@@ -69,7 +75,7 @@ def separates_groups(euclidean_clustering: Callable) -> None:
 
 @visible(
     "euclidean_clustering",
-    weight=5,
+    weight=11,
     title="A chain of neighbours is one cluster, however long",
     why="A wall is metres long and its ends are far apart, but it is one obstacle.",
     hint="Each point that you label must itself be asked for its neighbours: let it wait in the "
@@ -86,33 +92,45 @@ def follows_chains(euclidean_clustering: Callable) -> None:
 
 @visible(
     "euclidean_clustering",
-    weight=3,
-    title="Labels are the whole numbers 1 to N",
+    weight=5,
+    title="Labels are the whole numbers 1 to N, and every point has one",
     why='Later lessons use 0 for "belongs to no obstacle" and count obstacles by the '
     "largest label.",
-    hint="The first cluster gets 1. The counter goes up when a new cluster begins, and only then.",
+    hint="The first cluster gets 1. The counter goes up where a new cluster begins, and only "
+    "there; a point that stands alone begins one, too, be it the first of the cloud or the last.",
 )
 def counts_from_one(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
     assert_from_one(euclidean_clustering(GROUPS.copy(), 1.0), len(GROUPS))
+    # The first point stands alone, and so does the last.
+    cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS, [-9.0, 4.0, 0.5]])
+    answer = euclidean_clustering(cloud.copy(), 1.0)
+    try:
+        assert_from_one(answer, len(cloud))
+    except CheckFailed as failure:
+        if failure.is_about_the_check:
+            failure.given = "three groups of points, and one point alone before and behind them"
+            failure.yours, failure.expected = brief(as_labels(answer, len(cloud))), _ALONE
+        raise
 
 
 @visible(
     "euclidean_clustering",
-    weight=4,
+    weight=5,
     title="The parameter threshold decides which points are close",
     why="The threshold decides what counts as one object: at half a metre parked cars stay "
     "apart, at two metres a cyclist melts into the car beside.",
-    hint="Compare distances, not their squares, with the parameter threshold, by its name.",
+    hint="Two points are close where their distance in metres is below the parameter threshold.",
 )
 def follows_the_threshold(euclidean_clustering: Callable) -> None:
-    # Gaps of 0.2, 0.45, 0.6 and 0.9 m: each threshold below joins a different number.
-    cloud = np.outer(np.cumsum([0.0, 0.2, 0.45, 0.6, 0.9]), [1.0, 0.0, 0.0])
+    # Pairs, 0.2, 0.45, 0.6 and 0.9 m wide: each threshold below joins a different number.
+    pairs = np.column_stack([np.arange(4) * 9.0, np.arange(4) * 9.0 + [0.2, 0.45, 0.6, 0.9]])
+    cloud = np.outer(pairs.ravel(), [1.0, 0.0, 0.0])
     for threshold, labels in (
-        (0.3, [1, 1, 2, 3, 4]),
-        (0.5, [1, 1, 1, 2, 3]),
-        (0.7, [1, 1, 1, 1, 2]),
-        (1.0, [1, 1, 1, 1, 1]),
+        (0.3, [1, 1, 2, 3, 4, 5, 6, 7]),
+        (0.5, [1, 1, 2, 2, 3, 4, 5, 6]),
+        (0.7, [1, 1, 2, 2, 3, 3, 4, 5]),
+        (1.0, [1, 1, 2, 2, 3, 3, 4, 4]),
     ):
         answer = euclidean_clustering(cloud.copy(), threshold)
         assert_clusters(answer, np.array(labels), cloud, threshold)
@@ -166,7 +184,7 @@ cluster_promises.intensity(
     "ignores_intensity",
     why="A white stripe on a black bumper is bright, not far away. Many recordings count "
     "intensity from 0 to 255.",
-    weight=3,
+    weight=7,
 )
 cluster_promises.few_points(
     _CASE,
@@ -222,6 +240,16 @@ def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
 
 @noted(
     "euclidean_clustering",
+    title="The labels are an array, not a list",
+    why="The next cells ask for labels.max() and labels == 3, which a list does not answer: return "
+    "np.array(labels).",
+)
+def returns_an_array(euclidean_clustering: Callable) -> None:
+    assert_an_array(euclidean_clustering)
+
+
+@noted(
+    "euclidean_clustering",
     title="Labels are whole numbers by type",
     why="np.bincount(labels), in the next cell, takes no floating point numbers: let the array of "
     "labels begin as np.zeros(n, dtype=int).",
@@ -233,8 +261,7 @@ def has_whole_labels(euclidean_clustering: Callable) -> None:
 @noted(
     "euclidean_clustering",
     title="Clusters are numbered as they first appear in the cloud",
-    why="The docstring says so, and the text speaks of clusters by their numbers; yours have "
-    "others there.",
+    why="The text speaks of clusters by these numbers; yours have others there.",
 )
 def numbers_by_appearance(euclidean_clustering: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering)
@@ -271,10 +298,34 @@ def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.n
     return np.array(labels)
 
 
+def _never_begun(row: int) -> Callable:
+    """As if no cluster ever began at the point of a row: alone, it keeps the label 0."""
+
+    def predicts(right: np.ndarray, *case: object) -> np.ndarray:
+        if np.count_nonzero(right == right[row]) > 1:
+            return right
+        labels = np.where(np.arange(len(right)) == np.arange(len(right))[row], 0, right)
+        return np.unique(labels, return_inverse=True)[1].ravel()
+
+    return predicts
+
+
 def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
     """For each point the row, from 1, of the first point of its cluster."""
     return np.array([right.tolist().index(label) + 1 for label in right])
 
+
+# Points of a line, of which the first in the cloud, or the last, or both stand alone.
+_AT_THE_ENDS = frozen_cases(
+    [
+        (on_a_line(places), 0.6)
+        for places in (
+            [9.0, 1.0, 3.4, 1.4, 3.0, 1.8],
+            [5.0, 2.0, 2.3, 5.3, 2.6, 8.0],
+            [7.0, 4.0, 4.4, 1.0, 1.5, 10.0],
+        )
+    ]
+)
 
 mistakes(
     "euclidean_clustering",
@@ -310,8 +361,18 @@ mistakes(
         _first_rows,
         "Count after you know that the point has no label yet.",
     ),
+    Mistake(
+        "No cluster begins at the first point: where it stands alone, it keeps the label 0.",
+        _never_begun(0),
+        "Let the loop over the points begin at 0: range(len(cloud)).",
+    ),
+    Mistake(
+        "No cluster begins at the last point: where it stands alone, it keeps the label 0.",
+        _never_begun(-1),
+        "Let the loop over the points go to the last: range(len(cloud)).",
+    ),
     *mixed_up(),
-    cases=lines_of_points(),
+    cases=(*lines_of_points(), *_AT_THE_ENDS),
     right=right_on_a_line,
     same=same_clusters,
 )

@@ -207,7 +207,15 @@ _TIPS = (
         "",
         "These are two tables with different numbers of rows: should one be a single point? An "
         "index that is an array takes many rows. (append puts an array into a queue as one entry; "
-        "extend puts in its numbers one by one.)",
+        "extend puts in its numbers one by one, but np.where gives a tuple that holds the array: "
+        "np.flatnonzero gives the array itself.)",
+    ),
+    (
+        "ValueError",
+        r"operands could not be broadcast together with shapes \([01],[34]\) \(\d+,\)",
+        "",
+        "One side is a table of no row, or of one. Was a row taken by True or False, an entry of a "
+        "mask, in place of its number? np.flatnonzero(mask) lists the numbers.",
     ),
     (
         "ValueError",

@@ -1,0 +1,29 @@
+"""Slips in lesson 05."""
+
+from tests.slips import PARTLY, SMALL, USELESS, Slip
+
+_NEAR = "np.linalg.norm(xyz - xyz[waiting.popleft()], axis=1)"
+
+SLIPS = {
+    "euclidean_clustering": [
+        Slip("nobody joins the queue", "            waiting.extend(newcomers)\n", "", USELESS),
+        Slip("the queue begins empty", "deque([start])", "deque()", USELESS),
+        Slip("one length for all", ", axis=1)", ")", USELESS),
+        Slip("returns after one cluster", "    return labels", "        return labels", USELESS),
+        Slip("threshold squared", "distance < threshold", "distance < threshold ** 2", PARTLY),
+        Slip("no root", _NEAR, f"{_NEAR} ** 2", PARTLY),
+        Slip("a fixed threshold", "distance < threshold", "distance < 0.5", PARTLY),
+        Slip("intensity is a place", "cloud[:, :3]", "cloud", PARTLY),
+        Slip("no height", "cloud[:, :3]", "cloud[:, :2]", PARTLY),
+        Slip("labels from 0", "return labels", "return labels - 1", SMALL),
+        Slip(
+            "counts every point",
+            "        if labels[start] > 0:\n            continue\n        cluster += 1\n",
+            "        cluster += 1\n        if labels[start] > 0:\n            continue\n",
+            SMALL,
+        ),
+        Slip("the first point is left out", "range(len(xyz))", "range(1, len(xyz))", SMALL),
+        Slip("the last point is left out", "range(len(xyz))", "range(len(xyz) - 1)", SMALL),
+        Slip("labels of eight bits", "dtype=int", "dtype=np.uint8", SMALL),
+    ],
+}
