@@ -335,9 +335,14 @@ def numbers():
 
 
 CALLS = [
-    *(name for name in syscalls.MACHINES["x86_64"][1] if name not in ("clone", "socket")),
+    *(name for name in syscalls.MACHINES["x86_64"][1] if name not in syscalls.LIMITED),
     "clone with a user namespace",
     "socket of a rare family",
+    "madvise to merge pages",
+    "madvise to take a page out of memory",
+    "prctl to merge pages",
+    "ioctl of a file system",
+    "a futex that requeues",
     "the x32 form of getpid",
 ]
 
@@ -362,7 +367,13 @@ def f(calls):
     return said
 """
     calls = {name: [number, 0, 0, 0] for name, number in numbers.items()}
-    del calls["clone"], calls["socket"]
+    for name in syscalls.LIMITED:
+        del calls[name]
+    calls["madvise to merge pages"] = [numbers["madvise"], 0, 0, syscalls.MERGEABLE]
+    calls["madvise to take a page out of memory"] = [numbers["madvise"], 0, 0, syscalls.PAGE_OUT]
+    calls["prctl to merge pages"] = [numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
+    calls["ioctl of a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # where its blocks lie
+    calls["a futex that requeues"] = [numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
         numbers["clone"],
         syscalls.NEW_USER_NAMESPACE | 17,

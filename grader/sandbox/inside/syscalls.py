@@ -2,8 +2,10 @@
 
 Some memory belongs to no process and so to no limit (System V segments, queues, `memfd_create`); a
 user namespace gives everybody a root's view of the kernel; keyrings are inherited from whoever
-grades; virtual sockets reach through a namespace to the host. A seccomp filter answers all of
-them, for this process and all it will ever start, with "no such call".
+grades; virtual sockets reach through a namespace to the host. And all notebooks see the same
+files, which the kernel knows under one name: locks, watches, hints, futexes on their pages and
+what lies in memory of them are places where two could meet. A seccomp filter answers all of them,
+for this process and all it will ever start, with "no such call".
 
 The filter is a program for the kernel's packet filter: see seccomp(2) and
 ``linux/filter.h``.
@@ -40,8 +42,36 @@ MACHINES = {
             "unshare": 272,
             "setns": 308,
             "clone3": 435,
+            "flock": 73,
+            "inotify_init": 253,
+            "inotify_init1": 294,
+            "inotify_add_watch": 254,
+            "fanotify_init": 300,
+            "fadvise64": 221,
+            "readahead": 187,
+            "mincore": 27,
+            "cachestat": 451,
+            "preadv2": 327,
+            "pwritev2": 328,
+            "io_setup": 206,
+            "io_submit": 209,
+            "openat2": 437,
+            "process_madvise": 440,
+            "mbind": 237,
+            "migrate_pages": 256,
+            "move_pages": 279,
+            "syslog": 103,
+            "futex_waitv": 449,
+            "futex_wake": 454,
+            "futex_wait": 455,
+            "futex_requeue": 456,
             "clone": 56,
             "socket": 41,
+            "fcntl": 72,
+            "ioctl": 16,
+            "madvise": 28,
+            "prctl": 157,
+            "futex": 202,
         },
     ),
     "aarch64": (
@@ -67,22 +97,65 @@ MACHINES = {
             "unshare": 97,
             "setns": 268,
             "clone3": 435,
+            "flock": 32,
+            "inotify_init1": 26,
+            "inotify_add_watch": 27,
+            "fanotify_init": 262,
+            "fadvise64": 223,
+            "readahead": 213,
+            "mincore": 232,
+            "cachestat": 451,
+            "preadv2": 286,
+            "pwritev2": 287,
+            "io_setup": 0,
+            "io_submit": 2,
+            "openat2": 437,
+            "process_madvise": 440,
+            "mbind": 235,
+            "migrate_pages": 238,
+            "move_pages": 239,
+            "syslog": 116,
+            "futex_waitv": 449,
+            "futex_wake": 454,
+            "futex_wait": 455,
+            "futex_requeue": 456,
             "clone": 220,
             "socket": 198,
+            "fcntl": 25,
+            "ioctl": 29,
+            "madvise": 233,
+            "prctl": 167,
+            "futex": 98,
         },
     ),
 }
-# These two stay, with limits on their first argument.
+# These stay, with limits on an argument.
+LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex")
 NEW_USER_NAMESPACE = 0x10000000
 ORDINARY_SOCKETS = (1, 2, 10)  # unix, IPv4, IPv6: the sandbox has no network to reach
+# Descriptors and their flags: no locks, leases, watches, nor hints, which a file keeps.
+ORDINARY_CONTROLS = (0, 1, 2, 3, 4, 1030)
+# Of terminals, pipes and sockets ("T"): a file system keeps what others tell it, too.
+KIND_OF_REQUEST, ORDINARY_REQUESTS = 0xFF00, 0x5400
+# To merge what is equal in two processes, and to take pages out of memory.
+MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
+MERGE_ALL = 67
+# A futex that is not private lies on a page, perhaps of a file that all see.
+PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
+WAITS, WAKES = (0, 9), (1, 10)
 
-_LOAD, _IF_EQUAL, _IF_AT_LEAST, _IF_ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
-_NUMBER, _MACHINE, _FIRST_ARGUMENT = 0, 4, 16
+_LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
+_IF_EQUAL, _IF_AT_LEAST, _IF_ANY_BIT = 0x15, 0x35, 0x45
+_NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT = 0, 4, 16, 8
 _FOREIGN_NUMBERS = 0x40000000  # the x32 calls of x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
+_ANSWER = 0x00050000  # and the number of an error, or 0 for "done"
 # "No such call": libraries know it from old kernels and take another way.
-_DENY = (_RETURN, 0, 0, 0x00050000 | errno.ENOSYS)
+_DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
+# Waiting returns at once, as it may at any time, and waking has found nobody.
+_AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
+_DONE = (_RETURN, 0, 0, _ANSWER)
 
 
 class _Program(ctypes.Structure):
@@ -116,30 +189,64 @@ def deny() -> None:
         raise OSError(number, f"seccomp: {os.strerror(number)}")
 
 
-def _filter(machine: str) -> Iterator[tuple[int, int, int, int]]:
+_Instruction = tuple[int, int, int, int]
+
+
+def _filter(machine: str) -> Iterator[_Instruction]:
     """Instructions (operation, how many to skip if true, if false, value)."""
     name, numbers = MACHINES[machine]
-    numbers = dict(numbers)
-    clone, socket = numbers.pop("clone"), numbers.pop("socket")
     yield _LOAD, 0, 0, _MACHINE
     yield _IF_EQUAL, 1, 0, name
     yield _DENY
     yield _LOAD, 0, 0, _NUMBER
-    for test, number in [
-        (_IF_AT_LEAST, _FOREIGN_NUMBERS),
-        *((_IF_EQUAL, number) for number in numbers.values()),
-    ]:
-        yield test, 0, 1, number
-        yield _DENY
-    yield _IF_EQUAL, 0, 4, clone
-    yield _LOAD, 0, 0, _FIRST_ARGUMENT
-    yield _IF_ANY_BIT, 0, 1, NEW_USER_NAMESPACE
+    yield _IF_AT_LEAST, 0, 1, _FOREIGN_NUMBERS
     yield _DENY
+    for limited, rule in _rules().items():
+        yield _IF_EQUAL, 0, len(rule), numbers[limited]
+        yield from rule
+    for call, number in numbers.items():
+        if call not in LIMITED:
+            yield _IF_EQUAL, 0, 1, number
+            yield _DENY
     yield _ALLOW
-    yield _IF_EQUAL, 0, 2 + 2 * len(ORDINARY_SOCKETS), socket
-    yield _LOAD, 0, 0, _FIRST_ARGUMENT
-    for family in ORDINARY_SOCKETS:
-        yield _IF_EQUAL, 0, 1, family
-        yield _ALLOW
-    yield _DENY
-    yield _ALLOW
+
+
+def _rules() -> dict[str, list[_Instruction]]:
+    """What is done about each call with a limit; first the one that is made most often."""
+    return {
+        "futex": [
+            _argument(1),
+            *_answer(_ALLOW, _IF_ANY_BIT, PRIVATE_FUTEX),
+            (_AND, 0, 0, COMMAND_OF_FUTEX),
+            *_answer(_AGAIN, _IF_EQUAL, *WAITS),
+            *_answer(_DONE, _IF_EQUAL, *WAKES),
+            _DENY,
+        ],
+        "madvise": [
+            _argument(2),
+            *_answer(_DENY, _IF_EQUAL, MERGEABLE, COLD, PAGE_OUT, COLLAPSE),
+            _ALLOW,
+        ],
+        "fcntl": [_argument(1), *_answer(_ALLOW, _IF_EQUAL, *ORDINARY_CONTROLS), _DENY],
+        "ioctl": [
+            _argument(1),
+            (_AND, 0, 0, KIND_OF_REQUEST),
+            *_answer(_ALLOW, _IF_EQUAL, ORDINARY_REQUESTS),
+            _DENY,
+        ],
+        "clone": [_argument(0), *_answer(_DENY, _IF_ANY_BIT, NEW_USER_NAMESPACE), _ALLOW],
+        "socket": [_argument(0), *_answer(_ALLOW, _IF_EQUAL, *ORDINARY_SOCKETS), _DENY],
+        "prctl": [_argument(0), *_answer(_DENY, _IF_EQUAL, MERGE_ALL), _ALLOW],
+    }
+
+
+def _argument(position: int) -> _Instruction:
+    """Load an argument; of its two halves the lower one, which is all that these take."""
+    return _LOAD, 0, 0, _FIRST_ARGUMENT + _SIZE_OF_ARGUMENT * position
+
+
+def _answer(what: _Instruction, test: int, *values: int) -> Iterator[_Instruction]:
+    """Give an answer where an argument fits one of some values."""
+    for value in values:
+        yield test, 0, 1, value
+        yield what

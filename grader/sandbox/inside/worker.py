@@ -25,6 +25,7 @@ _HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(_HERE))
 
 import importing  # noqa: E402
+import semaphores  # noqa: E402
 import syscalls  # noqa: E402
 import wire  # noqa: E402
 import wire_format  # noqa: E402
@@ -47,6 +48,7 @@ def main(read_end: int, write_end: int) -> None:
     become_nobody(rules["user"])
     set_limits(rules["limits"])
     syscalls.deny()
+    semaphores.poll()
     sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
     wire.send(write_end, "ready")
 
