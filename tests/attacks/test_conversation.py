@@ -97,7 +97,6 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
         "drips an answer": (
             """
 write = pipes()[1][0]
-fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 4096)
 os.write(write, struct.pack(">II", 100, 30 * 2**20) + b" " * 100)
 while True: os.write(write, b" ")
 """,
