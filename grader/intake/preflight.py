@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import hashlib
 import itertools
 import json
 import re
@@ -19,6 +20,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
+from grader.intake.apart import TooMuch, apart
 from grader.intake.handed_in import HandedIn
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
@@ -75,6 +77,21 @@ class Prepared:
         return tuple(cell.source for cell in self.cells if cell.kind == "code")
 
 
+@dataclass(frozen=True)
+class ToJudge:
+    """What the judge wants of a `Prepared` notebook: plain data, which come from another process.
+
+    Attributes
+    ----------
+    code, notes : tuple of str
+    versions : dict of str to str
+    """
+
+    code: tuple[str, ...]
+    notes: tuple[str, ...]
+    versions: dict[str, str] = field(hash=False)
+
+
 @dataclass
 class _Draft:
     """What the steps work on."""
@@ -111,13 +128,46 @@ def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     )
 
 
+def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
+    """The same as `prepare`, in a process of its own.
+
+    Raises
+    ------
+    utils.notebooks.reading.UnreadableNotebook
+    grader.intake.apart.ReadingFailed
+    """
+
+    def work() -> tuple:
+        prepared = prepare(handed_in, lesson)
+        return prepared.code, prepared.notes, prepared.versions
+
+    _given_cells(lesson)  # read here, and remembered for the next
+    code, notes, versions = apart(handed_in.name, work)
+    return ToJudge(tuple(code), tuple(notes), versions)
+
+
+def lesson_name_in(handed_in: HandedIn) -> str:
+    """What lesson a notebook says it is, read in a process of its own; see `prepare_to_judge`."""
+    return apart(handed_in.name, lambda: handed_in.notebook().lesson_name)
+
+
 def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     """The same as `prepare`; of a file in which nothing can be read, a notebook without answers."""
     try:
         return prepare(handed_in, lesson)
     except UnreadableNotebook as error:
-        answers = {name: Answer("") for name in _by_hand(lesson)}
-        return Prepared(lesson, (), {}, answers, (str(error),))
+        return _with_answers(lesson, Answer(""), error)
+
+
+def prepare_without(handed_in: HandedIn, lesson: Lesson, error: TooMuch) -> Prepared:
+    """A notebook that took too much: nothing of it is shown, and a person looks for answers."""
+    file = hashlib.sha256(handed_in.data).hexdigest()[:12]  # a mark is for what was read
+    text = f"*This notebook is too much to show. Look for the answer in the file itself ({file}).*"
+    return _with_answers(lesson, Answer(text), error)
+
+
+def _with_answers(lesson: Lesson, answer: Answer, error: UnreadableNotebook) -> Prepared:
+    return Prepared(lesson, (), {}, dict.fromkeys(_by_hand(lesson), answer), (str(error),))
 
 
 def _reading(draft: _Draft) -> Iterator[str]:

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson
+from grader.intake.apart import ReadingFailed
 from grader.intake.handed_in import HandedIn, read_handed_in
-from grader.intake.preflight import Prepared, prepare
+from grader.intake.preflight import ToJudge, lesson_name_in, prepare_to_judge
 from grader.judging.asking import JudgeTimeout
 from grader.judging.followed import follow_through
 from grader.judging.key import verdict_key
@@ -84,11 +85,13 @@ def judge_handed_in(
     begin = time.perf_counter()
     lesson = lesson or find_lesson(Path(handed_in.name).stem) or _lesson_in(handed_in)
     try:
-        prepared = prepare(handed_in, lesson)
+        to_judge = prepare_to_judge(handed_in, lesson)
     except UnreadableNotebook as error:
         reached = _Reached(untried(lesson), (str(error),))
+    except ReadingFailed as error:
+        reached = _Reached(untried(lesson), (UNFAIR,), (str(error),))
     else:
-        reached = _reach(Setting(lesson, seed, sandbox, limits), prepared, handed_in.modules)
+        reached = _reach(Setting(lesson, seed, sandbox, limits), to_judge, handed_in.modules)
     return Verdict(
         lesson=lesson.name,
         student=student,
@@ -108,8 +111,8 @@ def judge_handed_in(
 def _lesson_in(handed_in: HandedIn) -> Lesson:
     """The lesson that a notebook says it is."""
     try:
-        lesson = find_lesson(handed_in.notebook().lesson_name)
-    except UnreadableNotebook as error:
+        lesson = find_lesson(lesson_name_in(handed_in))
+    except (UnreadableNotebook, ReadingFailed) as error:
         raise UnknownLesson(str(error)) from None
     if lesson is None:
         raise UnknownLesson(
@@ -129,10 +132,10 @@ class _Reached:
     starved: bool = False
 
 
-def _reach(setting: Setting, prepared: Prepared, modules: dict[str, str]) -> _Reached:
+def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Reached:
     """Ask, once more where that is just, and say what came of it."""
     lesson = setting.lesson
-    program = program_for(lesson, prepared.code, modules)
+    program = program_for(lesson, to_judge.code, modules)
     asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
     if faults := _faults(setting, asked):
         return _Reached(untried(lesson), (UNFAIR,), faults, asked.starved)
@@ -143,10 +146,10 @@ def _reach(setting: Setting, prepared: Prepared, modules: dict[str, str]) -> _Re
     )
     lost = [result.name for result in exercises if result.score < result.max_score]
     problems = (
-        *prepared.notes,
+        *to_judge.notes,
         *asked.problems,
         *(better.sentence for better in followed.values()),
-        *(prepared.versions[name] for name in lost if name in prepared.versions),
+        *(to_judge.versions[name] for name in lost if name in to_judge.versions),
     )
     return _Reached(exercises, problems, (), asked.starved or starved)
 

@@ -6,6 +6,7 @@ around them the student's own cells, of which only kind and text are taken.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import json
 import re
@@ -17,8 +18,9 @@ from nbgrader.utils import is_grade, is_solution
 
 from grader.course.lessons import Lesson
 from grader.course.standalone import TITLE, is_setup_cell
+from grader.intake.apart import TooMuch, apart
 from grader.intake.handed_in import HandedIn
-from grader.intake.preflight import Answer, Prepared, prepare_to_show
+from grader.intake.preflight import Answer, Prepared, prepare_to_show, prepare_without
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
 from utils.notebooks.reading import Cell
@@ -30,11 +32,40 @@ LOOK_FOR_IT = (
 )
 
 
-def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> NotebookNode:
-    """The autograded copy of what was judged, with its scores and messages."""
-    copy = build_copy(prepare_to_show(handed_in, lesson))
-    write_into(copy, verdict)
-    return copy
+def judged_copy(handed_in: HandedIn, lesson: Lesson, verdict: Verdict) -> tuple[NotebookNode, str]:
+    """The autograded copy of what was judged, with its scores and messages.
+
+    Returns
+    -------
+    (nbformat.NotebookNode, str)
+        The copy; and why nothing of the student's is in it, where the verdict does not say it.
+    """
+    copy, complaint = copy_apart(handed_in, lesson)
+    if complaint in verdict.problems:
+        complaint = ""
+    problems = (*verdict.problems, complaint) if complaint else verdict.problems
+    write_into(copy, dataclasses.replace(verdict, problems=problems))
+    return copy, complaint
+
+
+def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
+    """Build the copy of what was handed in, in a process of its own.
+
+    Returns
+    -------
+    (nbformat.NotebookNode, str)
+        The copy; and why nothing of the student's is in it, where that is too much to show.
+
+    Raises
+    ------
+    grader.intake.apart.ReadingFailed
+    """
+    _released(lesson)  # read here, and remembered for the next
+    try:
+        copy = apart(handed_in.name, lambda: build_copy(prepare_to_show(handed_in, lesson)))
+    except TooMuch as error:
+        return build_copy(prepare_without(handed_in, lesson, error)), str(error)
+    return nbformat.from_dict(copy), ""
 
 
 def build_copy(prepared: Prepared) -> NotebookNode:

@@ -261,7 +261,7 @@ def _enter_or_say_why_not(
     """Write one submission; a sentence on each thing that is not as it should be then."""
     trouble = []
     try:
-        _enter_one(course, book, entry, late)
+        trouble = _enter_one(course, book, entry, late)
     except Replaced as replaced:  # what is there stays, until somebody judges again
         return [str(replaced)]
     except Exception as error:  # one student must not stop the others
@@ -269,12 +269,26 @@ def _enter_or_say_why_not(
     return trouble + differences(course, book, entry, late)
 
 
-def _enter_one(course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties) -> None:
-    """Write one submission: files beside their place, the gradebook, then the files' place."""
-    copies, modules = {}, {}
+def _enter_one(
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties
+) -> list[str]:
+    """Write one submission: files beside their place, the gradebook, then the files' place.
+
+    Returns
+    -------
+    list of str
+        A sentence on each copy in which nothing of the student's could be shown.
+    """
+    copies, modules, trouble = {}, {}, []
     for submission, verdict in entry.judged:
         handed_in = submission.read_again(course, verdict.fingerprint)
-        copies[submission.lesson.name] = judged_copy(handed_in, submission.lesson, verdict)
+        copy, complaint = judged_copy(handed_in, submission.lesson, verdict)
+        copies[submission.lesson.name] = copy
+        if complaint:
+            trouble.append(
+                f"{entry.name}: its points are entered, and its copy in autograded/ shows nothing "
+                f"of the student's. {complaint}"
+            )
         for name, source in handed_in.modules.items():
             modules[submission.path.with_name(f"{name}.py")] = source.encode()
     folder = course.autograded / entry.student / entry.stage
@@ -300,6 +314,7 @@ def _enter_one(course: Course, book: Gradebook, entry: Entry, late: AssignLatePe
             notebook.late_submission_penalty = _penalty(submission, notebook, late)
     _replace(draft, folder)
     write_known(course, entry.student, entry.stage, answers)
+    return trouble
 
 
 def _save(

@@ -20,10 +20,9 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.handed_in import read_handed_in
-from grader.intake.preflight import prepare_to_show
 from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
-from grader.lms.autograded import build_copy, judged_copy
+from grader.lms.autograded import copy_apart, judged_copy
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -88,7 +87,10 @@ class Judge(NbGraderPreprocessor):
         if verdict.status != JUDGED:  # no mark is better than a wrong one
             raise RuntimeError(verdict.problems[0])
         handed_in = submission.read_again(course, verdict.fingerprint)
-        return judged_copy(handed_in, lesson, verdict), resources
+        copy, complaint = judged_copy(handed_in, lesson, verdict)
+        if complaint:
+            self.log.warning(complaint)
+        return copy, resources
 
 
 class SaveGrades(SaveAutoGrades):
@@ -130,6 +132,6 @@ class CopyExporter(NotebookExporter):
         """Convert a notebook file; see nbconvert."""
         path = Path(filename)
         lesson = find_lesson(path.stem)
-        prepared = prepare_to_show(read_handed_in(path), lesson)
+        copy, _ = copy_apart(read_handed_in(path), lesson)
         resources = {"metadata": {"name": path.stem, "path": str(path.parent)}, **(resources or {})}
-        return self.from_notebook_node(build_copy(prepared), resources=resources, **options)
+        return self.from_notebook_node(copy, resources=resources, **options)

@@ -1,0 +1,256 @@
+"""Files that are too much to read: they cost their own student a sentence, and nobody else."""
+
+import itertools
+import json
+import os
+import re
+import signal
+import time
+
+import nbformat
+import pytest
+
+from grader import commands
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.course.variants import fill_in, variants_of
+from grader.intake import apart, preflight
+from grader.intake.handed_in import HandedIn
+from grader.judging.judge import judge_handed_in
+from grader.judging.verdict import FAILED, JUDGED, read_verdict
+from grader.lms import autograded
+from grader.lms.autograded import graded_cells
+from grader.lms.gradebook import class_results
+from tests.test_faults import Inline, rehearsed
+from utils.notebooks.reading import UnreadableNotebook
+
+SEED = 20_170_405
+LESSON = find_lesson("12_streaming_obstacles")
+HOSTILE = "This holds the class up."
+RIGHT = {
+    exercise.name: next(one.source for one in variants_of(exercise.name) if one.right)
+    for exercise in LESSON.machine_graded
+}
+
+
+def notebook(text="", **answers):
+    content = json.loads(fill_in(LESSON, {**RIGHT, **answers}))
+    content["cells"].append({"cell_type": "markdown", "metadata": {}, "source": text})
+    return json.dumps(content).encode()
+
+
+def handed_in(text="", **answers):
+    return HandedIn(f"{LESSON.name}.ipynb", notebook(text, **answers))
+
+
+def for_ever():
+    for _ in itertools.count():
+        pass
+
+
+def in_a_pattern():
+    re.match("(a*)*b", "a" * 40)
+
+
+def fill_the_memory():
+    return [bytearray(2**24) for _ in range(1000)]
+
+
+def answer_at_length():
+    return "a" * (apart.LARGEST_REPLY + 1)
+
+
+def stop_its_process():
+    os.kill(os.getpid(), signal.SIGSTOP)
+
+
+def end_its_process():
+    os._exit(0)
+
+
+def wait():
+    time.sleep(1000)
+
+
+def fail():
+    raise RuntimeError("a fault of ours")
+
+
+@pytest.fixture
+def soon(monkeypatch):
+    """Small limits; the clock on the wall goes fast only where a test says so."""
+    monkeypatch.setattr(apart, "SECONDS", 1)
+    monkeypatch.setattr(apart, "MEGABYTES", 128)
+    monkeypatch.setattr(apart, "LARGEST_REPLY", 2**22)
+    return lambda: monkeypatch.setattr(apart, "PATIENCE", 2)
+
+
+@pytest.mark.parametrize(
+    ("work", "says"),
+    [
+        (for_ever, "more than 1 seconds"),
+        (in_a_pattern, "more than 1 seconds"),
+        (fill_the_memory, "more than 128 MB of memory"),
+        (answer_at_length, "more than 128 MB of memory"),
+    ],
+)
+def test_too_much_is_said_in_a_sentence(work, says, soon):
+    with pytest.raises(apart.TooMuch) as caught:
+        apart.apart("file.ipynb", work)
+    assert f"Reading file.ipynb takes {says}" in str(caught.value)
+    assert "hand it in again" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("work", "says"),
+    [
+        (stop_its_process, "no answer"),
+        (end_its_process, "no answer"),
+        (wait, "no answer"),
+        (fail, "RuntimeError: a fault of ours"),
+    ],
+)
+def test_what_is_no_fault_of_the_files_is_told_apart(work, says, soon):
+    soon()
+    with pytest.raises(apart.ReadingFailed, match=says):
+        apart.apart("file.ipynb", work)
+
+
+def test_nothing_is_left_behind(soon):
+    def open_files():
+        return sorted(os.listdir("/dev/fd"))
+
+    soon()
+    before = open_files()
+    for work in (for_ever, wait, fail, end_its_process):
+        with pytest.raises((apart.TooMuch, apart.ReadingFailed)):
+            apart.apart("file.ipynb", work)
+    assert open_files() == before
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def test_nobodys_files_are_held_open():
+    """Whoever waits for the end of what judges does not wait for what it began."""
+    reading, writing = os.pipe()
+    held = apart.apart("file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")])
+    os.close(reading)
+    os.close(writing)
+    assert not {reading, writing} & set(held)
+    assert len(held) <= 5
+
+
+def test_words_arrive_as_they_are():
+    for text in ("\udcff", "\U0001f697", "\0", "\u2028", "a" * 10**6):
+        assert apart.apart("file.ipynb", lambda text=text: text) == text
+    with pytest.raises(UnreadableNotebook, match="no file") as caught:
+        apart.apart("file.ipynb", lambda: preflight.prepare(HandedIn("x", b"", "no file"), LESSON))
+    assert type(caught.value) is UnreadableNotebook
+
+
+def test_the_judge_reads_what_is_shown():
+    given = handed_in("$a$ \udcff \U0001f697")
+    here, there = preflight.prepare(given, LESSON), preflight.prepare_to_judge(given, LESSON)
+    assert (there.code, there.notes, there.versions) == (here.code, here.notes, here.versions)
+    copy, complaint = autograded.copy_apart(given, LESSON)
+    assert (copy, complaint) == (autograded.build_copy(here), "")
+
+
+def hold_up(monkeypatch, module, name, work=for_ever):
+    """Let a function of ours have a hole that one text finds."""
+    right = getattr(module, name)
+
+    def holed(given, *others):
+        if HOSTILE in str(given):
+            return work()
+        return right(given, *others)
+
+    monkeypatch.setattr(module, name, holed)
+
+
+def test_who_holds_preflight_up_gets_a_verdict(soon, sandbox, monkeypatch):
+    hold_up(monkeypatch, preflight, "_defines")
+    verdict = judge_handed_in(handed_in(HOSTILE), SEED, sandbox)
+    assert (verdict.status, verdict.score) == (JUDGED, 0.0)
+    assert [*verdict.problems] == [said for said in verdict.problems if "more than 1 sec" in said]
+    assert len(verdict.problems) == 1
+
+
+def test_who_is_held_up_by_us_loses_nothing(soon, sandbox, monkeypatch):
+    hold_up(monkeypatch, preflight, "_defines", fail)
+    verdict = judge_handed_in(handed_in(HOSTILE), SEED, sandbox)
+    assert verdict.status == FAILED
+    assert "a fault of ours" in verdict.faults[0]
+
+
+@pytest.fixture
+def course(tmp_path):
+    """A class of two, of whom the first holds it up."""
+    made = Course(tmp_path / "course")
+    for student in ("mallory", "zoe"):
+        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True)
+        answer = "It runs in real time." + (HOSTILE if student == "mallory" else "")
+        path.write_bytes(notebook(write_up=answer))
+    return made
+
+
+def grade(course, sandbox, monkeypatch):
+    monkeypatch.setitem(commands.__dict__, "stages", lambda: [LESSON.stage])
+    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": Inline})
+    rehearsed(course, LESSON, SEED)
+    return commands.grade_course(course, [LESSON.stage], SEED, sandbox, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("module", "name", "score"), [(preflight, "_defines", 0.0), (autograded, "harmless", 25.0)]
+)
+def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypatch, capsys):
+    """In preflight it costs the points; where the copy is made, what people are shown."""
+    hold_up(monkeypatch, module, name)
+    status = grade(course, sandbox, monkeypatch)
+    said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
+    results = {result.student: result for result in class_results(course).notebooks}
+    assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
+    assert results["mallory"].waiting, "a person looks for what was written"
+    path = course.autograded / "mallory" / LESSON.stage / f"{LESSON.name}.ipynb"
+    copy = nbformat.read(path, as_version=4)
+    nbformat.validate(copy)
+    assert HOSTILE not in str(copy)
+    assert "Reading 12_streaming_obstacles.ipynb takes more than 1 seconds" in copy.cells[0].source
+    written = next(c for c in graded_cells(copy) if c.metadata.nbgrader.grade_id == "write_up")
+    assert "Look for the answer in the file itself" in written.source
+    verdict = read_verdict(course.verdicts / "mallory" / LESSON.stage / f"{LESSON.name}.json")
+    assert (verdict.status, verdict.score) == (JUDGED, score)
+    if score:
+        assert status == commands.FAULT
+        assert "mallory, stage4_realtime: its points are entered, and its copy" in said
+    else:
+        assert status == commands.GOOD
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "fill",
+    [
+        lambda size: b"{" + b",".join(b'"%07x":1' % n for n in range(size // 11)) + b"}",
+        lambda size: b'"' + "\U0001f697".encode() + b"abcd" * (size // 4) + b'"',
+    ],
+)
+def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
+    data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
+    data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
+    given = HandedIn(f"{LESSON.name}.ipynb", data)
+    before = resident()
+    try:
+        assert preflight.prepare_to_judge(given, LESSON).code == ("x = 1",)
+    except apart.TooMuch as error:
+        assert "memory" in str(error)
+    assert resident() - before < 2**23, "what reading takes is gone afterwards"
+
+
+def resident():
+    """Bytes of memory that this process has."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
