@@ -21,6 +21,7 @@ from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 
 LESSON = find_lesson("12_streaming_obstacles")
 MOST = 2.5  # times the processor's time for twice the text
+TRIES = 3
 SHORTEST = 0.04  # seconds, below which nothing is measured
 LARGEST = 400_000  # characters, that take no longer than that: fast enough
 
@@ -96,8 +97,12 @@ def assert_linear(material, work, size=12_500):
         size *= 2
         seconds = seconds_for(size)
     if seconds >= SHORTEST:
-        twice = seconds_for(2 * size)
-        assert twice < MOST * seconds, f"{seconds:.3f} s for {size}, {twice:.3f} s for twice that"
+        # A busy machine spoils one measurement, but not all: a square stays a square.
+        found = [(seconds, seconds_for(2 * size))]
+        while found[-1][1] >= MOST * found[-1][0] and len(found) < TRIES:
+            found.append((seconds_for(size), seconds_for(2 * size)))
+        once, twice = found[-1]
+        assert twice < MOST * once, f"{once:.3f} s for {size}, {twice:.3f} s for twice that"
 
 
 def text(letters, size):
