@@ -47,7 +47,7 @@ TESTS = {
     "grader/judging/results.py": ("test_rules.py",),
     "grader/judging/followed.py": ("test_rules.py",),
     "grader/judging/asking.py": ("test_asking.py",),
-    "grader/judging/trial.py": ("test_asking.py",),
+    "grader/judging/trial.py": ("test_asking.py", "test_rules.py"),
     "grader/judging/judge.py": ("test_rules.py",),
     "grader/judging/key.py": ("test_key.py",),
     "grader/judging/verdict.py": ("test_rules.py",),
@@ -56,7 +56,7 @@ TESTS = {
     "grader/intake/handed_in.py": ("test_handed_in.py",),
     "grader/intake/notebook.py": ("test_handed_in.py",),
     "grader/intake/preflight.py": ("test_rules.py", "test_preflight.py"),
-    "grader/lms/gradebook.py": ("test_rules.py",),
+    "grader/lms/gradebook.py": ("test_gradebook.py", "test_rules.py"),
     "grader/classroom/grade.py": ("test_rules.py", "test_faults.py"),
 }
 
@@ -107,7 +107,7 @@ class Mutant:
         return hashlib.sha256(f"{self.module} {self.source}".encode()).hexdigest()
 
     def __str__(self) -> str:
-        return f"{self.module}\n- {self.before}\n+ {self.after}"
+        return f"{self.module}\n- {self.before}\n+ {self.after}".rstrip()
 
 
 class _Bare(ast.NodeTransformer):
@@ -155,7 +155,7 @@ def _difference(source: str, changed: str) -> tuple[str, str]:
         if kind != "equal":
             before += lines[0][a:b]
             after += lines[1][c:d]
-    return tuple(" ".join(map(str.strip, part)) for part in (before, after))
+    return tuple(" ".join(" ".join(part).split()) for part in (before, after))
 
 
 class _Changed(importlib.machinery.SourceFileLoader):
@@ -260,9 +260,9 @@ def equivalent() -> set[str]:
     """The mutants in `EQUIVALENT`, each as `str` gives it."""
     found, module, before = set(), "", ""
     for line in EQUIVALENT.read_text("utf-8").splitlines():
-        if line.startswith("- "):
+        if line.startswith("-"):
             before = line
-        elif line.startswith("+ "):
+        elif line.startswith("+"):
             found.add(f"{module}\n{before}\n{line}")
         elif line.startswith("grader/"):
             module = line

@@ -128,8 +128,16 @@ def test_a_file_of_tests_that_cannot_be_asked_is_our_fault(made, hidden, says):
 def test_what_was_collected_and_never_asked_is_our_fault(made, monkeypatch):
     monkeypatch.setattr(asking, "_OPTIONS", (*asking._OPTIONS, "--maxfail=1"))
     failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
-    with pytest.raises(JudgeFault, match="pytest ran 1 of 2 tests in test_06_made_here.py"):
-        run_tests(made(failing), Nobody(), SEED)
+    three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
+    with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in test_06_made_here.py"):
+        run_tests(made(three), Nobody(), SEED)
+
+
+def test_a_file_of_tests_that_is_not_there_is_our_fault(made):
+    lesson = made()
+    lesson.tests.unlink()
+    with pytest.raises(JudgeFault, match="pytest ran 0 of 0 tests"):
+        run_tests(lesson, Nobody(), SEED)
 
 
 def test_a_test_that_cannot_be_set_up_has_failed_and_so_has_one_that_is_skipped(made):
@@ -325,6 +333,15 @@ def test_each_wrong_exercise_is_explained_once(asked_once):
     assert (asked.problems, asked.uses, asked.starved) == (("a cell",), {"f": ("g",)}, True)
     assert asked.fault == "" and seen.closed == [None]
     assert [one.check.name for one in asked.about("f")] == ["a", "b", "c"]
+    assert [one.check.name for one in asked.about("g")] == ["d"]
+
+
+def test_what_is_said_about_an_exercise_is_found_by_its_name():
+    """Which is one text in the notebook, and another in a test."""
+    outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
+    asked = trial.Asked(tuple(outcomes))
+    assert asked.about("".join(("voxel", "_grid"))) == outcomes
+    assert not asked.starved and asked.fault == ""
 
 
 def test_what_nothing_explains_is_asked_for_once_and_has_no_mistake(asked_once):

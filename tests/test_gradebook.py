@@ -1,0 +1,646 @@
+"""What the gradebook says is what the verdicts say: entered, compared, mended and withdrawn."""
+
+import dataclasses
+import datetime
+import json
+import os
+import shutil
+from types import SimpleNamespace
+
+import pytest
+from nbgrader.api import MissingEntry
+
+from grader.classroom.submissions import find_submissions
+from grader.course import paths
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.course.variants import fill_in
+from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
+from grader.lms import gradebook
+from grader.lms.gradebook import GradebookTrouble, enter
+
+GROUND = find_lesson("06_filter_ground")
+DISTANCE = find_lesson("07_filter_by_distance")
+STREAM = find_lesson("12_streaming_obstacles")
+STAGE = GROUND.stage
+# Of each student what each exercise earns, by lesson; nothing round.
+EARNED = {
+    "ada": {GROUND: (3.25, 8.5), DISTANCE: (11.75, 2.0, 4.5)},
+    "bob": {DISTANCE: (19.5, 0.0, 1.25)},
+}
+
+
+def hand_in(course, student, lesson, text=""):
+    path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(fill_in(lesson, {}) + text, "utf-8")
+
+
+def verdict_on(course, submission, earned, **more):
+    exercises = tuple(
+        ExerciseResult(exercise.name, score, exercise.points, ())
+        for exercise, score in zip(submission.lesson.machine_graded, earned, strict=True)
+    )
+    about = {
+        "status": JUDGED,
+        "key": f"of {submission.student} {earned}",
+        "fingerprint": submission.read(course).fingerprint(),
+    } | more
+    return Verdict(
+        lesson=submission.lesson.name,
+        student=submission.student,
+        score=sum(earned),
+        max_score=sum(exercise.max_score for exercise in exercises),
+        exercises=exercises,
+        problems=(),
+        seconds=0.0,
+        **about,
+    )
+
+
+def verdicts(course, earned=EARNED, **more):
+    """(submission, verdict) of everything that was handed in and is to be entered."""
+    return [
+        (one, verdict_on(course, one, earned[one.student][one.lesson], **more))
+        for one in find_submissions(course)
+        if one.lesson in earned.get(one.student, {})
+    ]
+
+
+def quiet(done, total, student):
+    """Report no progress."""
+
+
+def make_course(root):
+    """A course that has released two lessons of a stage; two students handed in."""
+    course = Course(root)
+    (course.released / STAGE).mkdir(parents=True)
+    for lesson in (GROUND, DISTANCE):
+        shutil.copy(lesson.released, course.released / STAGE)
+    for student, lessons in EARNED.items():
+        for lesson in lessons:
+            hand_in(course, student, lesson)
+    paths._folder.cache_clear()
+    return course
+
+
+@pytest.fixture
+def course(tmp_path):
+    return make_course(tmp_path / "course")
+
+
+@pytest.fixture(scope="module")
+def entered_once(tmp_path_factory):
+    made = make_course(tmp_path_factory.mktemp("entered") / "course")
+    enter(made, verdicts(made), [STAGE], quiet)
+    return made.root
+
+
+@pytest.fixture
+def entered(entered_once, tmp_path):
+    """The same course, and its two students in the gradebook."""
+    shutil.copytree(entered_once, tmp_path / "course")
+    paths._folder.cache_clear()
+    return Course(tmp_path / "course")
+
+
+def marks(course):
+    """What each cell earned of what it may, by student and cell."""
+    with gradebook.open_gradebook(course) as book:
+        return {
+            (submission.student.id, grade.name): (grade.auto_score, grade.max_score)
+            for assignment in book.assignments
+            for submission in assignment.submissions
+            for notebook in submission.notebooks
+            for grade in notebook.grades
+        }
+
+
+def expected_marks(earned=EARNED):
+    """The same, as the verdicts say; 0 for what was not handed in."""
+    return {
+        (student, exercise.cell): (score, exercise.points)
+        for student, lessons in earned.items()
+        for lesson in (GROUND, DISTANCE)
+        for exercise, score in zip(
+            lesson.machine_graded,
+            lessons.get(lesson, [0.0] * len(lesson.machine_graded)),
+            strict=True,
+        )
+    }
+
+
+# ---- entering -----------------------------------------------------------------------------------
+
+
+def test_what_is_entered_is_what_was_judged(course):
+    told = []
+    assert enter(course, verdicts(course), [STAGE], lambda *news: told.append(news)) is None
+    assert marks(course) == expected_marks()
+    assert told == [(1, 2, "ada"), (2, 2, "bob")]
+    results = gradebook.class_results(course)
+    assert [(one.student, one.lesson, one.score) for one in results.notebooks] == [
+        ("ada", GROUND.name, 11.75),
+        ("ada", DISTANCE.name, 18.25),
+        ("bob", GROUND.name, 0.0),
+        ("bob", DISTANCE.name, 20.75),
+    ]
+    assert {(one.stage, one.max_score) for one in results.notebooks} == {(STAGE, 30.0)}
+    assert not any(one.waiting for one in results.notebooks) and results.penalties == {}
+
+
+def inode(course, student="ada"):
+    """Of the folder of copies: another one when it was written again."""
+    return (course.autograded / student / STAGE).stat().st_ino
+
+
+def test_what_is_there_is_not_written_again(entered):
+    before = [inode(entered, student) for student in EARNED]
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert [inode(entered, student) for student in EARNED] == before
+
+
+def test_of_who_is_judged_anew_the_marks_are_new(entered):
+    before = inode(entered, "bob")
+    hand_in(entered, "ada", GROUND, " ")
+    earned = EARNED | {"ada": {GROUND: (10.0, 0.25), DISTANCE: (11.75, 2.0, 4.5)}}
+    enter(entered, verdicts(entered, earned), [STAGE], quiet)
+    assert marks(entered) == expected_marks(earned)
+    assert inode(entered, "bob") == before
+
+
+def test_who_judging_failed_on_is_not_entered_and_stays_as_before(entered):
+    judged = verdicts(entered)
+    failed = dataclasses.replace(judged[0][1], status=FAILED, score=0.0)
+    hand_in(entered, "bob", DISTANCE, " ")
+    earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
+    judged = [(judged[0][0], failed), *verdicts(entered, earned)[1:]]
+    with pytest.raises(GradebookTrouble) as trouble:
+        enter(entered, judged, [STAGE], quiet)
+    (sentence,) = str(trouble.value).splitlines()[1:]
+    where = entered.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
+    assert sentence == (
+        f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}; see {where}"
+    )
+    assert marks(entered) == expected_marks(earned)
+
+
+def test_what_was_replaced_since_it_was_judged_is_not_entered(entered):
+    earned = EARNED | {"ada": {GROUND: (0.0, 0.0), DISTANCE: (0.0, 0.0, 0.0)}}
+    judged = verdicts(entered, earned)
+    hand_in(entered, "ada", GROUND, " ")
+    with pytest.raises(GradebookTrouble) as trouble:
+        enter(entered, judged, [STAGE], quiet)
+    (sentence,) = str(trouble.value).splitlines()[1:]
+    assert "was replaced after it was judged" in sentence
+    assert marks(entered) == expected_marks()
+
+
+def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_half_done(
+    course, monkeypatch
+):
+    right, tries = gradebook._save, []
+
+    def fail(notebook, *about):
+        right(notebook, *about)
+        tries.append(notebook)
+        if len(tries) == 2:  # of two notebooks of ada's the first was written
+            raise ValueError("no")
+
+    monkeypatch.setattr(gradebook, "_save", fail)
+    with pytest.raises(GradebookTrouble) as trouble:
+        enter(course, verdicts(course), [STAGE], quiet)
+    assert str(trouble.value).splitlines() == [
+        "The gradebook does not hold everything:",
+        f"ada, {STAGE}: ValueError: no",
+        f"ada, {STAGE}: it is not in the gradebook",
+    ]
+    assert {student for student, _ in marks(course)} == {"bob"}
+    assert not (course.autograded / "ada" / STAGE).exists()
+    enter(course, verdicts(course), [STAGE], quiet)
+    assert marks(course) == expected_marks()
+
+
+def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
+    def kill(*about):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(gradebook, "_save", kill)
+    with pytest.raises(KeyboardInterrupt):
+        enter(course, verdicts(course), [STAGE], quiet)
+    assert marks(course) == {}
+
+
+# ---- what is different --------------------------------------------------------------------------
+
+
+def found_in(course, entry=None):
+    """The differences between the gradebook and the verdicts on ada."""
+    entry = entry or gradebook.Entry("ada", STAGE, tuple(verdicts(course)[:2]))
+    late = gradebook._late_penalties(course)
+    with gradebook.open_gradebook(course) as book:
+        return gradebook.differences(course, book, entry, late)
+
+
+def alter(course, change):
+    """Change something of ada's in the gradebook, as nbgrader or a person might."""
+    with gradebook.open_gradebook(course) as book:
+        change(book.find_submission(STAGE, "ada"))
+        book.db.commit()
+
+
+def grade_of(submission, exercise):
+    return next(
+        grade
+        for notebook in submission.notebooks
+        for grade in notebook.grades
+        if grade.name == f"test_{exercise}"
+    )
+
+
+def change_score(by):
+    def change(submission):
+        grade_of(submission, "voxel_grid").auto_score += by
+
+    return change
+
+
+def change_worth(by):
+    def change(submission):
+        grade_of(submission, "voxel_grid").cell.max_score += by
+
+    return change
+
+
+def set_penalty(to):
+    def change(submission):
+        (notebook,) = (one for one in submission.notebooks if one.name == GROUND.name)
+        notebook.late_submission_penalty = to
+
+    return change
+
+
+def set_time(submission):
+    submission.timestamp = datetime.datetime(2026, 3, 1, 12)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda submission: None, None),
+        (change_score(1.0), f"{GROUND.name}: test_voxel_grid has 9.5 points, judged were 8.5"),
+        (change_score(-0.01), "test_voxel_grid has 8.49 points, judged were 8.5"),
+        (change_score(1e-9), None),
+        (change_worth(0.01), "test_voxel_grid is worth 20.01 points, not 20.0"),
+        (change_worth(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
+        (set_penalty(0.01), f"ada, {STAGE}, {GROUND.name}: the penalty for lateness is another"),
+        (set_penalty(0.0), None),
+        (set_time, f"ada, {STAGE}: the gradebook has another time of submission"),
+    ],
+)
+def test_every_difference_is_named_and_mended(entered, change, says):
+    alter(entered, change)
+    found = found_in(entered)
+    assert len(found) == (says is not None)
+    assert all(sentence.endswith(says) for sentence in found)
+    before = inode(entered)
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert found_in(entered) == []
+    assert marks(entered) == {
+        cell: (pytest.approx(score, abs=1e-8), most)
+        for cell, (score, most) in expected_marks().items()
+    }
+    # What a cell is worth is mended with the release, before anybody is entered.
+    assert (inode(entered) == before) == (says is None or "is worth" in says)
+
+
+def test_points_for_what_was_not_handed_in_are_a_difference(entered):
+    entry = gradebook.Entry("bob", STAGE, tuple(verdicts(entered)[2:]))
+    assert found_in(entered, entry) == []
+    with gradebook.open_gradebook(entered) as book:
+        grade_of(book.find_submission(STAGE, "bob"), "filter_ground").auto_score = 0.5
+        book.db.commit()
+    (sentence,) = found_in(entered, entry)
+    assert sentence.endswith("test_filter_ground has 0.5 points, judged were 0.0")
+
+
+def test_who_is_not_in_the_gradebook_is_named(entered):
+    entry = gradebook.Entry("eve", STAGE, ())
+    assert found_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
+    (submission, verdict), _ = verdicts(entered)[:2]
+    later = dataclasses.replace(submission, lesson=STREAM)
+    other = dataclasses.replace(verdict, lesson=STREAM.name)
+    judged = (*verdicts(entered)[:2], (later, other))
+    assert found_in(entered, gradebook.Entry("ada", STAGE, judged)) == [
+        f"ada, {STAGE}, {STREAM.name}: it is not in the gradebook"
+    ]
+
+
+@pytest.mark.parametrize(
+    "content", [None, "{", "[]", "{}", '{"metadata": 7}', '{"metadata": {"verdict_key": "x"}}']
+)
+def test_a_copy_that_is_not_of_this_verdict_is_made_again(entered, content):
+    path = entered.autograded / "ada" / STAGE / f"{DISTANCE.name}.ipynb"
+    path.unlink()
+    if content is not None:
+        path.write_text(content)
+    (sentence,) = found_in(entered)
+    assert sentence == f"ada, {STAGE}, {DISTANCE.name}: the autograded copy is of another verdict"
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert found_in(entered) == []
+    assert json.loads(path.read_text())["metadata"]["verdict_key"]
+
+
+# ---- the release --------------------------------------------------------------------------------
+
+
+def registered(course):
+    with gradebook.open_gradebook(course) as book:
+        trouble = gradebook.register(course, book, [STAGE])
+        return trouble, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
+
+
+def test_lessons_that_are_released_are_registered_and_no_others(course):
+    assert registered(course) == ([], {GROUND.name, DISTANCE.name})
+    shutil.rmtree(course.released)  # then all there are
+    _, names = registered(course)
+    assert len(names) == 4 and "08_bounding_boxes" in names
+    assert not (course.root / "notebooks").exists()  # the release is only read
+
+
+@pytest.mark.parametrize("what", ["points", "checksum", "solution", "name"])
+def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
+    course, monkeypatch, what
+):
+    registered(course)
+    saved = []
+    right = gradebook.SaveCells.preprocess
+
+    def save(self, notebook, about):
+        saved.append(about["nbgrader"]["notebook"])
+        return right(self, notebook, about)
+
+    monkeypatch.setattr(gradebook.SaveCells, "preprocess", save)
+    assert registered(course)[0] == saved == []
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_notebook(GROUND.name, STAGE)
+        if what == "points":
+            notebook.grade_cells[0].max_score += 1
+        elif what == "checksum":
+            notebook.source_cells[1].checksum = "another"
+        elif what == "solution":
+            book.db.delete(notebook.solution_cells[0])
+        else:
+            notebook.grade_cells[0].name = "test_another"
+        book.db.commit()
+    assert registered(course)[0] == [] and GROUND.name in saved
+    saved.clear()
+    assert registered(course)[0] == saved == []
+
+
+def test_cells_that_nbgrader_refuses_to_change_are_named(entered, monkeypatch):
+    def refuse(self, notebook, about):
+        raise RuntimeError("submissions exist")
+
+    monkeypatch.setattr(gradebook, "_is_registered", lambda *about: False)
+    monkeypatch.setattr(gradebook.SaveCells, "preprocess", refuse)
+    trouble, _ = registered(entered)
+    assert [sentence.partition(":")[0] for sentence in trouble] == [GROUND.name, DISTANCE.name]
+    assert trouble[0].endswith("nbgrader refuses to change them: submissions exist")
+
+
+# ---- withdrawn ----------------------------------------------------------------------------------
+
+
+def test_what_is_withdrawn_is_taken_out_and_no_other(entered):
+    judged = verdicts(entered)
+    enter(entered, judged, ["stage1_ransac"], quiet)  # of another stage
+    enter(entered, judged[:2], [STAGE], quiet)
+    assert {student for student, _ in marks(entered)} == {"ada"}
+    assert not (entered.autograded / "bob" / STAGE).exists()
+    assert (entered.autograded / "ada" / STAGE).is_dir()
+    enter(entered, [], [], quiet)  # nothing was graded
+    assert {student for student, _ in marks(entered)} == {"ada"}
+
+
+def test_marks_of_a_person_are_never_taken_out(entered):
+    with gradebook.open_gradebook(entered) as book:
+        grade_of(book.find_submission(STAGE, "ada"), "voxel_grid").manual_score = 0.0
+        book.db.commit()
+    with pytest.raises(GradebookTrouble) as trouble:
+        enter(entered, [], ["stage1_ransac", STAGE], quiet)
+    (sentence,) = str(trouble.value).splitlines()[1:]
+    assert sentence.startswith(f"ada, {STAGE}: nothing is handed in any more")
+    assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
+    assert {student for student, _ in marks(entered)} == {"ada"}  # and bob is out
+    assert (entered.autograded / "ada" / STAGE).is_dir()
+
+
+# ---- time ---------------------------------------------------------------------------------------
+
+LATE = """
+c = get_config()
+c.AssignLatePenalties.plugin_class = "grader.lms.late.PercentPerDay"
+c.PercentPerDay.percent = 10
+"""
+
+
+def set_due(course, hour):
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate=f"2026-03-01 {hour}:00:00")
+
+
+@pytest.mark.parametrize(
+    ("hour", "penalties"),
+    [("13", {}), ("12", {}), ("11", {("ada", STAGE): pytest.approx(3.0)})],
+)
+def test_who_is_late_loses_what_the_course_says(entered, hour, penalties):
+    (entered.root / "nbgrader_config.py").write_text(LATE)
+    when = entered.submitted / "ada" / STAGE / "timestamp.txt"
+    when.write_text("2026-03-01 13:00:00 CET\n")
+    set_due(entered, hour)
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert gradebook.class_results(entered).penalties == penalties
+    with gradebook.open_gradebook(entered) as book:
+        assert book.find_submission(STAGE, "ada").timestamp.hour == 12
+        assert book.find_submission(STAGE, "bob").timestamp is None
+    assert found_in(entered) == []
+    set_due(entered, "14")  # somebody is kind
+    assert len(found_in(entered)) == 2 * len(penalties)
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert gradebook.class_results(entered).penalties == {}
+
+
+def test_without_a_penalty_nobody_loses_anything(entered):
+    (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
+    set_due(entered, "11")
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert gradebook.class_results(entered).penalties == {}
+
+
+@pytest.mark.parametrize("text", [b"yesterday", b"\xff\xfe", b"9" * 400])
+def test_a_time_that_cannot_be_read_is_named_and_the_work_is_in_time(entered, text):
+    when = entered.submitted / "ada" / STAGE / "timestamp.txt"
+    when.write_bytes(text)
+    with pytest.raises(GradebookTrouble, match=f"ada, {STAGE}: timestamp.txt does not say a time"):
+        enter(entered, verdicts(entered), [STAGE], quiet)
+    assert marks(entered) == expected_marks()
+    when.write_text(" \n")  # says nothing, which is no mistake
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert found_in(entered) == []
+
+
+# ---- files --------------------------------------------------------------------------------------
+
+
+def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
+    place = course.submitted / "ada" / STAGE
+    (place / "figures").mkdir()
+    (place / "figures" / "street.txt").write_text("a picture")
+    (place / "helper.py").write_text("x = 1")
+    for hidden in (".ipynb_checkpoints", "__pycache__"):
+        (place / hidden).mkdir()
+        (place / hidden / "old.txt").write_text("old")
+    (place / ".hidden").write_text("hidden")
+    (place / "essay.ipynb").write_text("{}")
+    (course.root / "secret.txt").write_text("secret")
+    (place / "link.txt").symlink_to(course.root / "secret.txt")
+    os.mkfifo(place / "pipe.txt")
+    enter(course, verdicts(course), [STAGE], quiet)
+    copies = course.autograded / "ada" / STAGE
+    files = {str(path.relative_to(copies)): path for path in copies.rglob("*") if path.is_file()}
+    assert set(files) == {
+        *(f"{GROUND.name}.ipynb", f"{DISTANCE.name}.ipynb"),
+        *("helper.py", os.path.join("figures", "street.txt")),
+    }
+    assert {path.stat().st_mode & 0o777 for path in files.values()} == {0o444}
+    assert files["helper.py"].read_text() == "x = 1"
+    assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no draft, no old one
+    (place / "helper.py").unlink()
+    enter(course, verdicts(course, key="another"), [STAGE], quiet)
+    assert not files["helper.py"].exists() and files[f"{GROUND.name}.ipynb"].exists()
+
+
+def test_what_a_killed_run_left_is_cleared_away(entered):
+    for name in (f".{STAGE}.part", f".{STAGE}.old"):
+        (entered.autograded / "ada" / name).mkdir()
+        (entered.autograded / "ada" / name / "stray.txt").write_text("stray")
+    enter(entered, verdicts(entered, key="another"), [STAGE], quiet)
+    assert [path.name for path in (entered.autograded / "ada").iterdir()] == [STAGE]
+    assert not (entered.autograded / "ada" / STAGE / "stray.txt").exists()
+
+
+# ---- one transaction ----------------------------------------------------------------------------
+
+
+class Session(SimpleNamespace):
+    """What was asked of a database."""
+
+    def __init__(self):
+        super().__init__(asked=[])
+
+    def flush(self):
+        self.asked.append("flush")
+
+    def rollback(self):
+        self.asked.append("rollback")
+
+    def commit(self):
+        self.asked.append("commit")
+
+
+def test_what_nbgrader_commits_step_by_step_is_committed_at_the_end():
+    session = Session()
+    with gradebook._one_transaction(SimpleNamespace(db=lambda: session)):
+        session.commit()
+        session.commit()
+        assert session.asked == ["flush", "flush"]
+    session.commit()
+    assert session.asked == ["flush", "flush", "commit", "commit"]
+
+
+@pytest.mark.parametrize("error", [ValueError("no"), KeyboardInterrupt()])
+def test_or_not_at_all(error):
+    session = Session()
+    with (
+        pytest.raises(type(error)),
+        gradebook._one_transaction(SimpleNamespace(db=lambda: session)),
+    ):
+        session.commit()
+        raise error
+    session.commit()
+    assert session.asked == ["flush", "rollback", "commit"]
+
+
+# ---- written answers ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def written(tmp_path):
+    """A course of lesson 12, where a person grades; and a function that enters an answer."""
+    course = Course(tmp_path / "course")
+    (course.released / STREAM.stage).mkdir(parents=True)
+    shutil.copy(STREAM.released, course.released / STREAM.stage)
+    path = course.submitted / "ada" / STREAM.stage / f"{STREAM.name}.ipynb"
+    path.parent.mkdir(parents=True)
+    paths._folder.cache_clear()
+
+    def enter_answer(text):
+        path.write_text(fill_in(STREAM, {"write_up": text} if text else {}), "utf-8")
+        (submission,) = find_submissions(course)
+        earned = [1.25] * len(STREAM.machine_graded)
+        verdict = verdict_on(course, submission, earned)
+        verdict = dataclasses.replace(verdict, key=f"of {text}")
+        enter(course, [(submission, verdict)], [STREAM.stage], quiet)
+
+    return course, enter_answer
+
+
+def about_answer(course, manual_score=None):
+    """(mark, whether it waits for a person, comment on an answer); and give it a mark."""
+    with gradebook.open_gradebook(course) as book:
+        grade = book.find_grade("write_up", STREAM.name, STREAM.stage, "ada")
+        comment = book.find_comment("write_up", STREAM.name, STREAM.stage, "ada")
+        if manual_score is not None:
+            grade.manual_score, grade.needs_manual_grade = manual_score, False
+            book.db.commit()
+        return grade.manual_score, grade.needs_manual_grade, comment.auto_comment
+
+
+def test_a_mark_is_for_the_answer_that_was_read(written):
+    course, enter_answer = written
+    enter_answer("It finds 14 of 17 cars.")
+    assert about_answer(course) == (None, True, None)
+    assert gradebook.class_results(course).notebooks[0].waiting
+    about_answer(course, 7.5)
+    (course.autograded / "ada" / STREAM.stage / f"{STREAM.name}.ipynb").unlink()
+    enter_answer("It finds 14 of 17 cars.")  # the same again
+    assert about_answer(course) == (7.5, False, None)
+    enter_answer("It finds 15 of 17 cars.")
+    assert about_answer(course) == (7.5, True, None)
+
+
+def test_of_an_answer_that_was_not_given_the_comment_says_so(written):
+    course, enter_answer = written
+    enter_answer("")
+    assert about_answer(course)[2] == "No response."
+    assert gradebook.class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
+    enter_answer("It finds 14 of 17 cars.")
+    assert about_answer(course)[2] is None
+
+
+# ---- where it is --------------------------------------------------------------------------------
+
+
+def test_where_the_gradebook_is_is_said_without_a_password(course):
+    assert gradebook.address(course) == str(course.root / "gradebook.db")
+    (course.root / "nbgrader_config.py").write_text(
+        "c = get_config()\n"
+        "c.CourseDirectory.db_url = 'postgresql+pg8000://teacher:secret@host/grades'\n"
+    )
+    assert gradebook.address(course) == "postgresql+pg8000://teacher:***@host/grades"
+
+
+def test_a_student_who_handed_in_nothing_is_not_there(entered):
+    with gradebook.open_gradebook(entered) as book, pytest.raises(MissingEntry):
+        book.find_submission(STAGE, "eve")
