@@ -1,7 +1,8 @@
 """Hidden tests of lesson 06. Titles and hints are shown to students; the code is not.
 
 Each looks at one property: no point lies at the ground level or at the border of a cell, most
-look at places only, and only `test_voxels_all_around` has cells on both sides of zero.
+look at places only, only `test_voxels_all_around` has cells on both sides of zero, and only
+`test_voxel_borders` has points in the upper halves of cells.
 """
 
 import numpy as np
@@ -57,7 +58,7 @@ def test_course_cloud(student):
     "filter_ground",
     weight=4,
     title="Right on a street you have not seen",
-    hint="Nothing about one particular cloud may stand in the function.",
+    hint="On every street the rows with z >= ground_level are what is left.",
 )
 def test_fresh_street(student, seed):
     assert_ground_removed(student, samples.fresh_street(seed)[::5])
@@ -67,7 +68,7 @@ def test_fresh_street(student, seed):
     "filter_ground",
     weight=3,
     title="Right at levels you have not seen",
-    hint="The level comes from the parameter ground_level and from nowhere else.",
+    hint="The rows with z >= ground_level are what is left, whatever the level is.",
 )
 def test_other_levels(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 2000)
@@ -90,7 +91,7 @@ def test_columns(student, seed):
     "filter_ground",
     weight=2,
     title="The order of the rows stays, whatever it was",
-    hint="A mask keeps the order by itself: sort nothing.",
+    hint="A mask keeps the order by itself.",
 )
 def test_order(student, seed):
     patch = without_ties(samples.patch_of_course_cloud(seed, 500), -1.2)
@@ -133,17 +134,25 @@ def test_small(student, seed):
     "filter_ground",
     weight=2,
     title="Never writes into the array that it is given",
-    hint="Work on a copy, or index with a mask.",
+    hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
 )
 def test_input(student, seed):
     assert_filters(student.filter_ground)
     assert_untouched(student.filter_ground, samples.patch_of_course_cloud(seed, 200), -1.2)
 
 
-def clear_of_borders(cloud, size):
-    """Rows that lie away from the borders of cells."""
+def clear_of_borders(cloud, size, highest=1 - 1e-3):
+    """Rows that lie away from the borders of cells, and in the lower part of them."""
     offset = cloud[:, :3] / size % 1.0
-    return cloud[((offset > 1e-3) & (offset < 1 - 1e-3)).all(axis=1)]
+    return cloud[((offset > 1e-3) & (offset < highest)).all(axis=1)]
+
+
+def in_lower_halves(cloud, size):
+    """Rows whose cells are the same for whoever rounds, or begins at the lowest of them."""
+    cloud = clear_of_borders(cloud, size, 0.45)
+    lowest = cloud[:1].copy()
+    lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size
+    return np.vstack([cloud, lowest])
 
 
 def one_corner(cloud, seed):
@@ -159,25 +168,24 @@ def evenly_lit(cloud):
 
 
 def assert_thinned(student, cloud, size):
-    """Compare with plain Python, away from the borders of cells."""
-    cloud = clear_of_borders(cloud, size)
+    """Compare with plain Python."""
+    cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)
 
 
 def assert_counted(student, cloud, size):
     """Compare the number of cells alone."""
-    cloud = clear_of_borders(cloud, size)
+    cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_cells(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
 
 
 @hidden(
     "voxel_grid",
-    weight=8,
+    weight=11,
     title="Right on a quarter of the course's own scan",
-    hint="Print how many points are left for cells of 1 m: too many means that points of one "
-    "cell were not merged.",
+    hint="There is one row for each occupied cell: the mean of its points.",
 )
 def test_voxels_of_course_cloud(student, seed):
     cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed)
@@ -186,9 +194,9 @@ def test_voxels_of_course_cloud(student, seed):
 
 @hidden(
     "voxel_grid",
-    weight=8,
+    weight=11,
     title="Right on a quarter of a street that you have not seen",
-    hint="Nothing about one particular cloud may stand in the function.",
+    hint="On every street there is one row for each occupied cell: the mean of its points.",
 )
 def test_voxels_of_fresh_street(student, seed):
     cloud = one_corner(samples.obstacles_of_street(seed, 9000), seed)
@@ -197,9 +205,9 @@ def test_voxels_of_fresh_street(student, seed):
 
 @hidden(
     "voxel_grid",
-    weight=3,
+    weight=5,
     title="As many points as cells, for sizes that you have not seen",
-    hint="The size comes from the parameter voxel_size and from nowhere else.",
+    hint="Cells are voxel_size wide, whatever the size is.",
 )
 @pytest.mark.parametrize("size", [0.35, 1.1])
 def test_voxel_sizes(student, seed, size):
@@ -211,7 +219,7 @@ def test_voxel_sizes(student, seed, size):
     "voxel_grid",
     weight=3,
     title="As many points as cells all around the sensor, above and below it",
-    hint="Rounding towards zero glues the cells on both sides of the sensor together: np.floor.",
+    hint="On both sides of zero the cell is floor(xyz / voxel_size).",
 )
 def test_voxels_all_around(student, seed):
     assert_counted(student, evenly_lit(samples.obstacles_of_street(seed, 6000)), 0.2)
@@ -219,14 +227,28 @@ def test_voxels_all_around(student, seed):
 
 @hidden(
     "voxel_grid",
-    weight=2,
+    weight=3,
+    title="Cells begin at multiples of voxel_size, wherever the points lie",
+    hint="The cell is floor(xyz / voxel_size).",
+)
+def test_voxel_borders(student, seed):
+    assert_thins(student.voxel_grid)
+    cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 9000), seed))
+    cloud = clear_of_borders(cloud, 0.2)
+    answer = student.voxel_grid(cloud.copy(), 0.2)
+    assert_cells(answer, cloud, len(samples.voxel_centroids(cloud, 0.2)), 0.2)
+
+
+@hidden(
+    "voxel_grid",
+    weight=3,
     title="Averages the intensity as it averages the coordinates",
-    hint="Sum whole rows, not only the coordinates, and divide each by its own count.",
+    hint="The mean of a cell is one of whole rows: all columns.",
 )
 def test_voxels_average_the_intensity(student, seed):
     # So dim that all intensities are in one cell, for whoever takes them for a place.
     cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
-    cloud = clear_of_borders(cloud, 0.2)
+    cloud = in_lower_halves(cloud, 0.2)
     expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)
     with needs("there is one point per occupied cell, the mean of its points"):
         assert_centroids(answer, cloud, expected, 0.2)
@@ -235,9 +257,9 @@ def test_voxels_average_the_intensity(student, seed):
 
 @hidden(
     "voxel_grid",
-    weight=3,
+    weight=4,
     title="The same cells whatever the intensities",
-    hint="Compute the cells from cloud[:, :3] alone.",
+    hint="x, y and z alone decide about the cell.",
 )
 def test_voxels_of_bright_points(student, seed):
     assert_thins(student.voxel_grid)
@@ -254,19 +276,24 @@ def test_voxels_of_bright_points(student, seed):
 )
 def test_voxels_of_other_clouds(student, seed):
     assert_thins(student.voxel_grid)
-    cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 6000), seed))
-    assert_counted(student, cloud[:, :3], 0.2)
-    assert_counted(student, np.asfortranarray(cloud), 0.2)
-    assert_counted(student, cloud.astype(np.float32), 0.2)
-    assert_counted(student, cloud[:1], 0.2)
-    assert_counted(student, np.repeat(cloud[:40], 50, axis=0), 0.2)
+    cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 9000), seed))
+    cloud = in_lower_halves(cloud, 0.2)
+    for form in (
+        cloud[:, :3],
+        np.asfortranarray(cloud),
+        cloud.astype(np.float32),
+        cloud[-1:],
+        np.repeat(cloud[-40:], 50, axis=0),
+    ):
+        answer = student.voxel_grid(form.copy(order="A"), 0.2)
+        assert_cells(answer, form, len(samples.voxel_centroids(form, 0.2)), 0.2)
 
 
 @hidden(
     "voxel_grid",
     weight=2,
     title="Never writes into the array that it is given",
-    hint="Work on a copy: no `/=` on cloud.",
+    hint="The caller's cloud is afterwards what it was before.",
 )
 def test_voxels_input(student, seed):
     assert_thins(student.voxel_grid)

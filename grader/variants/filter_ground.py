@@ -191,3 +191,19 @@ def filter_ground(cloud, ground_level=-1.2):
 # told: Nothing is removed
 def filter_ground(cloud, ground_level=-1.2):
     return cloud
+
+# %% wrong: the level with the other sign
+# loses: keeps_what_stands_above, test_course_cloud
+# says: acts as 1.2
+# told: with the other sign
+def filter_ground(cloud, ground_level=-1.2):
+    mask = cloud[:, 2] >= -ground_level
+    return cloud[mask]
+
+# %% wrong: the last column
+# loses: keeps_what_stands_above, test_course_cloud
+# says: whatever comes behind it
+# told: The last column
+def filter_ground(cloud, ground_level=-1.2):
+    mask = cloud[:, -1] >= ground_level
+    return cloud[mask]

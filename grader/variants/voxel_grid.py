@@ -79,7 +79,7 @@ def voxel_grid(cloud, voxel_size=0.2):
     return sums / count[:, None]
 
 # %% wrong: rounds to the nearest
-# loses: begins_at_multiples, test_voxels_of_course_cloud
+# loses only: begins_at_multiples, test_voxel_borders
 # says: np.floor, not np.round
 # told: rounded to the nearest
 def voxel_grid(cloud, voxel_size=0.2):
@@ -92,7 +92,7 @@ def voxel_grid(cloud, voxel_size=0.2):
     return sums / count[:, None]
 
 # %% wrong: counts cells from the corner of the cloud
-# loses: begins_at_multiples, test_voxels_of_course_cloud
+# loses only: begins_at_multiples, test_voxel_borders
 # says: Take no minimum off
 # told: lowest corner of the cloud
 def voxel_grid(cloud, voxel_size=0.2):
@@ -335,3 +335,50 @@ def voxel_grid(cloud, voxel_size=0.2):
 # told: Nothing is merged
 def voxel_grid(cloud, voxel_size=0.2):
     return cloud
+
+# %% wrong: sums of whole numbers
+# loses only: averages_each_cell, averages_the_intensity, test_voxels_of_course_cloud, test_voxels_of_fresh_street, test_voxels_average
+# says: cut off at every addition
+# told: whole numbers
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    different, which, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(different), cloud.shape[1]), dtype=int)
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / counts[:, None]
+
+# %% wrong: an empty list for an empty cloud
+# loses only: thins_the_smallest
+# says: has lost its columns
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return []
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    different, which, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(different), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / counts[:, None]
+
+# %% wrong: np.unique takes the rows apart
+# loses: one_point_per_cell, test_voxels_of_course_cloud
+# says: takes rows apart without axis=0
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud[:, :3] / voxel_size).astype(int)
+    different, which, counts = np.unique(cells, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(different), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / counts[:, None]
+
+# %% right: rounded up, where only a border differs
+def voxel_grid(cloud, voxel_size=0.2):
+    if len(cloud) == 0:
+        return cloud
+    cells = np.ceil(cloud[:, :3] / voxel_size).astype(int)
+    different, which, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(different), cloud.shape[1]))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / counts[:, None]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 
 import numpy as np
 
 from utils.checks import promises, row_promises
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, mistakes, same_array
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
@@ -18,7 +19,6 @@ from utils.checks.vocabulary import (
     as_array,
     assert_nothing_left,
     assert_places,
-    assert_same_set_of_rows,
     frozen,
     needs,
     points_text,
@@ -92,7 +92,7 @@ def keeps_what_stands_above(filter_ground: Callable) -> None:
     title="The parameter decides how high the ground is",
     why="Another car carries its sensor at another height: the level must not be written "
     "into the function.",
-    hint="Compare with ground_level, by its name, and with no number of your own.",
+    hint="A point stays where its z is at least ground_level, whatever number that is.",
 )
 def follows_the_level(filter_ground: Callable) -> None:
     for level, left in ((0.0, (4, 6)), (-1.65, (1, 2, 3, 4, 6)), (1.0, (6,))):
@@ -115,6 +115,7 @@ _ROAD = Case(
     "ground_level=-1.2",
     title="The ground level is -1.2 m unless another one is given",
     why="Later cells call filter_ground(cloud) and rely on it.",
+    weight=2,
 )
 def keeps_the_default(filter_ground: Callable) -> None:
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
@@ -153,6 +154,9 @@ def keeps_the_tie(filter_ground: Callable) -> None:
     assert_standing(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
 
 
+row_promises.array(_ROAD, "returns_an_array")
+
+
 def _higher(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
     return np.array([row for row, value in zip(cloud, values, strict=True) if value - level > 0])
 
@@ -178,6 +182,16 @@ mistakes(
         "high.",
         lambda right, cloud, level: _higher(cloud, np.abs(cloud[:, 2]), level),
         "Compare cloud[:, 2] as it is. Below the sensor it is negative, and so is ground_level.",
+    ),
+    Mistake(
+        "The level is taken with the other sign: -1.2 acts as 1.2.",
+        lambda right, cloud, level: _higher(cloud, cloud[:, 2], -level),
+        "Compare with ground_level as it is. Below the sensor it is negative, and so is z.",
+    ),
+    Mistake(
+        "The last column is compared, and in a cloud of four columns that is the intensity.",
+        lambda right, cloud, level: _higher(cloud, cloud[:, -1], level),
+        "The heights are in column 2, whatever comes behind it.",
     ),
     Mistake(
         "A fixed level of -1.2 decides, whatever ground_level is.",
@@ -207,6 +221,8 @@ mistakes(
         (np.array([[5, -3, -1.7], [9, 1, 0.9], [7, -1, -0.8], [-4, 3, -0.2]]), -0.5),
         (np.array([[0.2, 3, 0.3], [6, 0.1, -1.9], [-8, -2, 0.7], [9, 1, -0.6]]), 0.45),
         (np.array([[-4, 2, -1.6, 0.3], [5, -2, -1.9, 0.8], [8, 1, -1.3, 0.1]]), -1.45),
+        (np.array([[3, -2, 0.35, 0.9], [-7, 4, 0.8, 0.2], [1, -5, -0.9, 0.7]]), -0.6),
+        (np.array([[-3, 2, 0.25, 0.1], [7, -4, 0.9, 0.3], [-2, 1, -0.3, 0.8]]), 0.5),
     ),
     right=lambda cloud, level: _higher(cloud, cloud[:, 2], level),
 )
@@ -343,7 +359,7 @@ def one_point_per_cell(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=12,
+    weight=28,
     title="The point of a cell is the mean of its points",
     why="A mean of many noisy returns is nearer to the surface than any one of them.",
     hint="Add up the rows of each cell and divide each sum by its own count: counts[:, None] is a "
@@ -358,7 +374,7 @@ def averages_each_cell(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=2,
+    weight=3,
     title="Averages all columns, the intensity too",
     why="A number plate shall still be bright after thinning.",
     hint="Sum whole rows, not only the coordinates: sums has cloud.shape[1] columns.",
@@ -386,11 +402,11 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=3,
+    weight=4,
     title="Intensity has no part in the choice of the cell",
     why="Two returns from one place are one place, however bright. With intensities up to 255 "
     "nothing would be thinned.",
-    hint="Compute the cells from cloud[:, :3] alone.",
+    hint="x, y and z alone decide about the cell: cloud[:, :3].",
 )
 def ignores_the_intensity(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
@@ -442,8 +458,8 @@ def floors_below_zero(voxel_grid: Callable) -> None:
     weight=2,
     title="Cells begin at multiples of voxel_size",
     why="A grid that moves with the points gives the same wall other points in every scan.",
-    hint="np.floor(xyz / voxel_size): no np.round, which begins cells half way, and no minimum "
-    "taken off.",
+    hint="The cell is np.floor(xyz / voxel_size). (np.round begins cells half way, and a minimum "
+    "taken off begins them at the cloud.)",
 )
 def begins_at_multiples(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
@@ -454,10 +470,10 @@ def begins_at_multiples(voxel_grid: Callable) -> None:
 
 @visible(
     "voxel_grid",
-    weight=3,
+    weight=8,
     title="The parameter decides how large the cells are",
     why="Cell size trades detail for speed, and every pipeline chooses its own.",
-    hint="Divide by voxel_size, by its name, before np.floor.",
+    hint="The cell is floor(xyz / voxel_size), with the voxel_size that is given.",
 )
 def follows_the_size(voxel_grid: Callable) -> None:
     cloud = np.full((4, 4), 0.1)
@@ -506,16 +522,26 @@ promises.three_columns(
 
 @visible(
     "voxel_grid",
-    weight=2,
+    weight=4,
     title="Takes an empty cloud, and one point",
-    why="After other filters nothing may be left, or a single return.",
-    hint="Return early when len(cloud) == 0, with the same number of columns.",
+    why="After other filters nothing may be left, or a single return; the next step still asks "
+    "for columns.",
+    hint="Return early when len(cloud) == 0, with the same number of columns: cloud itself has "
+    "them.",
 )
 def thins_the_smallest(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
     columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
     nothing = np.empty((0, 4))
-    assert_nothing_left(voxel_grid(nothing.copy(), 0.2), nothing, columns)
+    answer = voxel_grid(nothing.copy(), 0.2)
+    assert_nothing_left(answer, nothing, columns)
+    if as_array(answer).ndim != 2:
+        raise CheckFailed(
+            "Without points the answer has lost its columns.",
+            given="a cloud of shape (0, 4)",
+            yours=f"shape {as_array(answer).shape}",
+            expected=f"shape (0, {columns})",
+        )
     one = _CELLS[:1]
     assert_cells(voxel_grid(one.copy(), 0.2), one, 1, 0.2)
 
@@ -527,6 +553,21 @@ promises.untouched(
     hint="No `/=` and no assignment on cloud: they change the caller's array.",
     weight=2,
 )
+
+
+row_promises.array(_GRID, "gives_an_array")
+
+
+@noted(
+    "voxel_grid",
+    title="A point on the border of two cells is in the one above",
+    why="The docstring says floor(xyz / voxel_size), and np.ceil differs from it there. In a scan "
+    "hardly a point lies on a border; in a cloud rounded to centimetres many do.",
+)
+def rounds_down(voxel_grid: Callable) -> None:
+    cloud = np.full((3, 4), 0.1)
+    cloud[:, 0] = 0.25, 0.375, 0.625
+    assert_cells(voxel_grid(cloud.copy(), 0.25), cloud, 2, 0.25)
 
 
 def _merged(
@@ -545,13 +586,24 @@ def _merged(
     return np.array([merge(cloud[g], axis=0) for k, g in enumerate(groups) if g[0] == k])
 
 
+def _in_whole_numbers(rows: np.ndarray, axis: int) -> np.ndarray:
+    """The mean of some rows, added up where nothing behind the point is kept."""
+    added = functools.reduce(lambda so_far, row: np.trunc(so_far + row), rows, np.zeros(4))
+    return added / len(rows)
+
+
 def _same_rows(answer: object, predicted: np.ndarray) -> bool:
-    """Whether an answer holds these rows, in any order."""
+    """Whether an answer holds these rows, in any order; some may be there more than once."""
     try:
-        assert_same_set_of_rows(answer, predicted)
+        yours = as_array(answer)
     except CheckFailed:
         return False
-    return True
+    return yours.shape == predicted.shape and same_array(_in_order(yours), _in_order(predicted))
+
+
+def _in_order(rows: np.ndarray) -> np.ndarray:
+    """Rows by their first column, then by the second, and so on, whatever rounding makes of it."""
+    return rows[np.lexsort(np.round(rows.astype(float), 3).T[::-1] + 0.0)]
 
 
 mistakes(
@@ -568,6 +620,12 @@ mistakes(
         ),
         "sums[which] += rows writes each place once, however often `which` names it. "
         "np.add.at(sums, which, rows) adds every row.",
+    ),
+    Mistake(
+        "The sums are whole numbers: what is behind the point is cut off at every addition.",
+        lambda right, cloud, size: _merged(cloud, size, merge=_in_whole_numbers),
+        "np.zeros(shape) alone makes an array that keeps what is behind the point: no dtype=int, "
+        "and no zeros_like of whole numbers.",
     ),
     Mistake(
         "The first point of each cell stands for the cell; it should be the mean of them all.",

@@ -11,8 +11,10 @@ from collections.abc import Callable
 import numpy as np
 
 from utils.checks import promises
+from utils.checks.core import noted
 from utils.checks.promises import Case, promise
 from utils.checks.vocabulary import (
+    CheckFailed,
     as_array,
     assert_all_columns,
     assert_nothing_left,
@@ -96,3 +98,20 @@ def untouched(
     """The cloud is afterwards what it was before."""
     hint = "cloud[mask] is already a new array. Do not assign into cloud."
     promises.untouched(case, name, why=why, hint=hint, weight=weight)
+
+
+def array(case: Case, name: str) -> None:
+    """The answer is an array. A list costs no points, and gets a note."""
+
+    def ask(function: Callable) -> None:
+        answer = case.ask(function)
+        if isinstance(answer, (list, tuple)):
+            raise CheckFailed(f"The rows are in a {type(answer).__name__}.")
+
+    ask.__name__, ask.__module__ = name, case.lesson
+    noted(
+        case.exercise,
+        title="The rows are an array, not a list",
+        why="Later cells take columns of it, such as rows[:, 2], which a list has not; and where "
+        "no row is left, a list has no columns either.",
+    )(ask)

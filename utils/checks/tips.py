@@ -221,8 +221,10 @@ _TIPS = (
         "ValueError",
         r"not broadcastable to correct shape",
         "",
-        "What is added does not fit its places: the array of sums needs a row for each kind, and "
-        "as many columns as what is added, np.zeros((kinds, columns)).",
+        "np.add.at(sums, which, rows) needs an entry of `which` for each of the rows, and in sums "
+        "a row for each kind, with as many columns: np.zeros((kinds, columns)). Compare the "
+        "shapes. (np.unique takes rows apart without axis=0, and returns values, inverse, counts "
+        "in this order.)",
     ),
     (
         "ValueError",
