@@ -292,6 +292,8 @@ def main(wanted: list[str]) -> int:
     """Try the mutants of some modules; say who survives without being known as equivalent."""
     os.chdir(PROJECT)
     sys.path.insert(0, str(PROJECT))
+    # A fork of a process in which OpenMP had threads stands still.
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     hypothesis.settings.register_profile(
         "mutants", phases=[hypothesis.Phase.generate], database=None, derandomize=True
     )

@@ -9,13 +9,17 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.course.variants import fill_in, variants_of
+from grader.intake.handed_in import HandedIn
+from grader.judging import key
 from grader.judging.key import files_that_decide
 
 # Judges notebooks in a process of its own; prints what was opened and started meanwhile.
@@ -168,6 +172,155 @@ def files_of(module):
         yield from (
             file for file in (path.with_suffix(".py"), path / "__init__.py") if file.exists()
         )
+
+
+# ---- a project made of nothing ------------------------------------------------------------------
+
+FILES = {
+    "grader/__init__.py": "",
+    "grader/judging/__init__.py": "",
+    "grader/judging/judge.py": """
+import json, grader.intake.files
+from grader.judging import (
+    points,
+    verdict as kept,
+)
+from utils.checks.core import check  # and what it imports in turn
+from numpy import linalg
+def later():
+    from utils import plots, clouds
+    import utils.scene3d.scene, utils.sliders as sliders
+""",
+    "grader/judging/points.py": "x = 1",
+    "grader/judging/verdict.py": "from grader.judging.points import x",
+    "grader/judging/never.py": "import grader.judging.judge",
+    "grader/intake/__init__.py": "",
+    "grader/intake/files.py": "from grader.judging import judge  # in a circle",
+    "grader/sandbox/fork_server.py": "import os",
+    "utils/__init__.py": "",
+    "utils/clouds.py": "",
+    "utils/sliders/__init__.py": "",
+    "utils/sliders/other.py": "",
+    "utils/plots/__init__.py": "import utils.never",
+    "utils/scene3d/scene.py": "",
+    "utils/never.py": "",
+    "utils/checks/__init__.py": "",
+    "utils/checks/core.py": "from utils.checks.display import Table\nimport utils.plotted",
+    "utils/checks/display.py": "",
+    "utils/checks/lesson_06.py": "",
+    "utils/plotted.py": "",
+    "inside/worker.py": "",
+    "inside/deep/wire.py": "",
+    "inside/notes.txt": "",
+    "data/cloud.txt": "1 2 3",
+    "solutions/06.py": "a",
+    "solutions/06.ipynb": "b",
+    "notebooks/06.ipynb": "c",
+    "tests/test_06.py": "import utils.clouds",
+}
+DECIDE = {
+    *("grader/__init__.py", "grader/judging/__init__.py", "grader/intake/__init__.py"),
+    *("grader/judging/judge.py", "grader/judging/points.py", "grader/judging/verdict.py"),
+    *("grader/intake/files.py", "grader/sandbox/fork_server.py"),
+    *("utils/__init__.py", "utils/clouds.py", "utils/sliders/__init__.py", "utils/plotted.py"),
+    *("utils/checks/__init__.py", "utils/checks/core.py", "utils/checks/lesson_06.py"),
+    *("inside/worker.py", "inside/deep/wire.py", "data/cloud.txt"),
+    *("solutions/06.py", "solutions/06.ipynb", "notebooks/06.ipynb", "tests/test_06.py"),
+}
+
+
+@dataclass(frozen=True)
+class MadeUp:
+    """A lesson of the project made of nothing."""
+
+    root: Path
+    name: str = "06"
+    number = "06"
+    source = property(lambda self: self.root / "solutions" / "06.py")
+    solved = property(lambda self: self.root / "solutions" / "06.ipynb")
+    released = property(lambda self: self.root / "notebooks" / "06.ipynb")
+    tests = property(lambda self: self.root / "tests" / "test_06.py")
+
+
+def forget():
+    for remembered in (key._imported_by, key._file_of, key._digest_of, key.rules_key):
+        remembered.cache_clear()
+
+
+@pytest.fixture
+def made_up(tmp_path, monkeypatch):
+    """The lesson of a project that lies in a folder of its own."""
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    entries = ("grader/judging/judge.py", "grader/sandbox/fork_server.py")
+    monkeypatch.setattr(key, "PROJECT", tmp_path)
+    monkeypatch.setattr(key, "ENTRIES", tuple(tmp_path / name for name in entries))
+    monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
+    forget()
+    yield MadeUp(tmp_path)
+    forget()
+
+
+def test_what_decides_is_what_is_imported_from_where_judging_begins(made_up):
+    found = key.files_that_decide(made_up)
+    assert {file.relative_to(made_up.root).as_posix() for file in found} == DECIDE
+
+
+def test_the_key_changes_with_each_file_that_decides_and_with_no_other(made_up):
+    right = key.rules_key(made_up)
+    for name, text in FILES.items():
+        (made_up.root / name).write_text(f"{text}\n# A remark.\n")
+        forget()
+        assert (key.rules_key(made_up) != right) == (name in DECIDE), name
+        (made_up.root / name).write_text(text)
+    forget()
+    assert key.rules_key(made_up) == right
+
+
+def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(made_up, monkeypatch):
+    right = key.rules_key(made_up)
+    assert key.rules_key(MadeUp(made_up.root, "07")) != right
+    folder = made_up.root / "inside"
+    (folder / "worker.py").rename(folder / "walker.py")
+    forget()
+    assert key.rules_key(made_up) != right
+    (folder / "walker.py").rename(folder / "worker.py")
+    versions = key.versions()
+    for name in versions:
+        monkeypatch.setattr(key, "versions", lambda name=name: versions | {name: "0.1"})
+        forget()
+        assert key.rules_key(made_up) != right
+    monkeypatch.setattr(key, "versions", lambda: dict(versions))
+    forget()
+    assert key.rules_key(made_up) == right
+
+
+def test_versions_are_those_of_what_decides():
+    versions = key.versions()
+    assert versions["Python"] == f"{sys.version_info.major}.{sys.version_info.minor}"
+    assert versions["numpy"] == np.__version__ and versions["pytest"] == pytest.__version__
+    assert set(versions) == {"Python", "numpy", "scipy", "scikit-learn", "shapely", "pytest"}
+
+
+def test_where_judging_begins_is_here():
+    entries = {path.relative_to(PROJECT).as_posix() for path in key.ENTRIES}
+    assert entries == {"grader/judging/judge.py", "grader/sandbox/fork_server.py"}
+    assert all(path.is_file() for path in key.ENTRIES)
+
+
+def test_a_verdict_depends_on_who_handed_in_what_and_on_the_seed():
+    lesson, notebook = find_lesson("06_filter_ground"), HandedIn("06.ipynb", b"{}")
+    keys = [
+        key.verdict_key(notebook, lesson, 17),
+        key.verdict_key(notebook, lesson, 17, "ada"),
+        key.verdict_key(notebook, lesson, 18, "ada"),
+        key.verdict_key(notebook, find_lesson("07_filter_by_distance"), 17, "ada"),
+        key.verdict_key(HandedIn("06.ipynb", b"{} "), lesson, 17, "ada"),
+    ]
+    assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
+    assert key.verdict_key(notebook, lesson, 17, "") == keys[0]
+    key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))  # no text, and no error
 
 
 KEYS = """

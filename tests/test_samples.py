@@ -75,37 +75,6 @@ def assert_rows_of(part, cloud):
     assert Counter(map(bytes, part)) <= Counter(map(bytes, cloud))
 
 
-def test_a_patch_of_the_course_cloud():
-    cloud = samples.course_cloud()
-    assert np.array_equal(cloud, np.loadtxt(PROJECT / "data" / "cloud.txt"))
-    patch = samples.patch_of_course_cloud(5, 700)
-    assert patch.shape == (700, cloud.shape[1])
-    assert_rows_of(patch, cloud)
-    distance = np.sqrt(patch[:, 0] ** 2 + patch[:, 1] ** 2)
-    assert 24 < distance.max() < 25
-    assert np.array_equal(samples.patch_of_course_cloud.__wrapped__(5, 700), patch)
-    assert not np.array_equal(samples.patch_of_course_cloud(6, 700), patch)
-    everywhere = np.sqrt(cloud[:, 0] ** 2 + cloud[:, 1] ** 2) < 25
-    assert len(samples.patch_of_course_cloud(5, everywhere.sum())) == everywhere.sum()
-    for kept in (cloud, patch):
-        assert not kept.flags.writeable
-
-
-def test_obstacles_of_a_street():
-    street = samples.fresh_street(8)
-    assert street.ndim == 2 and street.shape[1] == 4 and not street.flags.writeable
-    wanted = (np.sqrt(street[:, 0] ** 2 + street[:, 1] ** 2) < 20) & (street[:, 2] > -1)
-    assert (street[:, 2] < -1).any() and wanted.sum() > 500
-    some = samples.obstacles_of_street(8, 400)
-    assert len(some) == 400 and not some.flags.writeable
-    assert_rows_of(some, street[wanted])
-    assert np.array_equal(samples.obstacles_of_street.__wrapped__(8, 400), some)
-    everything = samples.obstacles_of_street(8, 10**7)
-    assert len(everything) == wanted.sum()
-    assert_rows_of(everything, street[wanted])
-    assert not np.array_equal(everything, street[wanted])  # in random order
-
-
 @pytest.mark.parametrize("columns", [3, 4])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_labels_of_clusters_are_single_linkage(columns, dtype):
@@ -163,3 +132,34 @@ def test_centroids_of_voxels(columns):
     assert samples.voxel_centroids(cloud[:0], 0.5).shape == (0, columns)
     # In whole columns, and not in bytes of another size.
     assert np.allclose(samples.voxel_centroids(cloud.astype(np.float32), 0.5), voxels, atol=1e-6)
+
+
+def test_a_patch_of_the_course_cloud():
+    cloud = samples.course_cloud()
+    assert np.array_equal(cloud, np.loadtxt(PROJECT / "data" / "cloud.txt"))
+    patch = samples.patch_of_course_cloud(5, 700)
+    assert patch.shape == (700, cloud.shape[1])
+    assert_rows_of(patch, cloud)
+    distance = np.sqrt(patch[:, 0] ** 2 + patch[:, 1] ** 2)
+    assert 24 < distance.max() < 25
+    assert np.array_equal(samples.patch_of_course_cloud.__wrapped__(5, 700), patch)
+    assert not np.array_equal(samples.patch_of_course_cloud(6, 700), patch)
+    everywhere = np.sqrt(cloud[:, 0] ** 2 + cloud[:, 1] ** 2) < 25
+    assert len(samples.patch_of_course_cloud(5, everywhere.sum())) == everywhere.sum()
+    for kept in (cloud, patch):
+        assert not kept.flags.writeable
+
+
+def test_obstacles_of_a_street():
+    street = samples.fresh_street(8)
+    assert street.ndim == 2 and street.shape[1] == 4 and not street.flags.writeable
+    wanted = (np.sqrt(street[:, 0] ** 2 + street[:, 1] ** 2) < 20) & (street[:, 2] > -1)
+    assert (street[:, 2] < -1).any() and wanted.sum() > 500
+    some = samples.obstacles_of_street(8, 400)
+    assert len(some) == 400 and not some.flags.writeable
+    assert_rows_of(some, street[wanted])
+    assert np.array_equal(samples.obstacles_of_street.__wrapped__(8, 400), some)
+    everything = samples.obstacles_of_street(8, 10**7)
+    assert len(everything) == wanted.sum()
+    assert_rows_of(everything, street[wanted])
+    assert not np.array_equal(everything, street[wanted])  # in random order
