@@ -62,20 +62,19 @@ TESTS = {
 
 # Prints each changed version of the module on standard input as a line of JSON.
 CHANGES = """
-import itertools, json, sys
+import json, sys
+from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator, operator_names
 
 source = sys.stdin.read()
+nodes = list(ast_nodes(get_ast(source)))
 for name in operator_names():
-    operator = get_operator(name)
-    if operator.arguments():
+    if get_operator(name).arguments():
         continue
-    for occurrence in itertools.count():
-        changed = mutate_code(source, operator(), occurrence)
-        if changed is None:
-            break
-        print(json.dumps(changed))
+    operator = get_operator(name)()
+    for occurrence in range(sum(len(list(operator.mutation_positions(node))) for node in nodes)):
+        print(json.dumps(mutate_code(source, operator, occurrence)))
 """
 
 

@@ -340,6 +340,158 @@ def test_two_answers_one_of_them_cut_off():
     assert "cut off" in prepared.notes[0]
 
 
+# ---- One step at a time --------------------------------------------------------------------
+
+
+def prepared_of(*cells, lesson=LESSON, modules=None, name="", lesson_name=""):
+    """What becomes of some cells."""
+    notebook = {"cells": list(cells), "nbformat": 4, "nbformat_minor": 5}
+    notebook["metadata"] = {"lidar_obstacle_lab": {"lesson": lesson_name}} if lesson_name else {}
+    data = json.dumps(notebook).encode()
+    return prepare(HandedIn(name or f"{lesson.name}.ipynb", data, modules=modules or {}), lesson)
+
+
+def marked(made, grade_id):
+    """The same cell with nbgrader's mark on it."""
+    return {**made, "metadata": {"nbgrader": {"grade_id": grade_id}}}
+
+
+GROUND = "def filter_ground(cloud):\n    return {}"
+VOXELS = "def voxel_grid(cloud):\n    return {}"
+
+
+@pytest.mark.parametrize(
+    ("cells", "kinds"),
+    [
+        # Text that shows code is text, also where it stands in a cell of ours.
+        ([text("```\n" + GROUND + "\n```")], ["markdown"]),
+        ([marked(text("Like this:\n```\n" + GROUND + "\n```"), "filter_ground")], ["markdown"]),
+        ([text("Above: def filter_ground(cloud)")], ["markdown"]),
+        ([text(GROUND), code(VOXELS)], ["code", "code"]),
+        # It is written elsewhere as code: then this is an old one.
+        ([text(GROUND), code(GROUND)], ["markdown", "code"]),
+        ([marked(text(GROUND), "filter_ground"), code(GROUND)], ["code", "code"]),
+        ([marked(text(GROUND), "voxel_grid"), code(GROUND)], ["code", "code"]),
+        ([marked(text("My answer."), "filter_ground")], ["markdown"]),
+        # Of several the first is the one.
+        ([text(GROUND), text(GROUND)], ["code", "markdown"]),
+        ([text(GROUND + "\n" + VOXELS), text(VOXELS)], ["code", "markdown"]),
+    ],
+)
+def test_which_text_is_code(cells, kinds):
+    made = prepared_of(*cells)
+    assert [cell.kind for cell in made.cells] == kinds
+    turned = sum(cell["cell_type"] != "code" for cell in cells) - kinds.count("markdown")
+    said = [note for note in made.notes if "stood in a text cell" in note]
+    assert len(said) == turned and all(note.split()[0] in EXERCISES for note in said)
+
+
+def stub_of(name):
+    return code("".join(cell_of(json.loads(LESSON.released.read_text()), name)["source"]))
+
+
+def test_stubs_are_left_out_behind_an_answer_and_nowhere_else():
+    ground, voxels, left = stub_of("filter_ground"), stub_of("voxel_grid"), "# Left out"
+    answer, another = code(GROUND.format(1)), code(GROUND.format(2))
+    for cells, expected in (
+        ([ground], [False]),
+        ([ground, ground], [False, False]),
+        ([ground, answer], [False, False]),
+        ([answer, ground, another], [False, False, False]),
+        ([answer, ground, voxels, ground], [False, True, False, True]),
+        ([ground, answer, another, ground], [False, False, False, True]),
+    ):
+        made = prepared_of(*cells)
+        assert [cell.source.startswith(left) for cell in made.cells] == expected
+        said = [note for note in made.notes if note.startswith("Below your filter_ground stands")]
+        assert len(said) == any(expected)
+        last = made.cells[made.graded["filter_ground"]].source
+        assert not last.startswith(left) and "filter_ground" in last
+
+
+def test_which_cell_stands_for_an_exercise():
+    other = code("x = 1")
+    for cells, place in (
+        ([code(GROUND), other, code(GROUND), other], 2),
+        ([marked(code(GROUND), "filter_ground"), other, code(GROUND)], 0),
+        ([marked(other, "filter_ground"), code(GROUND), other], 1),
+        ([other, marked(other, "filter_ground"), marked(other, "filter_ground"), other], 2),
+        ([marked(code(GROUND), "filter_ground")] * 2 + [other], 1),
+        ([other, marked(text("Some text."), "filter_ground")], None),
+        ([other, marked(other, "voxel_grid")], None),
+    ):
+        assert prepared_of(*cells).graded.get("filter_ground") == place
+
+
+@pytest.mark.parametrize(
+    ("source", "written"),
+    [
+        ("def filter_ground(cloud): pass", True),
+        ("x = 1\ndef  filter_ground (cloud): pass", True),
+        ("filter_ground = keep", True),
+        ("filter_ground= keep", True),
+        ("    def filter_ground(cloud): pass", False),
+        ("my_filter_ground = keep", False),
+        ("def filter_ground_2(cloud): pass", False),
+        ("filter_ground(cloud)", False),
+    ],
+)
+def test_what_writes_an_exercise(source, written):
+    assert ("filter_ground" in prepared_of(code(source)).graded) == written
+
+
+def test_of_another_lesson_is_said_where_nothing_of_this_one_is_there():
+    other = "07_filter_by_distance"
+    here = prepared_of(code("x = 1"), lesson_name=other, name="06_filter_ground (1).ipynb")
+    assert here.notes == (
+        f"06_filter_ground (1).ipynb holds the notebook of {other}, and nothing of "
+        f"{LESSON.name}. Hand in {LESSON.name}.ipynb.",
+    )
+    assert prepared_of(code(GROUND), lesson_name=other).notes == ()
+    assert prepared_of(code("x = 1"), lesson_name=LESSON.name).notes == ()
+    assert prepared_of(code("x = 1")).notes == ()
+    empty = prepared_of(code(" \n"), text("Some text."))
+    assert [note.partition(".")[0] for note in empty.notes] == [
+        "There is no code in 06_filter_ground"
+    ]
+    long = prepared_of(code("x = 1"), lesson_name="07" * 50)
+    assert f"of {'07' * 30}, and" in long.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("source", "used"),
+    [
+        ("import helpers", "helpers.py, handed in beside the notebook, was used."),
+        ("x = 1\n    from\thelpers import mask", "helpers.py, handed in beside the notebook, was"),
+        (
+            "import helpers\nimport tools",
+            "helpers.py, tools.py, handed in beside the notebook, were",
+        ),
+        ("import helpers2, tools2", None),
+        ("# import helpers", None),
+        ("reimport helpers", None),
+    ],
+)
+def test_which_modules_are_used(source, used):
+    made = prepared_of(code(source), text("import tools"), modules={"helpers": "", "tools": ""})
+    assert len(made.notes) == (used is not None)
+    assert all(note.startswith(used) for note in made.notes)
+
+
+def test_of_many_versions_four_are_listed_and_the_last():
+    def versions(number):
+        cells = [code("x = 1"), text("Some text.")]
+        cells += [code(GROUND.format(one)) for one in range(number)]
+        return prepared_of(*cells).versions.get("filter_ground", "")
+
+    assert versions(1) == ""
+    assert versions(2).startswith("filter_ground is written 2 times, in code cells 2 and 3. The")
+    assert "5 times, in code cells 2, 3, 4, 5 and 6. The" in versions(5)
+    assert "6 times, in code cells 2, 3, 4, 5, … and 7. The" in versions(6)
+    same = prepared_of(code(GROUND), stub_of("filter_ground"), code(GROUND), code(VOXELS))
+    assert same.versions == {}
+
+
 # ---- Written answers -----------------------------------------------------------------------
 
 
@@ -410,6 +562,100 @@ def test_text_that_may_be_the_answer_is_left_to_a_person():
     (cell,) = [c for c in graded_cells(made) if c.metadata.nbgrader.grade_id == "write_up"]
     assert LOOK_FOR_IT in cell.source
     assert REPORT in "\n".join(cell.source for cell in made.cells)
+
+
+def given_text(number):
+    """A text cell of lesson 12 as it was given out."""
+    cells = json.loads(WRITTEN.released.read_text())["cells"]
+    return text("".join(cells[number]["source"]))
+
+
+def place_of(grade_id):
+    cells = json.loads(WRITTEN.released.read_text())["cells"]
+    return cells.index(cell_of({"cells": cells}, grade_id))
+
+
+def written_in(*cells):
+    """(the write-up, whether it is certain, sources of all cells, of its own, what is said)."""
+    made = prepared_of(code("def match_boxes(a, b, c): return a"), *cells, lesson=WRITTEN)
+    answer, place = made.answers["write_up"], made.graded.get("write_up")
+    own = None if place is None else made.cells[place].source
+    notes = [note for note in made.notes if "write_up" in note]
+    return answer.text, answer.certain, [cell.source for cell in made.cells][1:], own, notes
+
+
+STUB = text("YOUR ANSWER HERE")
+OWN = marked(STUB, "write_up")
+
+
+def prompt():
+    """What the write-up is asked for by."""
+    return given_text(place_of("write_up") - 1)
+
+
+def test_an_answer_in_its_own_cell_is_all_of_it():
+    answer = marked(text("It finds 14 of 17."), "write_up")
+    assert written_in(answer, text("A remark."))[:2] == ("It finds 14 of 17.", True)
+    # In two cells of that name, as editors copy them; the empty one says nothing.
+    more = marked(text("And 3 more."), "write_up")
+    said, certain, cells, own, notes = written_in(OWN, answer, more, text("A remark."))
+    assert (said, certain, own) == ("It finds 14 of 17.\n\nAnd 3 more.", True, answer["source"])
+    assert cells == ["YOUR ANSWER HERE", "It finds 14 of 17.", "A remark."] and notes == []
+    empty = marked(text("  "), "write_up")
+    assert written_in(empty)[:2] == ("", True)
+
+
+def test_an_answer_below_its_cell_is_carried_over_up_to_what_is_not_the_students():
+    footer = given_text(place_of("write_up") + 1)
+    cells = [OWN, text("First."), text(" "), code("x = 1"), text("Second."), footer, text("Third.")]
+    said, certain, kept, own, notes = written_in(prompt(), *cells)
+    assert (said, certain, own) == ("First.\n\nSecond.", True, "YOUR ANSWER HERE")
+    assert kept == [
+        *(prompt()["source"], "YOUR ANSWER HERE", " ", "x = 1", footer["source"], "Third.")
+    ]
+    assert len(notes) == 1 and "but in 2 cells of its own below" in notes[0]
+    stopped = written_in(OWN, text("First."), marked(text("Other."), "test_x"), text("Second."))
+    assert stopped[0] == "First." and "in one of its own below" in stopped[4][0]
+    assert written_in(OWN, code("x = 1"), text(" "))[:3] == (
+        "",
+        True,
+        ["YOUR ANSWER HERE", "x = 1", " "],
+    )
+
+
+def test_an_answer_whose_cell_was_deleted_is_looked_for_below_its_question():
+    said, certain, kept, own, notes = written_in(prompt(), text("First."), text("Second."))
+    assert (said, certain, own) == ("First.\n\nSecond.", True, "First.")
+    assert kept == [prompt()["source"], "First."] and len(notes) == 1
+    # As it was given out, but for its metadata: there is nothing more to look for.
+    said, certain, kept, own, notes = written_in(text("A remark."), prompt(), STUB)
+    assert (said, certain, own, notes) == ("", True, "YOUR ANSWER HERE", [])
+    assert written_in(STUB, prompt())[3] is None  # that is another cell
+
+
+def test_text_that_may_be_an_answer_is_left_to_a_person_and_nothing_else_is():
+    assert written_in(text("A remark."))[:2] == ("", False)
+    assert written_in(text("A remark."))[4][0].startswith("The cell for write_up is missing")
+    for cells in ([], [text(" ")], [given_text(0)], [code("x = 1")], [prompt()]):
+        assert written_in(*cells)[:2] == ("", True)
+
+
+def test_pictures_of_all_parts_of_an_answer_are_kept():
+    parts = [
+        {**text(name), "attachments": {f"{name}.png": {"image/png": name}}} for name in ("a", "b")
+    ]
+    made = prepared_of(code("x = 1"), OWN, *parts, lesson=WRITTEN)
+    assert made.answers["write_up"].attachments == {
+        "a.png": {"image/png": "a"},
+        "b.png": {"image/png": "b"},
+    }
+
+
+def test_where_cells_were_moved_into_an_answer_the_others_are_still_found():
+    match = code("def match_boxes(a, b, c): return a")
+    made = prepared_of(OWN, text("First."), text("Second."), match, lesson=WRITTEN)
+    assert made.cells[made.graded["match_boxes"]].source.startswith("def match_boxes")
+    assert len(made.cells) == 2
 
 
 def test_pictures_stay_and_nothing_else_does():
