@@ -35,8 +35,11 @@ from utils.checks.lesson_03.point_plane_distance import (
     assert_measures,
 )
 from utils.checks.lesson_03.ransac_plane import (
+    assert_edge_counts,
+    assert_no_round_is_missing,
+    assert_rows_differ,
     assert_runs,
-    assert_takes_all_three,
+    assert_three_are_enough,
     assert_works,
     ring_on_a_ramp,
 )
@@ -345,10 +348,38 @@ def test_tolerances(student, seed):
 def test_three_points(student, seed):
     rng = np.random.default_rng(seed)
     assert_works(student.ransac_plane)
-    for run in range(12):
-        triangle = random_triangle(rng) * [1, 1, 0.02]
-        answer = student.ransac_plane(triangle.copy(), 1, 0.2, np.random.default_rng(run))
-        assert_takes_all_three(answer, triangle)
+    triangle = random_triangle(rng)
+    side, other = triangle[1:] - triangle[0]
+    upright = np.cross(side, other)
+    above = triangle.mean(axis=0) + 5 * upright / np.linalg.norm(upright)
+    assert_rows_differ(student.ransac_plane, np.vstack([triangle, above]))
+
+
+@hidden(
+    "ransac_plane",
+    weight=1,
+    title="No round is missing: one iteration is one sample",
+    hint="max_iterations is the number of samples: for _ in range(max_iterations).",
+)
+def test_rounds(student, seed):
+    assert_works(student.ransac_plane)
+    assert_no_round_is_missing(student.ransac_plane)
+
+
+@hidden(
+    "ransac_plane",
+    weight=1,
+    title="Points at exactly the threshold are inliers, wherever the plane lies",
+    hint="distance_tolerance is the largest distance of an inlier: compare with <=.",
+)
+def test_edge(student, seed):
+    assert_works(student.ransac_plane)
+    rng = np.random.default_rng(seed)
+    for turn in range(3):
+        four = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [1.0, 1.0, 1.0]])
+        four[3, 2] = rng.choice([-1, 1])
+        four = np.roll(four, turn, axis=1) + rng.integers(-20, 20, 3)
+        assert_edge_counts(student.ransac_plane, four)
 
 
 @hidden(
@@ -386,7 +417,7 @@ def test_degenerate(student, seed):
 @hidden(
     "ransac_plane",
     weight=1,
-    title="Fewer than three points have no plane",
+    title="Fewer than three points have no plane, and three have one",
     hint="Ask for len(points) < 3 before the loop.",
 )
 def test_few_points(student, seed):
@@ -394,6 +425,7 @@ def test_few_points(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 2)
     for n in (0, 1, 2):
         assert_nothing_found(student.ransac_plane(cloud[:n].copy(), 50, 0.2, 20 + n), n)
+    assert_three_are_enough(student.ransac_plane, random_triangle(np.random.default_rng(seed)))
 
 
 @hidden(

@@ -21,7 +21,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
             i, j = rng.choice(len(points), 2, replace=False)
             candidate = line_through(points[i], points[j])
             if candidate is not None:
-                mask = point_line_distance(points, candidate) < distance_tolerance
+                mask = point_line_distance(points, candidate) <= distance_tolerance
                 if mask.sum() > most:
                     best, best_mask, most = candidate, mask, mask.sum()
     return best, best_mask
@@ -747,3 +747,117 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 # says: is not started
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     raise NotImplementedError
+
+# %% wrong: one round is missing
+# loses only: draws_as_often_as_told, test_iterations_count
+# says: With max_iterations=2 there is one: a round is missing
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(1, max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: two points are too few
+# loses only: answers_for_too_few, test_too_few
+# says: Two points are enough for a sample
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) <= 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: the last point is never drawn
+# loses only: draws_from_all_points, answers_for_too_few, test_too_few
+# says: the one in row 3 was in no sample
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points) - 1, size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: the first point is never drawn
+# loses only: draws_from_all_points, answers_for_too_few, test_too_few
+# says: the one in row 0 was in no sample
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(np.arange(1, len(points)), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: a point at the threshold is no inlier
+# loses only: includes_the_border, test_border
+# says: exactly distance_tolerance from the line is not marked
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) < distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
+# %% wrong: fifty rounds, whatever is asked
+# loses only: draws_no_more_than_told, test_iterations_count
+# says: can hardly do that
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(50):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask

@@ -75,18 +75,18 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
         for _ in range(max_iterations):
             plane = plane_through(*xyz[rng.permutation(len(xyz))[:3]])
             if plane is not None:
-                count = (point_plane_distance(xyz, plane) < distance_tolerance).sum()
+                count = (point_plane_distance(xyz, plane) <= distance_tolerance).sum()
                 if count > most:
                     best, most = plane, count
     if best is None:
         return None, np.zeros(len(xyz), dtype=bool)
-    near = xyz[point_plane_distance(xyz, best) < distance_tolerance]
+    near = xyz[point_plane_distance(xyz, best) <= distance_tolerance]
     centre = near.mean(axis=0)
     normal = np.linalg.svd(near - centre, full_matrices=False)[2][2]
     refitted = np.append(normal, -normal @ centre)
-    if (point_plane_distance(xyz, refitted) < distance_tolerance).sum() >= most:
+    if (point_plane_distance(xyz, refitted) <= distance_tolerance).sum() >= most:
         best = refitted
-    return tuple(best), point_plane_distance(xyz, best) < distance_tolerance
+    return tuple(best), point_plane_distance(xyz, best) <= distance_tolerance
 
 # %% right: all samples at once, a list for a mask
 import warnings
@@ -361,7 +361,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: always the same samples
 # loses only: follows_the_generator
-# says: do not come from rng
+# says: does not depend on rng
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -439,7 +439,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: a tolerance of its own
-# loses only: follows_the_tolerance, test_tolerances
+# loses only: follows_the_tolerance, includes_the_edge, test_tolerances, test_edge
 # says: away from the returned plane is an inlier
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -493,7 +493,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: ten iterations at most
-# loses: tries_enough, test_many_outliers
+# loses: tries_enough, test_any_direction
 # says: A plane with many more points near it exists
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -968,3 +968,138 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
         if near.sum() > inliers.sum():
             model, inliers = candidate, near
     return (None if model is None else model / abs(model[3])), inliers
+
+# %% wrong: one round is missing
+# loses only: tries_enough, test_rounds
+# says: With max_iterations=2 there is one: a round is missing
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations - 1):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: three points are too few
+# loses only: gives_up_politely, test_few_points
+# says: Three points are enough for a sample
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) <= 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: the last point is never drawn
+# loses only: draws_from_all_rows, gives_up_politely, test_few_points
+# says: the one in row 4 was in no sample
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points) - 1, 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: a point at the threshold is no inlier
+# loses only: includes_the_edge, test_edge
+# says: exactly distance_tolerance from the plane is no inlier
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(max_iterations):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) < distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers
+
+# %% wrong: fifty rounds, whatever is asked
+# loses: tries_no_more
+# says: More are tried than allowed
+def plane_through(p, q, r):
+    normal = np.cross(q - p, r - p)
+    length = np.linalg.norm(normal)
+    if length < 1e-9:
+        return None
+    return np.append(normal, -normal @ p) / length
+
+def point_plane_distance(points, plane):
+    return np.abs(points[:, :3] @ plane[:3] + plane[3])
+# ---- another cell ----
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    model, inliers = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 3:
+        return model, inliers
+    for _ in range(50):
+        candidate = plane_through(*points[rng.choice(len(points), 3, replace=False), :3])
+        if candidate is None:
+            continue
+        near = point_plane_distance(points, candidate) <= distance_tolerance
+        if near.sum() > inliers.sum():
+            model, inliers = candidate, near
+    return model, inliers

@@ -307,7 +307,8 @@ _TIPS = (
         "ValueError",
         r"larger sample than population|a (must be a positive integer|cannot be empty) unless",
         "",
-        "More rows are to be drawn here than there are: look at len(points) first.",
+        "More rows are to be drawn here than there are to draw from: look at len(points) first, "
+        "and draw from all of them.",
     ),
     (
         "ValueError",
