@@ -53,6 +53,7 @@ TESTS = {
     "grader/judging/verdict.py": ("test_rules.py",),
     "grader/judging/samples.py": ("test_samples.py",),
     "grader/judging/messages.py": ("test_messages.py",),
+    "grader/intake/apart.py": ("attacks/test_apart.py",),
     "grader/intake/handed_in.py": ("test_handed_in.py",),
     "grader/intake/notebook.py": ("test_handed_in.py",),
     "grader/intake/preflight.py": ("test_rules.py", "test_preflight.py"),

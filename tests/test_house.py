@@ -11,6 +11,7 @@ import pytest
 
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES
+from tests import mutants
 
 # From the ground up: a room imports from its own floor and from those below.
 FLOORS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
@@ -128,3 +129,20 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
     assert "Timeout" in done.stderr and 'test_still.py", line 2 in test_still' in said
     named = re.search(r"crashed while running '.*::test_still'", said)
     assert bool(named) == bool(processes)
+
+
+def test_every_module_that_decides_is_changed_and_its_nearest_tests_are_there():
+    rooms = (PROJECT / "grader" / room for room in ("judging", "intake"))
+    modules = {path.relative_to(PROJECT).as_posix() for room in rooms for path in room.glob("*.py")}
+    assert {name for name in modules if not name.endswith("__init__.py")} <= set(mutants.TESTS)
+    for tests in mutants.TESTS.values():
+        assert all((PROJECT / "tests" / name).is_file() for name in tests)
+
+
+def test_what_nobody_could_notice_is_said_of_lines_that_are_there():
+    said = mutants.equivalent()
+    assert len(said) > 10
+    for change in said:
+        module, before, _ = change.split("\n")
+        text = " ".join((PROJECT / module).read_text("utf-8").split())
+        assert before.removeprefix("- ") in text, change
