@@ -15,6 +15,7 @@ from grader import cli, commands
 from grader.classroom import doctor, grade, rehearsals
 from grader.classroom.executors import EXECUTORS, processors
 from grader.classroom.pool import Pool
+from grader.classroom.protocol import ExecutorLost
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
@@ -23,7 +24,7 @@ from grader.judging import judge as judging
 from grader.judging import trial
 from grader.judging.asking import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
-from grader.sandbox import Limits, patience
+from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, patience
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
@@ -263,6 +264,156 @@ def test_no_lesson_is_judged_whose_own_solution_fails(three_lessons, sandbox, wo
     assert {what[:2] for what in asked if len(what) > 2} <= {"06"}
     judged = [path.parts[-3] for path in course.verdicts.glob("*/*/06*.json")]
     assert len(judged) == len([what for what in asked if len(what) > 2])  # what was done is kept
+
+
+# ---- a class that is judged by nobody ----------------------------------------------------------
+
+
+class Fares:
+    """A class of three, who fare as it is said; keeps what was asked and what was told.
+
+    `how` is by student and by the time that it is asked: an error, or what a verdict has.
+    """
+
+    def __init__(self, course, **how):
+        self.course, self.how = course, how
+        self.asked, self.told, self.opened = [], [], []
+
+    def judge_one(self, handed_in, lesson, student, seed, sandbox, alone=False):
+        self.asked.append((student, alone))
+        time = [name for name, _ in self.asked].count(student)
+        fares = self.how.get(student, {}).get(time, {})
+        if isinstance(fares, Exception):
+            raise fares
+        key = grade.verdict_key(handed_in, LESSON, seed, student)
+        about = {"key": key, "fingerprint": handed_in.fingerprint()} | fares
+        return Verdict(lesson, student, JUDGED, 1.0, 30.0, (), (), 0.0, **about)
+
+    def judged(self, monkeypatch, room=64):
+        """Verdict of each, in the order in which they come back."""
+        monkeypatch.setattr(grade, "judge_one", self.judge_one)
+
+        class Narrow(Inline):
+            def __init__(self, workers):
+                self.room = room
+
+        def open_executor(workers):
+            self.opened.append(workers)
+            return Narrow(workers)
+
+        def tell(done, total, what):
+            self.told.append((done, total, getattr(what, "student", what), len(self.asked)))
+
+        judged = grade.judge_class(
+            self.course, (), SEED, SANDBOXES["process"], open_executor, 3, tell
+        )
+        return {submission.student: verdict for submission, verdict in judged}
+
+
+@pytest.fixture
+def seen(course):
+    """The class, and its lesson's own solution has been judged before."""
+    rehearsed(course, LESSON, SEED)
+    return course
+
+
+def test_who_is_judged_is_counted_and_who_has_been_is_asked_no_more(seen, monkeypatch):
+    fares = Fares(seen)
+    verdicts = fares.judged(monkeypatch)
+    assert list(verdicts) == ["ada", "poison", "zoe"] and fares.opened == [3]
+    assert fares.asked == [("ada", False), ("poison", False), ("zoe", False)]
+    counted = [(0, 3, None), (1, 3, "ada"), (2, 3, "poison"), (3, 3, "zoe")]
+    assert [news[:3] for news in fares.told] == counted
+    again = Fares(seen)
+    assert again.judged(monkeypatch) == verdicts
+    assert (again.asked, again.opened, again.told) == ([], [], [(3, 3, None, 0)])
+    seen.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
+    once = Fares(seen)
+    assert once.judged(monkeypatch) == verdicts
+    assert once.asked == [("poison", False)]
+    assert [news[:3] for news in once.told] == [(2, 3, None), (3, 3, "poison")]
+
+
+@pytest.mark.parametrize("room", [1, 2, 3])
+def test_no_more_is_read_ahead_than_there_is_room_for(seen, monkeypatch, room):
+    fares = Fares(seen)
+    fares.judged(monkeypatch, room)
+    assert [asked for *_, asked in fares.told[1:]] == [min(room + one, 3) for one in range(3)]
+
+
+def test_who_lacked_a_processor_is_judged_once_more_alone(seen, monkeypatch):
+    fares = Fares(seen, poison={1: {"starved": True}})
+    verdicts = fares.judged(monkeypatch)
+    assert fares.asked == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
+    assert fares.opened == [3, 1] and not verdicts["poison"].starved
+    assert [news[:3] for news in fares.told[-2:]] == [(3, 3, "zoe"), (3, 3, "poison")]
+    assert Fares(seen).judged(monkeypatch) == verdicts
+
+
+def test_a_notebook_that_kills_is_tried_once_more_alone(seen, monkeypatch):
+    death = BrokenExecutor("The process that judged died (signal 9).")
+    fares = Fares(seen, poison={1: death})
+    verdicts = fares.judged(monkeypatch)
+    assert fares.asked == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
+    assert {one.status for one in verdicts.values()} == {JUDGED}
+    assert [news[:3] for news in fares.told[-2:]] == [(2, 3, "zoe"), (3, 3, "poison")]
+    seen.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
+    verdicts = Fares(seen, poison={1: death, 2: death}).judged(monkeypatch)
+    failed = verdicts["poison"]
+    assert (failed.status, failed.score, failed.max_score) == (FAILED, 0.0, 30.0)
+    assert [(one.score, one.tests) for one in failed.exercises] == [(0.0, ()), (0.0, ())]
+    assert "died (signal 9)" in failed.faults[0] and failed.problems == (judging.UNFAIR,)
+    assert (failed.lesson, failed.student, failed.key) == (LESSON.name, "poison", "")
+    assert not failed.starved
+
+
+@pytest.mark.parametrize("error", [SandboxUnavailable("no"), ExecutorLost("gone")])
+def test_where_nothing_judges_any_more_nobody_has_failed(seen, monkeypatch, error):
+    with pytest.raises(type(error)):
+        Fares(seen, poison={1: error}).judged(monkeypatch)
+    kept = [path.parts[-3] for path in seen.verdicts.glob("[!.]*/*/*.json")]
+    assert kept == ["ada"]
+    assert Fares(seen).judged(monkeypatch)["poison"].status == JUDGED
+
+
+def test_one_notebook_that_fails_the_judge_stops_no_other(seen, monkeypatch):
+    verdicts = Fares(seen, poison={1: ZeroDivisionError("oracle")}).judged(monkeypatch)
+    assert [one.status for one in verdicts.values()] == [JUDGED, FAILED, JUDGED]
+    assert "ZeroDivisionError: oracle" in verdicts["poison"].faults[0]
+    again = Fares(seen)
+    again.judged(monkeypatch)
+    assert again.asked == [("poison", False)]
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_time_limit_is_believed_of_who_had_the_machine_to_itself(course, monkeypatch, alone):
+    asked = []
+
+    def starving(*about):
+        asked.append(about)
+        return Verdict(LESSON.name, "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "", starved=True)
+
+    monkeypatch.setattr(grade, "judge_handed_in", starving)
+    (submission, *_) = find_submissions(course)
+    verdict = grade.judge_one("a file", LESSON.name, "ada", SEED, "process", alone)
+    assert verdict.starved != alone
+    assert asked == [("a file", SEED, SANDBOXES["process"], LESSON, "ada")]
+    walls = SANDBOXES["process"]
+    assert not grade.current_verdict(course, submission, SEED, walls).starved
+    assert grade.judge_and_store(course, submission, SEED, walls).starved
+    assert read_verdict(submission.verdict_path(course)).starved
+    assert asked[-1] == (submission.read(course), SEED, walls, LESSON, "ada")
+
+
+def test_who_has_a_verdict_keeps_it(seen, monkeypatch):
+    verdicts = Fares(seen).judged(monkeypatch)
+    (submission, *_) = find_submissions(seen)
+    walls = SANDBOXES["process"]
+    assert grade.current_verdict(seen, submission, SEED, walls) == verdicts["ada"]
+    anew = Fares(seen)
+    monkeypatch.setattr(grade, "judge_one", anew.judge_one)
+    grade.current_verdict(seen, submission, SEED + 1, walls)
+    assert anew.asked == [("ada", True)]
 
 
 class Dying(ThreadPoolExecutor):
