@@ -43,28 +43,28 @@ def crop_region(cloud, minimum, maximum):
     return np.delete(cloud, np.flatnonzero(outside.any(axis=1)), axis=0)
 
 # %% wrong: any instead of all
-# loses only: cuts_on_four_sides, cuts_below_and_above, test_crop_streets, test_crop_other_boxes, test_crop_heights, test_crop_faces
+# loses only: cuts_on_four_sides, cuts_below_and_above, test_crop_streets, test_crop_other_boxes, test_crop_heights
 # says: .all(axis=1), not .any
 # told: One coordinate inside the box is enough
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).any(axis=1)]
 
 # %% wrong: forgets the height
-# loses only: cuts_below_and_above, test_crop_heights, test_crop_faces
+# loses only: cuts_below_and_above, test_crop_heights
 # says: cloud[:, :3]
 # told: Only x and y are compared
 def crop_region(cloud, minimum, maximum):
     return cloud[((cloud[:, :2] >= minimum[:2]) & (cloud[:, :2] <= maximum[:2])).all(axis=1)]
 
 # %% wrong: only the upper corner
-# loses: keeps_what_is_inside, test_crop_streets
+# loses: cuts_on_four_sides, cuts_below_and_above, test_crop_streets
 # says: Join both
 # told: Only maximum is compared
 def crop_region(cloud, minimum, maximum):
     return cloud[(cloud[:, :3] <= maximum).all(axis=1)]
 
 # %% wrong: only the lower corner
-# loses: keeps_what_is_inside, test_crop_streets
+# loses: cuts_on_four_sides, cuts_below_and_above, test_crop_streets
 # says: Join both
 # told: Only minimum is compared
 def crop_region(cloud, minimum, maximum):
@@ -189,4 +189,31 @@ def crop_region(cloud, minimum, maximum):
 # %% right: the hints followed to the letter
 def crop_region(cloud, minimum, maximum):
     inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    return cloud[inside]
+
+# %% wrong: one answer for the whole cloud
+# loses: keeps_what_is_inside, test_crop_streets
+# says: for each row
+# told: There is one answer
+def crop_region(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz >= minimum) & (xyz <= maximum)).all()
+    return cloud[inside]
+
+# %% wrong: one comparison is enough
+# loses: keeps_what_is_inside, test_crop_streets
+# says: With | one of them is enough
+# told: Nothing is removed
+def crop_region(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz >= minimum) | (xyz <= maximum)).all(axis=1)
+    return cloud[inside]
+
+# %% wrong: minimum and maximum exchanged
+# loses: keeps_what_is_inside, test_crop_streets
+# says: Are the two exchanged
+# told: no point counts as inside
+def crop_region(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz >= maximum) & (xyz <= minimum)).all(axis=1)
     return cloud[inside]

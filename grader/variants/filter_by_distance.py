@@ -242,3 +242,34 @@ def filter_by_distance(cloud, distance=10.0):
 def filter_by_distance(cloud, distance=10.0):
     d = np.hypot(cloud[:, 0], cloud[:, 1])
     return cloud[d <= distance]
+
+# %% wrong: x and z
+# loses: keeps_what_is_near, test_course_cloud
+# says: Column 2 is the height
+# told: x and z make the distance
+def filter_by_distance(cloud, distance=10.0):
+    along_the_road = np.hypot(cloud[:, 0], cloud[:, 2])
+    return cloud[along_the_road <= distance]
+
+# %% wrong: y and z
+# loses: keeps_what_is_near, test_course_cloud
+# says: Column 2 is the height
+# told: y and z make the distance
+def filter_by_distance(cloud, distance=10.0):
+    along_the_road = np.hypot(cloud[:, 1], cloud[:, 2])
+    return cloud[along_the_road <= distance]
+
+# %% wrong: x and y added up
+# loses: looks_all_around, draws_a_circle, test_course_cloud
+# says: take the root
+# told: with their signs: it takes
+def filter_by_distance(cloud, distance=10.0):
+    along_the_road = cloud[:, 0] + cloud[:, 1]
+    return cloud[along_the_road <= distance]
+
+# %% wrong: the norm of two columns
+# loses: keeps_what_is_near, test_course_cloud
+# says: axis=1 goes along a row
+def filter_by_distance(cloud, distance=10.0):
+    along_the_road = np.linalg.norm(cloud[:, :2], axis=0)
+    return cloud[along_the_road <= distance]

@@ -43,7 +43,7 @@ def remove_ego_returns(cloud, minimum, maximum):
                  | (z < minimum[2]) | (z > maximum[2])]
 
 # %% wrong: outside in all three coordinates
-# loses only: keeps_ahead_and_beside, keeps_above_and_below, test_remove_from_streets, test_remove_other_boxes, test_remove_heights, test_remove_faces
+# loses only: keeps_ahead_and_beside, keeps_above_and_below, test_remove_from_streets, test_remove_other_boxes, test_remove_heights
 # says: .any(axis=1)
 # told: in x and in y and in z
 def remove_ego_returns(cloud, minimum, maximum):
@@ -58,7 +58,7 @@ def remove_ego_returns(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)]
 
 # %% wrong: a column of air above the car goes, too
-# loses only: keeps_above_and_below, test_remove_from_streets, test_remove_heights, test_remove_faces
+# loses only: keeps_above_and_below, test_remove_from_streets, test_remove_heights
 # says: missing
 # told: above or below the box
 def remove_ego_returns(cloud, minimum, maximum):
@@ -71,7 +71,7 @@ def remove_ego_returns(cloud, minimum, maximum):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > 3.0]
 
 # %% wrong: an ego box written into the function
-# loses only: follows_the_ego_box, removes_the_faces, test_remove_other_boxes, test_remove_heights, test_remove_faces
+# loses only: follows_the_ego_box, removes_the_faces, test_remove_other_boxes, test_remove_heights
 # says: by their names
 # told: The lesson's own box
 def remove_ego_returns(cloud, minimum, maximum):
@@ -94,7 +94,8 @@ def remove_ego_returns(cloud, minimum, maximum):
 
 # %% wrong: inverts before joining
 # loses: removes_our_own, test_remove_from_streets
-# says: missing
+# says: which | joins
+# told: every point counts as inside
 def remove_ego_returns(cloud, minimum, maximum):
     return cloud[((cloud[:, :3] < minimum) & (cloud[:, :3] > maximum)).any(axis=1)]
 
@@ -166,4 +167,40 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% right: the hints followed to the letter
 def remove_ego_returns(cloud, minimum, maximum):
     inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
+    return cloud[~inside]
+
+# %% wrong: one answer for the whole cloud
+# loses: removes_our_own, test_remove_from_streets
+# says: for each row
+# told: There is one answer
+def remove_ego_returns(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz >= minimum) & (xyz <= maximum)).all()
+    return cloud[~inside]
+
+# %% wrong: one comparison is enough
+# loses: removes_our_own, test_remove_from_streets
+# says: which & joins
+# told: every point counts as inside
+def remove_ego_returns(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz >= minimum) | (xyz <= maximum)).all(axis=1)
+    return cloud[~inside]
+
+# %% wrong: minimum and maximum exchanged
+# loses: removes_our_own, test_remove_from_streets
+# says: are the two exchanged
+# told: Nothing is removed
+def remove_ego_returns(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz >= maximum) & (xyz <= minimum)).all(axis=1)
+    return cloud[~inside]
+
+# %% wrong: minimum is not compared
+# loses only: keeps_ahead_and_beside, keeps_above_and_below, test_remove_from_streets, test_remove_other_boxes, test_remove_heights
+# says: Join both
+# told: what lies before minimum goes
+def remove_ego_returns(cloud, minimum, maximum):
+    xyz = cloud[:, :3]
+    inside = ((xyz <= maximum)).all(axis=1)
     return cloud[~inside]

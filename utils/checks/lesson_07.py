@@ -47,40 +47,43 @@ _PLACES = frozen(
 _NEAR = frozen(np.array([True, False, True, False, False, True, True, False]))
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
-# Inside, or outside in x and in y and in z.
+# Inside, or outside in x and in y and in z: beyond one face of the box, and before another.
 _ROOM = frozen(
     np.array(
         [
             [1.0, 2.0, -1.0, 0.5],
-            [-12.0, -8.0, -2.5, 0.2],
+            [-12.0, -8.0, 1.5, 0.2],
             [28.0, -4.0, 0.5, 0.1],
-            [40.0, 9.0, 1.6, 0.3],
-            [33.0, -7.0, -2.4, 0.4],
+            [40.0, -9.0, 1.6, 0.3],
+            [33.0, 7.0, -2.4, 0.4],
             [-9.0, 5.5, 0.9, 0.9],
-            [-15.0, 7.0, 1.4, 0.6],
+            [-15.0, 7.0, -2.6, 0.6],
             [12.0, 0.0, -1.9, 0.4],
         ]
     )
 )
 _INSIDE = frozen(np.array([True, False, True, False, False, True, False, True]))
 _EGO = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-# Returns of our own car, and others that share no coordinate with it.
+# Returns of our own car, and others that share no coordinate with it, beyond and before as above.
 _AROUND = frozen(
     np.array(
         [
             [-1.3, 0.4, -0.6, 0.3],
-            [5.0, 3.0, 0.5, 0.4],
+            [5.0, -3.0, 0.5, 0.4],
             [1.0, -1.0, -0.5, 0.5],
             [-2.0, -2.0, 0.3, 0.2],
-            [12.0, 4.2, 2.0, 0.7],
+            [12.0, -4.2, -1.4, 0.7],
             [0.9, 1.0, -0.9, 0.5],
-            [-3.0, -8.0, -1.6, 0.9],
+            [-3.0, 8.0, -1.6, 0.9],
         ]
     )
 )
 _OURS = frozen(np.array([True, False, True, False, False, True, False]))
-# Each has the same x, y and z: inside of a box of three equal sides in all of them, or in none.
-_DIAGONAL = frozen(np.outer([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 0.1]))
+# Where x rises y falls: in a box that does alike each is inside in all coordinates, or in none.
+_DIAGONAL = frozen(
+    np.column_stack([np.arange(6.0), 5 - np.arange(6.0), np.arange(6.0), np.ones(6)])
+)
+_LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # of x and of z, lower and upper
 
 
 def assert_near(
@@ -266,7 +269,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
     weight=3,
     title="Intensity does not count",
     why="Another driver reports intensities up to 255, and every bright car would vanish.",
-    hint="A norm over whole rows counts column 3, too. Use columns 0 and 1 only.",
+    hint="x and y alone make the distance: columns 0 and 1.",
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
     assert_measures(filter_by_distance)
@@ -289,10 +292,10 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
 
 @visible(
     "filter_by_distance",
-    weight=3,
+    weight=5,
     title="The parameter decides how far is too far",
     why="A fast car must look farther than a slow one.",
-    hint="Compare with distance, by its name, and with no number of your own.",
+    hint="Near is what is at most `distance` away, whatever number that is.",
 )
 def follows_the_distance(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.2, -0.5, 0.3] for x in (9.0, 3.0, 30.0, 6.3, 12.0)])
@@ -316,6 +319,7 @@ _NEARBY = Case(
     "distance=10.0",
     title="The distance is 10 m unless another one is given",
     why="Later cells call filter_by_distance(cloud) and rely on it.",
+    weight=2,
 )
 def keeps_the_default(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
@@ -355,6 +359,9 @@ def keeps_the_tie(filter_by_distance: Callable) -> None:
     assert_near(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
+row_promises.array(_NEARBY, "returns_an_array")
+
+
 @visible(
     "crop_region",
     weight=4,
@@ -370,7 +377,7 @@ def keeps_what_is_inside(crop_region: Callable) -> None:
 
 @visible(
     "crop_region",
-    weight=3,
+    weight=9,
     title="What is outside in x or in y alone goes, too",
     why="One side forgotten, and all houses of the street come in.",
     hint="A row is inside when all three coordinates are: .all(axis=1).",
@@ -393,10 +400,10 @@ def cuts_on_four_sides(crop_region: Callable) -> None:
 
 @visible(
     "crop_region",
-    weight=2,
+    weight=5,
     title="What is below the floor or above the roof of the box goes, too",
     why="A bridge over the street is no obstacle.",
-    hint="Compare all three coordinates, cloud[:, :3], not only x and y.",
+    hint="A point is inside where x, y and z all are: cloud[:, :3].",
 )
 def cuts_below_and_above(crop_region: Callable) -> None:
     assert_crops(crop_region)
@@ -412,7 +419,7 @@ def cuts_below_and_above(crop_region: Callable) -> None:
     weight=2,
     title="The faces belong to the box",
     why="Two boxes side by side shall leave no gap between them.",
-    hint="Use >= and <=, not > and <.",
+    hint="Inside is >= minimum and <= maximum.",
 )
 def counts_the_faces(crop_region: Callable) -> None:
     assert_crops(crop_region)
@@ -436,11 +443,11 @@ def counts_the_faces(crop_region: Callable) -> None:
     weight=3,
     title="The parameters decide where the box is",
     why="The region changes with the road and with the speed.",
-    hint="Compare with minimum and maximum, by their names, and with no number of your own.",
+    hint="Inside is what lies between minimum and maximum, whatever these are.",
 )
 def follows_the_corners(crop_region: Callable) -> None:
-    for low, high in ((1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)):
-        corners = (low, low, low), (high, high, high)
+    for low, high in _LIMITS:
+        corners = (low, 5 - high, low), (high, 5 - low, high)
         keep = (_DIAGONAL[:, 0] > low) & (_DIAGONAL[:, 0] < high)
         assert_boxed(crop_region(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep)
 
@@ -479,6 +486,7 @@ row_promises.order(_CROP, "crops_in_order")
 promises.three_columns(_CROP, "crops_three_columns", hint="cloud[:, :3] is there in both.")
 row_promises.nothing_left(_CROP, "crops_the_smallest", weight=2)
 row_promises.untouched(_CROP, "crops_a_copy")
+row_promises.array(_CROP, "gives_an_array")
 
 
 @visible(
@@ -494,7 +502,7 @@ def removes_our_own(remove_ego_returns: Callable) -> None:
 
 @visible(
     "remove_ego_returns",
-    weight=3,
+    weight=10,
     title="What shares y or x with our car stays",
     why="The car ahead of us shares y and z with us. It is the last one to lose.",
     hint="A row is outside when one coordinate is outside: not (a and b and c) is "
@@ -512,10 +520,10 @@ def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
 
 @visible(
     "remove_ego_returns",
-    weight=2,
+    weight=4,
     title="What is above or below the box stays",
     why="A sign above the bonnet, a kerb under the bumper: neither is our car.",
-    hint="Compare all three coordinates, cloud[:, :3], not only x and y.",
+    hint="A point is inside where x, y and z all are: cloud[:, :3].",
 )
 def keeps_above_and_below(remove_ego_returns: Callable) -> None:
     assert_frees(remove_ego_returns)
@@ -555,12 +563,12 @@ def removes_the_faces(remove_ego_returns: Callable) -> None:
     weight=3,
     title="The parameters decide where the box is",
     why="A lorry is not a small car, and a roof rack is a part of ours.",
-    hint="Compare with minimum and maximum, by their names, and with no number of your own.",
+    hint="Inside is what lies between minimum and maximum, whatever these are.",
 )
 def follows_the_ego_box(remove_ego_returns: Callable) -> None:
     assert_frees(remove_ego_returns)
-    for low, high in ((1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)):
-        corners = (low, low, low), (high, high, high)
+    for low, high in _LIMITS:
+        corners = (low, 5 - high, low), (high, 5 - low, high)
         keep = (_DIAGONAL[:, 0] < low) | (_DIAGONAL[:, 0] > high)
         assert_boxed(remove_ego_returns(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep)
 
@@ -599,6 +607,7 @@ row_promises.order(_FREE, "leaves_the_order")
 promises.three_columns(_FREE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
 row_promises.nothing_left(_FREE, "frees_the_smallest", weight=2)
 row_promises.untouched(_FREE, "frees_a_copy")
+row_promises.array(_FREE, "leaves_an_array")
 
 
 def _at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:
@@ -654,6 +663,31 @@ mistakes(
         "x and y are added up as lengths, |x| + |y|: it takes squares and a root.",
         lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, :2]).sum(axis=1), distance),
         "Square x and y, add, take the root: np.hypot(x, y).",
+    ),
+    Mistake(
+        "x and y are added up, with their signs: it takes squares and a root.",
+        lambda right, cloud, distance: _at_most(cloud, cloud[:, :2].sum(axis=1), distance),
+        "Square x and y, add, take the root: np.hypot(x, y).",
+    ),
+    Mistake(
+        "x and z make the distance; y, in column 1, is left out.",
+        lambda right, cloud, distance: _at_most(cloud, _length(cloud[:, [0, 2]]), distance),
+        "Use columns 0 and 1. Column 2 is the height.",
+    ),
+    Mistake(
+        "y and z make the distance; x, in column 0, is left out.",
+        lambda right, cloud, distance: _at_most(cloud, _length(cloud[:, [1, 2]]), distance),
+        "Use columns 0 and 1. Column 2 is the height.",
+    ),
+    Mistake(
+        "Only y is compared, with its sign: everything on the right stays.",
+        lambda right, cloud, distance: _at_most(cloud, cloud[:, 1], distance),
+        "Combine x and y to one distance first: np.hypot(x, y).",
+    ),
+    Mistake(
+        "Only y is compared: everything ahead and behind stays, however far.",
+        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, 1]), distance),
+        "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "Only x is compared, with its sign: everything behind us stays.",
@@ -723,6 +757,30 @@ mistakes(
             5.0,
         ),
         (np.array([[3.0, 2.0, 0.1, 0.1], [-2.0, 5.0, 11.0, 0.1], [1.0, 2.0, 0.1, 14.0]]), 12.0),
+        (
+            np.array(
+                [
+                    [1.0, 1.5, 6.0, 0.1],
+                    [2.0, -9.0, 0.3, 0.2],
+                    [-1.5, 2.0, -3.9, 0.1],
+                    [0.5, 3.0, 0.2, 0.1],
+                    [-6.0, 1.0, 0.1, 0.2],
+                ]
+            ),
+            4.0,
+        ),
+        (
+            np.array(
+                [
+                    [2.0, 3.0, -8.0, 0.1],
+                    [-3.0, 20.0, 0.5, 0.3],
+                    [5.0, 4.0, 4.5, 0.2],
+                    [-6.0, -2.0, -5.0, 0.1],
+                    [30.0, 2.0, 1.0, 0.4],
+                ]
+            ),
+            7.0,
+        ),
     ),
     right=lambda cloud, distance: _at_most(cloud, _length(cloud), distance),
 )
@@ -742,7 +800,7 @@ def _freed(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarra
     return cloud[_depth(cloud, minimum, maximum).min(axis=1) < 0]
 
 
-# Inside; outside in one, in two, in three coordinates, on either side; on a face.
+# Inside; outside in one, in two, in three coordinates, on either side; on a face; all inside.
 _BOXES = tuple(
     (frozen(cloud), minimum, maximum)
     for cloud, minimum, maximum in (
@@ -798,6 +856,23 @@ _BOXES = tuple(
             (0.0, 0.0, 0.0),
             (4.0, 4.0, 4.0),
         ),
+        (
+            [
+                [0.5, -0.5, 1.5, 0.3],
+                [1.5, 0.5, 2.5, 0.1],
+            ],
+            (0.0, -1.0, 1.0),
+            (2.0, 1.0, 3.0),
+        ),
+        (
+            [
+                [-3.5, 2.5, -1.0, 0.7],
+                [-2.5, 3.5, 0.5, 0.2],
+                [-1.5, 4.5, 0.0, 0.1],
+            ],
+            (-4.0, 2.0, -1.5),
+            (-1.0, 5.0, 1.0),
+        ),
     )
 )
 
@@ -846,8 +921,20 @@ mistakes(
         "Index with a mask: cloud[mask] holds only the rows where it is True.",
     ),
     Mistake(
+        "There is one answer for the whole cloud: axis=1 is missing.",
+        lambda right, *case: case[0][None][: int(len(right) == len(case[0]))],
+        ".all(axis=1) gives one True or False for each row.",
+    ),
+    Mistake(
+        "Nothing is left: no point counts as inside.",
+        lambda right, cloud, low, high: cloud[:0],
+        "Inside is >= minimum and <= maximum. Are the two exchanged, or the comparisons?",
+    ),
+    Mistake(
         "Nothing is removed: the cloud comes back as it went in.",
         lambda right, cloud, low, high: cloud,
+        "A point is inside where both comparisons hold, which & says. With | one of them is "
+        "enough, and one of them always holds. Then index with the mask: cloud[inside].",
     ),
     cases=_BOXES,
     right=_cropped,
@@ -887,8 +974,30 @@ mistakes(
         "Index with a mask: cloud[mask] holds only the rows where it is True.",
     ),
     Mistake(
+        "There is one answer for the whole cloud: axis=1 is missing.",
+        lambda right, *case: case[0][None][: int(len(right) > 0)],
+        ".all(axis=1) gives one True or False for each row.",
+    ),
+    Mistake(
+        "Only minimum is compared; what lies beyond maximum goes, too.",
+        lambda right, cloud, low, high: _freed(cloud, low, np.full(3, 1e3)),
+        "Join both comparisons with &.",
+    ),
+    Mistake(
+        "Only maximum is compared; what lies before minimum goes, too.",
+        lambda right, cloud, low, high: _freed(cloud, np.full(3, -1e3), high),
+        "Join both comparisons with &.",
+    ),
+    Mistake(
+        "Nothing is left: every point counts as inside.",
+        lambda right, cloud, low, high: cloud[:0],
+        "Inside is >= minimum and <= maximum, which & joins; outside is < minimum or > maximum, "
+        "which | joins. The other way round it holds always, or never.",
+    ),
+    Mistake(
         "Nothing is removed: the cloud comes back as it went in.",
         lambda right, cloud, low, high: cloud,
+        "Inside is >= minimum and <= maximum: are the two exchanged? Then index with ~inside.",
     ),
     cases=_BOXES,
     right=_freed,

@@ -53,7 +53,7 @@ def order(case: Case, name: str, *, weight: float = 1) -> None:
         name,
         title="Keeps the order of the rows",
         why="Whoever knows the true object of each return finds it by its place among the rows.",
-        hint="A mask keeps the order by itself: sort nothing.",
+        hint="A mask keeps the order by itself.",
         weight=weight,
     )
     def ask(function: Callable) -> None:

@@ -93,6 +93,13 @@ _TIPS = (
         "(a > 1) & (b < 2).",
     ),
     (
+        "TypeError",
+        r"ufunc 'invert' not supported",
+        "",
+        "~ turns round a mask, True into False, and these are numbers. It belongs inside the "
+        "brackets: cloud[~mask].",
+    ),
+    (
         "ValueError",
         r"truth value of an array",
         r"[^&|]*[<>]=?.*[&|]",
@@ -103,7 +110,8 @@ _TIPS = (
         r"truth value of an array",
         "",
         "Python's if, while, and, or, not want one True or False, and this is one for each "
-        "element. Combine masks with & and |, each side in parentheses; or take .any() or .all().",
+        "element. Combine masks with & and |, each side in parentheses, and turn one round with ~; "
+        "or take .any() or .all().",
     ),
     (
         "TypeError",
@@ -154,6 +162,14 @@ _TIPS = (
         "",
         "This mask has one value for each column, not for each point. A column of the cloud is "
         "cloud[:, 0], while cloud[0] is a row; and axis=1 goes along a row.",
+    ),
+    (
+        "IndexError",
+        r"boolean index did not match indexed array along (axis|dimension) 0; "
+        r"(size of axis|dimension) is \d+ but .* (is|dimension is) 2$",
+        "",
+        "This mask has two values, and each point needs one. Was it made along two columns? "
+        "axis=1 goes along a row.",
     ),
     (
         "IndexError",
