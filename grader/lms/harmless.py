@@ -12,7 +12,8 @@ import base64
 import binascii
 import re
 
-NO_WIDTH = "\u200b"
+from grader.lms.formulas import NO_WIDTH, harmless_formulas
+
 PICTURES = ("image/png", "image/jpeg", "image/gif")
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
 # What may follow a bracket: one of these schemes, or an address in which a page ends, or a folder,
@@ -22,8 +23,6 @@ _ADDRESS = re.compile(
     r"(?![(:]\s*+<?(?i:https?|mailto|attachment):)"
     r"(?![(:]\s*+[^:&\\<>()/?#\s\x00-\x1f\u200b-\u200f]{0,200}+(?:[/?#)\s]|\Z))"
 )
-# These make links and styles, or load more that does.
-_FORMULA = re.compile(r"\\(?=(?:href|url|style|class|cssId|data|html[A-Z]\w*|require|Extension)\b)")
 # A picture from anywhere else is fetched, with the cookies of whoever looks.
 _FETCHED = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
 _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)")
@@ -43,11 +42,11 @@ def harmless(markdown: str) -> str:
         Looks the same. What is harmless already stays as it is. The time that this takes grows
         with the length: no pattern looks twice at a letter.
     """
-    text = _TAG.sub("<" + NO_WIDTH, markdown)
+    text = harmless_formulas(markdown)
+    text = _TAG.sub("<" + NO_WIDTH, text)
     text = _ADDRESS.sub("]" + NO_WIDTH, text)
     text = _FETCHED.sub("!" + NO_WIDTH, text)
-    text = _DIAGRAM.sub(r"\1text ", text)
-    return _FORMULA.sub(lambda found: "\\" + NO_WIDTH, text)
+    return _DIAGRAM.sub(r"\1text ", text)
 
 
 def as_code(text: str) -> str:

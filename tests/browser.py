@@ -1,0 +1,79 @@
+"""Pages in a browser, where there is one, with the MathJax that this machine has."""
+
+import http.server
+import os
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+
+import nbformat
+from nbconvert.exporters import HTMLExporter
+
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
+# Debian's package libjs-mathjax; or a folder with MathJax 2, or MathJax 3's `es5`.
+MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
+# Without its safe mode: what holds there holds in it.
+ENTRIES = ("MathJax.js?config=TeX-AMS_CHTML-full", "tex-chtml-full.js", "tex-svg-full.js")
+SECONDS = 100  # that scripts may take, by the page's own clock
+PATIENCE = 500
+
+
+def mathjax_entries():
+    """What a page may load MathJax by."""
+    return [entry for entry in ENTRIES if (MATHJAX / entry.split("?")[0]).is_file()]
+
+
+class _Handler(http.server.SimpleHTTPRequestHandler):
+    def do_GET(self):
+        host, path = self.headers["Host"], self.path.split("?")[0]
+        if host.startswith("127.0.0.1") and path == "/":
+            self.answer(self.server.page)
+        elif host.startswith("127.0.0.1") and path.startswith("/mathjax/"):
+            file = MATHJAX / path.removeprefix("/mathjax/")
+            self.answer(file.read_bytes() if file.is_file() else b"")
+        else:
+            self.server.asked.append((host, self.path))  # Chromium has questions of its own
+            self.answer(b"")
+
+    def answer(self, content):
+        self.send_response(200)
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, *about):
+        pass
+
+
+def page_of(texts, entry):
+    """A notebook's page, as feedback and Formgrader make it, that loads our MathJax."""
+    cells = [nbformat.v4.new_markdown_cell(text) for text in texts]
+    exporter = HTMLExporter(template_name="classic", mathjax_url=f"/mathjax/{entry}")
+    page = exporter.from_notebook_node(nbformat.v4.new_notebook(cells=cells))[0]
+    if "config=" not in entry:  # what the template says is for MathJax 2
+        settings = "MathJax = {tex: {inlineMath: [['$', '$'], ['\\\\(', '\\\\)']]}}"
+        page = page.replace("<head>", f"<head><script>{settings}</script>", 1)
+    return page
+
+
+def seen(page, folder, elsewhere):
+    """(the page after its scripts have run, the paths that it asked for of another host)."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
+    server.page, server.asked = page.encode(), []
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    address = f"127.0.0.1:{server.server_port}"
+    command = [
+        BROWSER,
+        *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"),
+        *("--disable-background-networking", "--no-first-run", f"--user-data-dir={folder}"),
+        f"--host-resolver-rules=MAP * {address}, EXCLUDE 127.0.0.1",
+        *(f"--virtual-time-budget={1000 * SECONDS}", "--dump-dom", f"http://{address}/"),
+    ]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    finally:
+        server.shutdown()
+        server.server_close()
+    return done.stdout, [path for host, path in server.asked if host == elsewhere]
