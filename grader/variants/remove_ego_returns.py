@@ -71,7 +71,7 @@ def remove_ego_returns(cloud, minimum, maximum):
     return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) > 3.0]
 
 # %% wrong: an ego box written into the function
-# loses only: follows_the_ego_box, removes_the_faces, test_remove_other_boxes, test_remove_heights
+# loses only: follows_the_ego_box, removes_the_faces, test_remove_other_boxes, test_remove_heights, test_remove_faces
 # says: by their names
 # told: The lesson's own box
 def remove_ego_returns(cloud, minimum, maximum):
