@@ -31,6 +31,7 @@ from grader.judging.verdict import (
     write_verdict,
 )
 from grader.lms import gradebook
+from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import PACKAGES, Given, Program
 from utils.checks import Check
@@ -44,6 +45,7 @@ LINE = find_lesson("02_ransac_line")
 FILTER = find_lesson("06_filter_ground")
 WRITTEN = find_lesson("12_streaming_obstacles")
 NO = CheckFailed("no")
+FEW = Limits(total_seconds=20.0)
 
 
 # ---- right helpers -----------------------------------------------------------------------------
@@ -188,7 +190,7 @@ def judge_made_of(monkeypatch):
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "follow_through", lambda *about: (better or {}, late))
         data = (text or fill_in(FILTER, {})).encode()
-        verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", "few")
+        verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting
         return verdict, asked
 
@@ -208,7 +210,9 @@ def test_what_is_right_is_asked_once_and_earns_everything(judge_made_of, monkeyp
     assert (verdict.lesson, verdict.student) == (FILTER.name, "ada")
     assert verdict.problems == ("A cell is broken.",)
     assert (verdict.faults, verdict.starved, verdict.seconds) == ((), False, 3.257)
-    assert asked.explain and asked.setting == Setting(FILTER, 7, None, "few")
+    assert asked.explain
+    assert asked.setting == Setting(FILTER, 7, None, FEW, asked.setting.budget)
+    assert asked.setting.budget.seconds == FEW.total_seconds
     assert len(asked.names) == 4
 
 

@@ -32,6 +32,9 @@ class Streams:
     def cpu_seconds(self):
         return time.monotonic()
 
+    def delays(self):
+        return None
+
     def has_ended(self, seconds):
         try:
             return self.process.wait(seconds) is not None

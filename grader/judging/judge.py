@@ -21,6 +21,7 @@ from grader.judging.trial import Asked, Setting, ask
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.patience import Budget
 from grader.sandbox.program import PACKAGES, Given, Program
 from utils.checks import CheckFailed
 from utils.checks.outcomes import Outcome
@@ -91,7 +92,8 @@ def judge_handed_in(
     except ReadingFailed as error:
         reached = _Reached(untried(lesson), (UNFAIR,), (str(error),))
     else:
-        reached = _reach(Setting(lesson, seed, sandbox, limits), to_judge, handed_in.modules)
+        setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
+        reached = _reach(setting, to_judge, handed_in.modules)
     return Verdict(
         lesson=lesson.name,
         student=student,

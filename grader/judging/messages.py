@@ -63,7 +63,7 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     """Why a test failed, in words that may be told."""
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
-        return Stopped(str(error))
+        return Stopped(str(error), error.reason)
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from grader.course.lessons import Lesson
 from grader.judging.asking import JudgeFault, everything, run_tests
 from grader.sandbox import Limits, Sandbox
+from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
 from utils.checks import Check, CheckFailed
@@ -26,12 +27,16 @@ class Setting:
         The course's secret.
     sandbox : grader.sandbox.Sandbox
     limits : grader.sandbox.Limits, optional
+    budget : grader.sandbox.patience.Budget, optional
+        What is left of the notebook's time, however often it is asked; by default each asking has
+        one of its own.
     """
 
     lesson: Lesson
     seed: int
     sandbox: Sandbox
     limits: Limits | None = None
+    budget: Budget | None = None
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,7 @@ def ask(
     ------
     grader.sandbox.SandboxUnavailable
     """
-    with Student(program, setting.sandbox, setting.limits) as student:
+    with Student(program, setting.sandbox, setting.limits, setting.budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
             outcomes = run_tests(setting.lesson, student, setting.seed, asked)

@@ -57,7 +57,17 @@ class StudentError(RemoteError):
 
 
 class StudentStopped(RemoteStopped):
-    """A student's process hung, died or broke the protocol; `str()` is the sentence to show."""
+    """A student's process hung, died or broke the protocol; `str()` is the sentence to show.
+
+    Attributes
+    ----------
+    reason : str
+        The same for all that have one reason; by default the sentence.
+    """
+
+    def __init__(self, sentence: str, reason: str = "") -> None:
+        self.reason = reason or sentence
+        super().__init__(sentence)
 
 
 def why_it_ended(code: int | None) -> str:

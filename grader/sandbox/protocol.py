@@ -21,15 +21,21 @@ class SandboxUnavailable(Exception):
 class Limits:
     """What a student's process may use.
 
-    Seconds are of processor time, as `grader.sandbox.patience` counts it: for the notebook's own
-    cells, for one call, and for everything together. Bytes of `memory` are for one process, of
-    `total_memory` for it and all it starts. `restarts` is how often the process may die or hang
-    before the rest of its tests are given up.
+    Seconds are those that `grader.sandbox.patience` counts, in which a process works or sleeps and
+    nobody keeps it waiting: for the cells that the exercises need; for all cells, where a name is
+    missing afterwards; for one call; and for everything together. `wall_seconds` are the wall's,
+    for everything together. Where steps that raised, or had to be stopped, have taken as long as
+    one may, the next have an eighth of that.
+
+    Bytes of `memory` are for one process, of `total_memory` for it and all it starts. `restarts` is
+    how often the process may die or hang before the rest of its tests are given up.
     """
 
-    start_seconds: float = 30.0
+    start_seconds: float = 10.0
+    whole_seconds: float = 30.0
     call_seconds: float = 10.0
     total_seconds: float = 180.0
+    wall_seconds: float = 600.0
     restarts: int = 3
     memory: int = 3072 * MEBIBYTE
     total_memory: int = 6144 * MEBIBYTE
@@ -64,6 +70,12 @@ class Worker(Protocol):
         """Processor time that it and all it started have had; at least never going back.
 
         Where nobody can tell, the clock on the wall, which the processor's is never ahead of.
+        """
+
+    def delays(self) -> dict[int, float] | None:
+        """Seconds for which each of its threads wanted a processor and had none, by number.
+
+        None where nobody can tell.
         """
 
     def has_ended(self, seconds: float) -> bool:

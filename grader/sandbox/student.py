@@ -7,17 +7,24 @@ that a function does to its arguments reaches our objects; `RemoteFunction.obser
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, why_it_ended
 from grader.sandbox.inside import wire, wire_format
-from grader.sandbox.patience import Patience, stopwatch
+from grader.sandbox.patience import Budget, Patience, stopwatch
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.untrusted import names_a_number, positions, readable, rows, texts
 from utils.remote import Observed, Remote
+
+# What may be stopped beside exercises: the cells that these need, and the whole notebook.
+_NEEDED, _ALL = "the cells that are needed", "all cells"
+# What a step may take of its limit once as much was lost on steps that had to be stopped, or that
+# raised: an endless loop costs the class little more than that once.
+ONCE_MORE = 1 / 8
 
 
 @dataclass(frozen=True)
@@ -45,7 +52,7 @@ class RemoteFunction(Remote):
     def timed(self, *arguments: object) -> tuple[object, float]:
         """Return what it returns, and the seconds that it takes; see `stopwatch`."""
         self._student._ensure_running()
-        stop = stopwatch(self._student._worker.cpu_seconds)
+        stop = stopwatch(self._student._worker)
         answer = self(*arguments)
         seconds, starved = stop()
         self._student.starved |= starved
@@ -89,6 +96,8 @@ class Student:
     sandbox : grader.sandbox.Sandbox
         Starts a worker, and another one where that was stopped.
     limits : grader.sandbox.Limits, optional
+    budget : grader.sandbox.patience.Budget, optional
+        What is left of the notebook's time; by default all of it.
 
     Attributes
     ----------
@@ -99,20 +108,28 @@ class Student:
     exercise : str
         What is asked about now: an exercise that hangs costs the others nothing.
     starved : bool
-        Whether a call was given up, or called slow, that had hardly had a processor: on a quieter
+        Whether a call was given up, or called slow, that had not had its time: on a quieter
         machine it may be right.
     """
 
-    def __init__(self, program: Program, sandbox: Sandbox, limits: Limits | None = None) -> None:
+    def __init__(
+        self,
+        program: Program,
+        sandbox: Sandbox,
+        limits: Limits | None = None,
+        budget: Budget | None = None,
+    ) -> None:
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
         # Attributes that came with another one, of the same object and of those that it leads to;
         # until something is called. Methods stay.
         self._known: dict[tuple[int, str], object] = {}
         self._methods: dict[tuple[int, str], RemoteFunction] = {}
-        self._stops: dict[str, list[str]] = {}
-        self._time_left = self._limits.total_seconds
-        self._run_whole, self._told = True, False
+        self._stops: dict[str, list[StudentStopped]] = {}
+        self._budget = budget or Budget(self._limits)
+        # In a process before this one: once more is enough.
+        self._hung_before = frozenset(self._budget.hung)
+        self._told, self._took = False, 0.0
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -187,8 +204,8 @@ class Student:
         self._calls += 1
         name = request["name"]
         reply = self._exchange(
-            f"{name} did not answer within {{seconds:.0f}} seconds; "
-            "is there a loop that never ends?",
+            self.exercise,
+            f"{name} did not answer within {{seconds:g}} seconds; is there a loop that never ends?",
             self._limits.call_seconds,
             {"id": self._calls, **request},
         )
@@ -196,6 +213,7 @@ class Student:
         if type(number) is not int or number != self._calls:
             self._stop_off_the_question(name)
         if "error" in reply:
+            self._budget.note_lost(self.exercise, self._took)
             raise self._error(name, reply["error"])
         if not names_a_number(reply):
             self._stop_off_the_question(name)
@@ -221,7 +239,7 @@ class Student:
         return Observed(result, tuple(after), frozenset(positions(shared)))
 
     def _stop_off_the_question(self, name: str) -> NoReturn:
-        self._stop(f"{name} did not answer the question that was asked")
+        self._stop(self.exercise, f"{name} did not answer the question that was asked")
 
     def _object(self, number: int, kind: object) -> RemoteObject:
         return RemoteObject(self, _Held(number, self._worker), wire_format.known_type(kind))
@@ -259,15 +277,12 @@ class Student:
         return is_there and sum(1 + last - first for _, first, last in ranges) <= MOST_LINES
 
     def _ensure_running(self) -> None:
+        self._refuse_what_takes_too_long()
         if self._worker:
             return
-        stops = self._stops.get(self.exercise, [])
-        if len(stops) > self._limits.restarts:
-            raise StudentStopped(
-                f"Not tried: this exercise's code had to be stopped {len(stops)} times before. "
-                f"{stops[-1]}"
-            )
-        if self._time_left <= 0:
+        for what in (self.exercise, _NEEDED):
+            self._refuse_what_was_stopped(what)
+        if self._budget.seconds <= 0:
             raise StudentStopped(
                 f"Not tried: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
             )
@@ -296,54 +311,89 @@ class Student:
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
             self._lines = found["lines"]
             self._told = True
-        if self._missing and self._run_whole:
+        if self._missing and _ALL not in (*self._stops, *self._budget.hung):
             self._try_whole_notebook()
+
+    def _refuse_what_takes_too_long(self) -> None:
+        if time.monotonic() >= self._budget.until:
+            self.starved = True
+            self.close()
+            raise StudentStopped(f"Not tried: {self._over()}")
+
+    def _over(self) -> str:
+        seconds = f"{self._limits.wall_seconds:g}"
+        return f"the notebook's {seconds} seconds by the clock on the wall were over."
+
+    def _refuse_what_was_stopped(self, what: str) -> None:
+        stops = self._stops.get(what, [])
+        if len(stops) > (0 if what in self._hung_before else self._limits.restarts):
+            code = "the notebook's own cells" if what == _NEEDED else "this exercise's code"
+            times = "once" if len(stops) == 1 else f"{len(stops)} times"
+            raise StudentStopped(
+                f"Not tried: {code} had to be stopped {times} before. {stops[-1]}",
+                stops[-1].reason,
+            )
 
     def _try_whole_notebook(self) -> None:
         """Run every cell, for names that nobody can read off the text."""
         try:
-            found = self._start({"whole": True})
+            found = self._start({"whole": True}, _ALL, self._limits.whole_seconds)
             self._missing &= set(texts(found.get("missing")))
         except StudentStopped:  # a cell that hangs or quits: only now does it do harm
-            self._run_whole = False
-            self._stops[self.exercise].pop()
             self._ensure_running()
 
-    def _start(self, message: dict | None = None) -> dict:
+    def _start(
+        self, message: dict | None = None, what: str = _NEEDED, seconds: float | None = None
+    ) -> dict:
         """One step of starting a notebook."""
-        too_slow = "The notebook's own cells did not finish within {seconds:.0f} seconds."
-        answer = self._exchange(too_slow, self._limits.start_seconds, message)
+        too_slow = "The notebook's own cells did not finish within {seconds:g} seconds."
+        seconds = self._limits.start_seconds if seconds is None else seconds
+        answer = self._exchange(what, too_slow, seconds, message)
         if not isinstance(answer, dict):
-            self._stop("The notebook's own cells broke off the conversation with the judge.")
+            self._stop(what, "The notebook's own cells broke off the conversation with the judge.")
         return answer
 
-    def _exchange(self, too_slow: str, seconds: float, message: dict | None = None) -> object:
+    def _exchange(
+        self, what: str, too_slow: str, seconds: float, message: dict | None = None
+    ) -> object:
         """Send a message, if any, and return the next one."""
-        seconds = min(seconds, max(self._time_left, 0.1))
-        patience = Patience(self._worker.cpu_seconds, seconds)
+        seconds *= ONCE_MORE if self._budget.lost.get(what, 0.0) >= seconds else 1.0
+        seconds = min(seconds, max(self._budget.seconds, 0.1))
+        patience = Patience(self._worker, seconds, self._budget.until)
+        try:
+            return self._converse(message, patience)
+        except wire.WireTimeout:
+            self.starved |= patience.starved
+            if time.monotonic() >= self._budget.until:
+                self._stop(what, f"The notebook was given up: {self._over()}")
+            sentence = too_slow.format(seconds=round(seconds, 1))
+            self._stop(what, sentence, self._budget.hung.setdefault(what, sentence))
+        except wire_format.WireError:
+            self._stop(
+                what,
+                "What came back was not an answer: code in the notebook wrote to the "
+                "judge's own channel.",
+            )
+        except wire.WireClosed:
+            self._stop(what, None)
+
+    def _converse(self, message: dict | None, patience: Patience) -> object:
         try:
             if message is not None:
                 wire.send(self._worker.write_end, message, patience)
             return wire.receive(self._worker.read_end, patience)
-        except wire.WireTimeout:
-            self.starved |= patience.starved
-            self._stop(too_slow.format(seconds=seconds))
-        except wire_format.WireError:
-            self._stop(
-                "What came back was not an answer: code in the notebook wrote to the "
-                "judge's own channel."
-            )
-        except wire.WireClosed:
-            self._stop(None)
         finally:
-            self._time_left -= patience.taken
+            self._took = patience.taken()
+            self._budget.seconds -= self._took
 
-    def _stop(self, sentence: str | None) -> NoReturn:
-        """Kill the worker, remember why, and say so."""
+    def _stop(self, what: str, sentence: str | None, reason: str = "") -> NoReturn:
+        """Kill the worker, remember what was stopped and why, and say so."""
+        self._budget.note_lost(what, self._took)
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may live on, pipe closed
         code = worker.stop()
         if sentence is None:
             sentence = why_it_ended(code if by_itself else None)
-        self._stops.setdefault(self.exercise, []).append(sentence)
-        raise StudentStopped(sentence) from None
+        stop = StudentStopped(sentence, reason)
+        self._stops.setdefault(what, []).append(stop)
+        raise stop from None

@@ -7,6 +7,7 @@ read may be gone in the same moment, so every read may fail.
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import time
 from collections.abc import Iterator
@@ -45,6 +46,52 @@ def cpu_of_tree(pid: int) -> float:
     return sum(map(_cpu, tree(pid))) if PROC else time.monotonic()
 
 
+def delays_of_tree(pid: int) -> dict[int, float] | None:
+    """Seconds for which threads of a process and its descendants wanted a processor and had none.
+
+    Parameters
+    ----------
+    pid : int
+
+    Returns
+    -------
+    dict of int to float, or None
+        By the number of the thread, since each began. Only of those that want a processor as much
+        as we do: who asks for little, waits of its own accord. None where the kernel does not tell.
+    """
+    if not _tells_delays():
+        return None
+    ours = os.getpriority(os.PRIO_PROCESS, 0), os.sched_getscheduler(0)
+    delays = {}
+    for member in tree(pid):
+        for thread in _threads(member):
+            with contextlib.suppress(OSError, ValueError):
+                fields = _fields(f"/proc/{member}/task/{thread}/stat")
+                if int(fields[16]) <= ours[0] and int(fields[38]) == ours[1]:
+                    delays[int(thread)] = _schedule(f"/proc/{member}/task/{thread}")[1]
+    return delays
+
+
+def seconds_of_our_own() -> float:
+    """Seconds in which this very thread has been at work, or has waited for a processor."""
+    return sum(_schedule("/proc/thread-self")) if _tells_delays() else time.thread_time()
+
+
+@functools.cache
+def _tells_delays() -> bool:
+    """Whether this kernel tells who waits for a processor: some do not, and some say 0."""
+    try:
+        return _schedule("/proc/self")[0] > 0
+    except (OSError, ValueError):
+        return False
+
+
+def _schedule(folder: str) -> tuple[float, float]:
+    """Seconds that a thread has had a processor, and has waited for one."""
+    worked, waited, _ = Path(folder, "schedstat").read_text().split()
+    return int(worked) / 1e9, int(waited) / 1e9
+
+
 def memory_left() -> float:
     """Share of the machine's memory that is available; 1 where that cannot be told."""
     try:
@@ -63,12 +110,16 @@ def _mapped(pid: int) -> int:
 
 def _of_threads(pid: int, name: str) -> Iterator[str]:
     """A file of each thread; one that ends meanwhile hides none of the others."""
-    threads = []
-    with contextlib.suppress(OSError):
-        threads = os.listdir(f"/proc/{pid}/task")
-    for thread in threads:
+    for thread in _threads(pid):
         with contextlib.suppress(OSError):
             yield Path(f"/proc/{pid}/task/{thread}/{name}").read_text()
+
+
+def _threads(pid: int) -> list[str]:
+    try:
+        return os.listdir(f"/proc/{pid}/task")
+    except OSError:
+        return []
 
 
 def _files(pid: int) -> int:
@@ -89,9 +140,12 @@ def _files(pid: int) -> int:
 
 def _cpu(pid: int) -> float:
     try:
-        # The second field is a name in parentheses, which may hold anything, and no text.
-        text = Path(f"/proc/{pid}/stat").read_text(errors="replace")
+        return sum(map(int, _fields(f"/proc/{pid}/stat")[11:15])) / TICK
     except OSError:
         return 0.0
-    fields = text.rpartition(")")[2].split()
-    return sum(map(int, fields[11:15])) / TICK
+
+
+def _fields(path: str) -> list[str]:
+    """Those of a file `stat`, from the third on."""
+    # The second field is a name in parentheses, which may hold anything, and no text.
+    return Path(path).read_text(errors="replace").rpartition(")")[2].split()

@@ -122,7 +122,8 @@ def test_tells_by_its_exit_code(hand_in):
     """256 values for each test, if it were shown."""
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
     verdict = hand_in({"filter_ground": TELLS.format(name="filter_ground", body=body)})
-    said = {words for words in hidden_words(verdict) if "ended" in words}
+    messages = [test.message for one in verdict.exercises for test in one.tests]
+    said = {words for words in messages if "ended" in words}
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
 
 

@@ -115,11 +115,15 @@ class NotStarted(CheckFailed):
 
 
 class Stopped(CheckFailed):
-    """The function did not come back, or took its process with it."""
+    """The function did not come back, or took its process with it; for the same reason or not."""
+
+    def __init__(self, message: str, reason: str = "") -> None:
+        self._reason = reason or message
+        super().__init__(message)
 
     @property
     def cause(self) -> Hashable:  # noqa: D102
-        return "stopped", self.message
+        return "stopped", self._reason
 
 
 class Refused(CheckFailed):
