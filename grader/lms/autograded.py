@@ -13,6 +13,7 @@ import re
 from html import escape
 
 import nbformat
+from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode
 from nbgrader.utils import is_grade, is_solution
 
@@ -26,6 +27,8 @@ from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
+MUCH_TEXT = 40_000
+"""Characters, of which every page is made in a few seconds."""
 LOOK_FOR_IT = (
     "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
     "please look for it.*"
@@ -60,12 +63,25 @@ def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
     ------
     grader.intake.apart.ReadingFailed
     """
+
+    def work() -> NotebookNode:
+        copy = build_copy(prepare_to_show(handed_in, lesson))
+        _try_to_show(copy, lesson)
+        return copy
+
     _released(lesson)  # read here, and remembered for the next
     try:
-        copy = apart(handed_in.name, lambda: build_copy(prepare_to_show(handed_in, lesson)))
+        copy = apart(handed_in.name, work)
     except TooMuch as error:
         return build_copy(prepare_without(handed_in, lesson, error)), str(error)
     return nbformat.from_dict(copy), ""
+
+
+def _try_to_show(copy: NotebookNode, lesson: Lesson) -> None:
+    """Make a page of much text, as feedback and Formgrader will, which look at some of it twice."""
+    released = {cell.source for cell in _released(lesson).cells}
+    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > MUCH_TEXT:
+        HTMLExporter(template_name="classic").from_notebook_node(copy)
 
 
 def build_copy(prepared: Prepared) -> NotebookNode:

@@ -183,6 +183,22 @@ def test_who_is_held_up_by_us_loses_nothing(soon, sandbox, monkeypatch):
     assert "a fault of ours" in verdict.faults[0]
 
 
+def test_what_no_page_could_be_made_of_is_not_shown(soon):
+    """The Markdown of feedback and Formgrader looks at this for minutes."""
+    given = handed_in("\\\\( \\) " * 60_000)
+    assert preflight.prepare_to_judge(given, LESSON).code
+    copy, complaint = autograded.copy_apart(given, LESSON)
+    assert "takes more than 1 seconds" in complaint
+    assert len(str(copy)) < 100_000
+
+
+def test_a_long_text_is_shown():
+    essay = "I looked at $a_n$, and at `b`.\n\n" * 3000
+    copy, complaint = autograded.copy_apart(handed_in(essay), LESSON)
+    assert not complaint
+    assert essay in [cell.source for cell in copy.cells]
+
+
 @pytest.fixture
 def course(tmp_path):
     """A class of two, of whom the first holds it up."""

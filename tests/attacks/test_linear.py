@@ -7,14 +7,17 @@ import contextlib
 import dataclasses
 import json
 import time
+from types import SimpleNamespace
 
 import pytest
 
+from grader.classroom.report import write_report
 from grader.course.lessons import find_lesson
+from grader.course.paths import Course
 from grader.course.variants import fill_in
 from grader.intake import preflight
 from grader.intake.handed_in import HandedIn
-from grader.judging.verdict import JUDGED, ExerciseResult, Verdict
+from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 from grader.lms.autograded import build_copy, write_into
 from grader.lms.harmless import as_code, harmless
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
@@ -148,6 +151,27 @@ def test_a_cell_is_looked_at_once(letters, kind):
         write_into(copy, VERDICT)
 
     assert_linear(lambda size: handed_in([(kind, text(letters, size))]), show)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
+def test_a_verdict_is_looked_at_once(letters, tmp_path):
+    """In the report on a class, and under the cells of a copy."""
+
+    def verdict(size):
+        said = text(letters, size)
+        tests = (CheckResult("a check", said, False, 0.0, 1.0, said, True),)
+        exercises = tuple(
+            ExerciseResult(one.name, 0.0, one.points, tests, said, "a check")
+            for one in LESSON.machine_graded
+        )
+        return dataclasses.replace(VERDICT, exercises=exercises, problems=(said,))
+
+    def show(said):
+        write_report(Course(tmp_path), [(SimpleNamespace(student="mallory"), said)])
+        write_into(build_copy(preflight.prepare(handed_in([]), LESSON)), said)
+
+    assert_linear(verdict, show)
 
 
 @pytest.mark.slow
