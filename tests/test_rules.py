@@ -12,6 +12,7 @@ from grader.classroom import grade
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
+from grader.intake.apart import ReadingFailed
 from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
 from grader.judging import followed
@@ -230,7 +231,10 @@ def test_what_a_notebook_may_use_is_what_its_lesson_says():
             (*PACKAGES, *header.packages),
             lesson.steps,
         )
-    assert judging.given_code(FILTER) is judging.given_code(FILTER)
+    tree = find_lesson("04_kd_tree")
+    assert "class" in judging.given_code(tree) and judging.given_code(tree) is judging.given_code(
+        tree
+    )
 
 
 ODD = OSError("once")
@@ -332,8 +336,23 @@ def test_a_notebook_of_no_lesson_is_no_notebook_of_ours():
             judging.judge_handed_in(HandedIn("my homework.ipynb", data), 7, None)
     verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b""), 7, None)
     assert (verdict.status, verdict.score, verdict.max_score) == (JUDGED, 0.0, 30.0)
-    assert "is empty" in verdict.problems[0]
+    assert "is empty" in verdict.problems[0] and not verdict.starved
     assert [one.tests for one in verdict.exercises] == [(), ()]
+
+
+def test_who_could_not_be_read_by_a_fault_of_ours_is_not_judged(monkeypatch):
+    def fail(*about):
+        raise ReadingFailed("There was no memory.")
+
+    monkeypatch.setattr(judging, "prepare_to_judge", fail)
+    verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b"{}"), 7, None)
+    assert (verdict.status, verdict.faults) == ("judge_failed", ("There was no memory.",))
+    assert verdict.problems == (judging.UNFAIR,)
+
+
+def test_what_was_decided_stays_as_it_is():
+    for kind in (Followed, judging._Reached, Asked, Setting, Verdict, CheckResult, ExerciseResult):
+        assert kind.__dataclass_params__.frozen
 
 
 # ---- what is said about an exercise -------------------------------------------------------------

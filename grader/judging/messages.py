@@ -17,7 +17,7 @@ from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
 
 
-def told(outcome: Outcome, open_to_all: bool = True) -> Outcome:
+def told(outcome: Outcome, open_to_all: bool) -> Outcome:
     """What came of a check, in words that may be told.
 
     Parameters
