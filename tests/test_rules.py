@@ -1,6 +1,7 @@
 """The judge's own rules, each by itself: no notebook is judged here."""
 
 import dataclasses
+import itertools
 import json
 import math
 from types import SimpleNamespace
@@ -63,12 +64,14 @@ def follow(monkeypatch, uses, outcomes, again):
     """What comes of `follow_through`; and the programs that were asked a second time."""
     programs = []
 
-    def ask(setting, program, wanted):
-        programs.append(program)
-        return Asked(tuple(outcome for outcome in again if wanted(outcome.check)))
+    program = Program(("pass",), LINE.names)
+
+    def ask(setting, code, wanted):
+        programs.extend([code] * (code != program))
+        ended = outcomes if code == program else again
+        return Asked(tuple(outcome for outcome in ended if wanted(outcome.check)))
 
     monkeypatch.setattr(followed, "ask", ask)
-    program = Program(("pass",), LINE.names)
     asked = Asked(tuple(outcomes), uses=uses)
     better, _ = followed.follow_through(Setting(LINE, 1, None), program, asked)
     return better, programs
@@ -102,14 +105,69 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, held):
     assert asked and not better
 
 
+STOP = StudentStopped("it did not answer")
+
+
+@pytest.mark.parametrize(
+    ("first", "once_more", "with_right", "counts"),
+    [
+        (None, None, NO, None),
+        (None, NO, None, NO),
+        (NO, None, None, NO),
+        (NO, NO, None, None),
+        (NO, NO, NO, NO),
+        (None, STOP, NO, None),  # a process that was stopped has not answered
+        (NO, STOP, None, NO),
+        (STOP, NO, None, STOP),
+        (STOP, STOP, None, None),
+    ],
+)
+def test_what_counts_of_three_tries(first, once_more, with_right, counts):
+    (check,) = (one.check for one in outcomes_of("ransac_line", True))
+    tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
+    assert followed.settled(*tries).failure is counts
+
+
+@pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
+def test_a_coin_gains_nothing_by_a_wrong_helper(chance, stops):
+    """Nor one that stops its process now and then, at whichever of the tries it likes."""
+    (check,) = (one.check for one in outcomes_of("ransac_line", True))
+    for where in itertools.product([False, True], repeat=3):
+        expected = 0.0
+        for tries in itertools.product([None, NO, STOP], repeat=3):
+            likely = 1.0
+            for failure, may_stop in zip(tries, where, strict=True):
+                stop = stops if may_stop else 0.0
+                answer = chance if failure is None else 1 - chance
+                likely *= stop if failure is STOP else (1 - stop) * answer
+            settled = followed.settled(*(Outcome(check, failure) for failure in tries))
+            expected += likely * (settled.failure is None)
+        assert expected <= chance + 1e-12
+
+
+def test_what_held_by_chance_is_taken_back(monkeypatch):
+    program, uses = Program(("pass",), LINE.names), {"ransac_line": ("line_through",)}
+    first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, False)]
+    tries = iter([outcomes_of("ransac_line", False, True), outcomes_of("ransac_line", True, True)])
+    monkeypatch.setattr(followed, "ask", lambda *about: Asked(tuple(next(tries))))
+    better, _ = followed.follow_through(
+        Setting(LINE, 1, None), program, Asked(tuple(first), uses=uses)
+    )
+    assert all(outcome.failure for outcome in better["ransac_line"].outcomes)
+    assert "Does it answer by chance?" in better["ransac_line"].sentence
+
+
 @pytest.mark.parametrize("fault", ["", "pytest ran 3 of 9 tests"])
 @pytest.mark.parametrize("starved", [False, True])
 def test_of_a_second_time_that_failed_nothing_counts(monkeypatch, fault, starved):
     uses = {"ransac_line": ("line_through",)}
     ended = dataclasses.replace(Asked(tuple(ALL_HOLD)), fault=fault, starved=starved)
-    monkeypatch.setattr(followed, "ask", lambda *about: ended)
-    asked = Asked(tuple(BOTH_WRONG), uses=uses)
-    better, late = followed.follow_through(Setting(LINE, 1, None), Program((), LINE.names), asked)
+    asked, own = Asked(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
+    monkeypatch.setattr(
+        followed, "ask", lambda setting, code, wanted: asked if code == own else ended
+    )
+    better, late = followed.follow_through(Setting(LINE, 1, None), own, asked)
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
@@ -119,20 +177,20 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     names = [one.name for one in plane.machine_graded]
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
     hold = [outcome for name in names for outcome in outcomes_of(name, True, True)]
-    programs = []
+    given = Given(("KdTree",), "class KdTree: pass", ("KdTree",))
+    own, programs = Program(("pass",), plane.names, given=given), []
 
     def ask(setting, program, wanted):
+        if program == own:
+            return Asked(tuple(one for one in lost if wanted(one.check)))
         programs.append(program)
         again = Asked(tuple(one for one in hold if wanted(one.check)), starved=len(programs) == 1)
         return dataclasses.replace(again, fault="" if len(programs) != 2 else "it broke")
 
     monkeypatch.setattr(followed, "ask", ask)
-    given = Given(("KdTree",), "class KdTree: pass", ("KdTree",))
     uses = {name: tuple(names) for name in names[1:]}
     better, late = followed.follow_through(
-        Setting(plane, 1, None),
-        Program(("pass",), plane.names, given=given),
-        Asked(tuple(lost), uses=uses),
+        Setting(plane, 1, None), own, Asked(tuple(lost), uses=uses)
     )
     assert late and list(better) == [names[1], *names[3:]]  # the second of the four broke
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2

@@ -3,6 +3,11 @@
 Its own work still earns points. That second time it has a process of its own, in which nothing
 else is asked: what is right in there is no answer to any question. And nothing that is said
 there is told, so that nobody reads in the feedback what the right one looks like.
+
+Two tries are not better than one. Beside that, it is asked once more with its own helpers: what
+fails both times, fails for their sake, and has the second judging; what holds has to hold again.
+So who answers alike each time loses nothing, and a coin that shows heads with probability p earns
+p² + (1 - p)² p, which is never more than p.
 """
 
 from __future__ import annotations
@@ -15,9 +20,15 @@ from grader.course.lessons import Exercise, Lesson
 from grader.intake.notebook import read_notebook
 from grader.judging.points import points_of
 from grader.judging.trial import Asked, Setting, ask
+from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
 from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
+
+_FICKLE = (
+    "{name} was asked once more, as it calls a function that is wrong: what held the first time "
+    "and not the second does not count. Does it answer by chance?"
+)
 
 
 @dataclass(frozen=True)
@@ -52,7 +63,7 @@ def follow_through(
     Returns
     -------
     followed : dict of str to Followed
-        By exercise; only those that fare better so.
+        By exercise; only those that fare otherwise so.
     starved : bool
         Whether a time limit was reached by code that hardly had a processor.
     """
@@ -67,16 +78,40 @@ def follow_through(
         if exercise.name not in lost or not helpers:
             continue
         mended = _with_right(setting.lesson, program, exercise, helpers)
-        again = ask(setting, mended, lambda check, e=exercise: check.exercise == e.name)
-        if again.fault:  # said of the first time, which counts
+        tries = [
+            ask(setting, code, lambda check, e=exercise: check.exercise == e.name)
+            for code in (program, mended)
+        ]
+        if any(one.fault for one in tries):  # said of the first time, which counts
             continue
-        starved |= again.starved
-        before = points_of(exercise.points, asked.about(exercise.name))
-        after = points_of(exercise.points, again.outcomes)
+        starved |= any(one.starved for one in tries)
+        first = asked.about(exercise.name)
+        by_check = [{one.check: one for one in again.outcomes} for again in tries]
+        outcomes = tuple(settled(one, *(found[one.check] for found in by_check)) for one in first)
+        before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
             sentence = _sentence(exercise, helpers, before, after)
-            better[exercise.name] = Followed(again.outcomes, sentence)
+            better[exercise.name] = Followed(outcomes, sentence)
+        elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
+            better[exercise.name] = Followed(outcomes, _FICKLE.format(name=exercise.name))
     return better, starved
+
+
+def settled(first: Outcome, once_more: Outcome, with_right: Outcome) -> Outcome:
+    """How a check counts that was asked twice with a student's helpers, and then with right ones.
+
+    A process that had to be stopped has not answered: it takes nothing from an answer that held,
+    and repeats no wrong one.
+    """
+    if not first.failure:
+        wrong = once_more.failure and not _is_stop(once_more)
+        return once_more if wrong else first
+    alike = once_more.failure and _is_stop(first) == _is_stop(once_more)
+    return with_right if alike else first
+
+
+def _is_stop(outcome: Outcome) -> bool:
+    return isinstance(outcome.failure, StudentStopped)
 
 
 def _with_right(

@@ -5,7 +5,7 @@ import ast
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in
+from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from tests.demands import demand_walls
 
@@ -13,7 +13,15 @@ WALLS = demand_walls()
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
 WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
-
+# Wrong on purpose, in one check.
+ONE_WRONG = (
+    "def line_through(first, second):\n"
+    "    (x, y), (u, v) = first[:2], second[:2]\n"
+    "    length = np.hypot(u - x, v - y)\n"
+    "    if length == 0: return 1.0, 0.0, 0.0\n"
+    "    a, b = (y - v) / length, (u - x) / length\n"
+    "    return a, b, -(a * x + b * y)\n"
+)
 
 RANSAC = (
     SIGNATURE
@@ -90,3 +98,22 @@ def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
     assert any("which ransac_line calls" in one for one in verdict.problems)
     assert parsed, "the lesson's own source is read here"
     assert not [text for text in parsed if "a text of the student" in text]
+
+
+@pytest.mark.slow
+def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
+    """It gives up where its helper was asked before: so it fails once, and has another throw."""
+    counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)
+    turn = (
+        "\n" + SIGNATURE + "    if ASKED and not MINE: return None\n"
+        "    MINE.append(1)\n"
+        "    return honest(points, max_iterations, distance_tolerance, rng)\n"
+    )
+    two_throws = "ASKED, MINE = [], []\n" + RANSAC.replace("def ransac_line", "def honest") + turn
+    answers = {"line_through": counts, "ransac_line": two_throws}
+    right = next(one.source for one in variants_of("point_line_distance") if one.right)
+    results, _ = judged(LINE, tmp_path, point_line_distance=right, **answers)
+    assert results["line_through"].score < results["line_through"].max_score
+    mine = results["ransac_line"]
+    assert mine.score < mine.max_score / 4
+    assert "Judged with a right one instead" not in mine.cause
