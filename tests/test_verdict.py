@@ -1,0 +1,141 @@
+"""A verdict is kept on disk as it is, published in part, and nothing changes it."""
+
+import dataclasses
+import json
+
+import pytest
+
+from grader.judging import verdict as verdict_file
+from grader.judging.verdict import (
+    JUDGED,
+    CheckResult,
+    ExerciseResult,
+    Verdict,
+    read_verdict,
+    write_atomically,
+    write_verdict,
+)
+
+
+def full_verdict():
+    """A verdict with something in every place."""
+    tests = (
+        CheckResult("a", "Holds", True, 1.25, 1.25, "", True),
+        CheckResult("test_b", "Fails", False, 0.0, 8.75, "For “größer”.", False),
+    )
+    exercises = (ExerciseResult("filter_ground", 1.25, 10.0, tests, "It fails.", "test_b"),)
+    about = {"key": "of rules", "faults": ("no",), "starved": True, "fingerprint": "of a file"}
+    return Verdict("06", "ada", JUDGED, 1.25, 10.0, exercises, ("A cell.",), 3.25, **about)
+
+
+def test_a_verdict_comes_back_from_the_disk_as_it_was(tmp_path):
+    path = tmp_path / "new" / "folder" / "verdict.json"
+    for verdict in (full_verdict(), dataclasses.replace(full_verdict(), exercises=(), faults=())):
+        write_verdict(verdict, str(path))
+        assert read_verdict(str(path)) == verdict
+        assert [file.name for file in path.parent.iterdir()] == ["verdict.json"]
+
+
+def test_what_is_published_is_a_part_of_it():
+    verdict = full_verdict()
+    published = json.loads(json.dumps(verdict.as_dict()))
+    assert published == {
+        "lesson": "06",
+        "student": "ada",
+        "status": "judged",
+        "score": 1.25,
+        "max_score": 10.0,
+        "exercises": [
+            {
+                "name": "filter_ground",
+                "score": 1.25,
+                "max_score": 10.0,
+                "tests": [dataclasses.asdict(test) for test in verdict.exercises[0].tests],
+            }
+        ],
+        "problems": ["A cell."],
+        "seconds": 3.25,
+    }
+    assert verdict == full_verdict()
+
+
+def test_what_verdicts_have_in_common_is_there_once():
+    one, other = full_verdict().compact(), full_verdict().compact()
+    assert one == other == full_verdict() and one.exercises[0] is other.exercises[0]
+    another = dataclasses.replace(full_verdict().exercises[0], score=0.0)
+    another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
+    assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
+    assert another.exercises[0].score == 0.0
+
+
+def test_a_verdict_is_believed_when_nothing_else_was_at_work():
+    verdict = full_verdict()
+    assert verdict.believed() == dataclasses.replace(verdict, starved=False) != verdict
+    plain = Verdict("06", "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "")
+    assert (plain.faults, plain.starved, plain.fingerprint) == ((), False, "")
+    exercise = ExerciseResult("f", 0.0, 1.0, ())
+    assert (exercise.cause, exercise.first) == ("", "")
+    for made in (verdict, *verdict.exercises, *verdict.exercises[0].tests):
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            made.score = 100.0
+
+
+def change_of(*way, to):
+    """A change of one place in what a file holds; a place that is no more if `to` is None."""
+
+    def change(content):
+        *before, last = way
+        for step in before:
+            content = content[step]
+        if to is None:
+            del content[last]
+        else:
+            content[last] = to
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        change_of("exercises", to=7),  # TypeError
+        change_of("exercises", to=None),  # KeyError
+        change_of("faults", to=None),
+        change_of("score", to=None),
+        change_of("more", to=1),
+        change_of("exercises", 0, "tests", 0, "name", to=None),
+        change_of("exercises", 0, "tests", 0, "name", to=[]),  # cannot be compared
+    ],
+)
+def test_a_file_that_is_no_verdict_is_none(tmp_path, change):
+    path = tmp_path / "verdict.json"
+    write_verdict(full_verdict(), path)
+    content = json.loads(path.read_text("utf-8"))
+    change(content)
+    path.write_text(json.dumps(content), "utf-8")
+    assert read_verdict(path) is None
+    path.write_bytes(b"\xff" + path.read_bytes())
+    assert read_verdict(path) is read_verdict(tmp_path / "none.json") is None
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch, error):
+    path = tmp_path / "verdict.json"
+    path.write_text("before")
+
+    def fail(*about):
+        raise error
+
+    monkeypatch.setattr(verdict_file.os, "replace", fail)
+    with pytest.raises(type(error)):
+        write_atomically("after", path)
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [
+        ("verdict.json", "before")
+    ]
+
+
+def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(verdict_file, "_UMASK", 0o027)
+    write_atomically("a \ud800 word", tmp_path / "a" / "b.json")  # what is no text does no harm
+    write_atomically("a word", tmp_path / "a" / "b.json")
+    assert (tmp_path / "a" / "b.json").stat().st_mode & 0o777 == 0o640
