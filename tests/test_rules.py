@@ -23,6 +23,7 @@ from grader.judging.verdict import (
     write_verdict,
 )
 from grader.lms import gradebook
+from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
