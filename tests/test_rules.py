@@ -133,6 +133,27 @@ def test_a_coin_gains_nothing_by_a_wrong_helper(chance, stops):
         assert expected <= chance + 1e-12
 
 
+def test_who_earns_everything_by_chance_has_to_do_it_again(monkeypatch):
+    """Else a coin for a whole exercise had a second throw where the first one failed, alone."""
+    uses = {"ransac_line": ("line_through",)}
+    first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, True)]
+    for again, held in (((True, True), None), ((False, False), [False, False])):
+        asked = []
+
+        def ask(setting, code, wanted, again=again, asked=asked):
+            asked.append(code)
+            return Asked(tuple(outcomes_of("ransac_line", *again)))
+
+        monkeypatch.setattr(followed, "ask", ask)
+        program = Program(("pass",), LINE.names)
+        better, _ = followed.follow_through(
+            Setting(LINE, 1, None), program, Asked(tuple(first), uses=uses)
+        )
+        assert asked == [program], "with nothing put right"
+        found = better.get("ransac_line")
+        assert (found and [not one.failure for one in found.outcomes]) == held
+
+
 def test_what_held_by_chance_is_taken_back(monkeypatch):
     program, uses = Program(("pass",), LINE.names), {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, False)]

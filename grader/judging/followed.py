@@ -75,19 +75,23 @@ def follow_through(
         earlier = [before.name for before in exercises[:number]]
         called = lost.intersection(asked.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
-        if exercise.name not in lost or not helpers:
+        if not helpers:
             continue
-        mended = _with_right(setting.lesson, program, exercise, helpers)
+        codes = [program]
+        if exercise.name in lost:
+            codes.append(_with_right(setting.lesson, program, exercise, helpers))
         tries = [
-            ask(setting, code, lambda check, e=exercise: check.exercise == e.name)
-            for code in (program, mended)
+            ask(setting, code, lambda check, e=exercise: check.exercise == e.name) for code in codes
         ]
         if any(one.fault for one in tries):  # said of the first time, which counts
             continue
         starved |= any(one.starved for one in tries)
         first = asked.about(exercise.name)
         by_check = [{one.check: one for one in again.outcomes} for again in tries]
-        outcomes = tuple(settled(one, *(found[one.check] for found in by_check)) for one in first)
+        # Where all held there is nothing to put right; it holds again, or was luck.
+        outcomes = tuple(
+            settled(one, by_check[0][one.check], by_check[-1][one.check]) for one in first
+        )
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
             sentence = _sentence(exercise, helpers, before, after)
