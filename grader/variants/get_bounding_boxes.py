@@ -93,7 +93,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 
 # %% wrong: minimum and maximum with elif
 # loses only: takes_points_in_any_order, takes_few_points, test_any_order_of_points, test_few_points
-# says: elif asks only one of the two questions
+# says: Both questions must be asked of every point
 # told: `elif` asks about the maximum
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
@@ -112,7 +112,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 
 # %% wrong: minimum and maximum started at zero
 # loses only: starts_anywhere, takes_few_points, test_anywhere, test_course_scan, test_fresh_street, test_any_order_of_points, test_few_points
-# says: never from 0
+# says: Start from the first point
 # told: Minimum and maximum start at 0
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
@@ -126,7 +126,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: a box around label 0, too
-# loses only: leaves_noise_alone, takes_nothing, test_noise, test_none
+# loses only: leaves_noise_alone, takes_nothing, test_noise, test_none, test_course_scan, test_fresh_street
 # says: 4 boxes for 3 clusters
 # told: Label 0 gets a box
 def get_bounding_boxes(cloud, cluster_labels):
@@ -138,7 +138,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: counts labels from 1 to the largest, gaps or not
-# loses only: allows_gaps, test_gaps
+# loses only: allows_gaps, test_gaps, test_course_scan, test_fresh_street
 # says: raised ValueError
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
@@ -163,7 +163,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return np.array(boxes).reshape(-1, 8, 3)
 
 # %% wrong: boxes in order of first appearance
-# loses only: follows_the_labels, test_order_of_labels
+# loses only: follows_the_labels, test_order_of_labels, test_course_scan, test_fresh_street
 # says: right boxes in another order
 # told: in which the labels first occur
 def get_bounding_boxes(cloud, cluster_labels):
@@ -238,7 +238,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: intensity in the corners
-# loses only: ignores_intensity, test_intensity
+# loses only: ignores_intensity, test_intensity, test_course_scan, test_fresh_street
 # says: leave the intensity out
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
@@ -265,7 +265,7 @@ def get_bounding_boxes(cloud, cluster_labels):
     return boxes
 
 # %% wrong: labels changed in place
-# loses only: leaves_its_input
+# loses only: leaves_its_input, test_input
 # says: changed its input
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
@@ -309,7 +309,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 
 # %% wrong: elif, the maximum first
 # loses only: takes_points_in_any_order, takes_few_points, test_any_order_of_points, test_few_points
-# says: elif asks only one of the two questions
+# says: Both questions must be asked of every point
 # told: `elif` asks about the minimum
 def get_bounding_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])
@@ -370,4 +370,89 @@ def get_bounding_boxes(cloud, cluster_labels):
         low, high = points.min(axis=0), points.max(axis=0)
         boxes.append([[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1])
                       for x in (low[0], high[0])])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: returns after the first box
+# loses: one_box_for_each_label, test_course_scan
+# says: ends too early
+# told: Only the first label
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+        return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: drops the first label, be it 0 or not
+# loses: reaches_from_min_to_max, one_box_for_each_label, test_gaps
+# says: noise need not occur
+# told: The first label is left out
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels)[1:]:
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: sorts the labels alone
+# loses: follows_the_labels, leaves_its_input, test_course_scan, test_input
+# says: a sorted list beside them
+# told: The labels are sorted
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    cluster_labels.sort()
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: all points in every box
+# loses: one_box_for_each_label, test_course_scan
+# says: with that label alone
+# told: All points count
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[:, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: one maximum alone for all axes
+# loses: reaches_from_min_to_max, test_course_scan
+# says: other ends along y
+# told: One maximum serves
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), np.full(3, points.max())
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: empties the rows of noise
+# loses only: leaves_its_input, test_input
+# says: afterwards row 21 is
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    cloud[cluster_labels == 0] = 0
+    return np.array(boxes).reshape(-1, 8, 3)
+
+# %% wrong: gives noise another label
+# loses only: leaves_its_input, test_input
+# says: changed its input
+def get_bounding_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        boxes.append([[high[a] if k & 2**a else low[a] for a in range(3)] for k in range(8)])
+    cluster_labels[cluster_labels == 0] = -1
     return np.array(boxes).reshape(-1, 8, 3)

@@ -16,7 +16,7 @@
 # A [cluster](#Words-of-the-course) is a thousand points. A car that has to brake has no time to ask a thousand points whether they are in its way. It asks a box.
 #
 # **After this lesson you can**
-# - put a box around every obstacle and number its corners so that any program can draw it,
+# - put a box around every obstacle, from six numbers to eight corners,
 # - say what such a box promises, and what it costs when a car stands diagonally.
 #
 # **You write** `get_bounding_boxes` (20 points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
@@ -149,7 +149,7 @@ plots.corner_numbers(block, title="A block of 4 x 2 x 1.5 m");
 # %% [markdown]
 # ## Exercise · `get_bounding_boxes` (20 points)
 #
-# One box for each label above 0, in ascending order of the labels. Labels may have gaps. On an empty road there are no boxes; the answer is then an array of shape (0, 8, 3), so that the next step need not ask.
+# One box for each label above 0, in ascending order of the labels. Labels may have gaps. On an empty road there are no boxes; the answer is then an array of shape (0, 8, 3), so that the next step need not ask. The order of the corners costs no points; in another one, `check` tells you, and the edges in the pictures cross.
 
 # %% nbgrader={"grade": false, "grade_id": "get_bounding_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_bounding_boxes(cloud, cluster_labels):
@@ -165,8 +165,8 @@ def get_bounding_boxes(cloud, cluster_labels):
     Returns
     -------
     ndarray, shape (N, 8, 3)
-        Corners in metres, one box for each label > 0, in ascending label order. Corner k has
-        the larger x if k & 1, the larger y if k & 2, the larger z if k & 4.
+        Corners in metres, one box for each label > 0, in ascending label order. For drawing,
+        corner k has the larger x if k & 1, the larger y if k & 2, the larger z if k & 4.
     """
     # 1. Which labels above 0 occur?
     # 2. For each of them: the x, y, z of its points, their smallest and their largest values.

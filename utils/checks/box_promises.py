@@ -32,6 +32,7 @@ def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: flo
         weight=weight,
     )
     def ask(function: Callable) -> None:
+        case.basic(function)
         _labelled(case, labels).assert_right(function)
 
 
@@ -48,6 +49,7 @@ def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1
         weight=weight,
     )
     def ask(function: Callable) -> None:
+        case.basic(function)
         _labelled(case, labels).assert_right(function)
 
 

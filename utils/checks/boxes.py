@@ -135,14 +135,18 @@ def _about_corners(
     """What differs between two boxes: one of six numbers where both are straight, or a corner."""
     place = right[_missing_corner(mine, right)]
     nearest = mine[np.linalg.norm(mine - place, axis=1).argmin()]
-    view = "side" if np.abs(nearest - place).argmax() == 2 else "above"
+    ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (mine, right)])
+    is_straight = same_corners(mine, corners_between(*ends[0]))
+    # The picture shows what the words are about.
+    axis = int((np.abs(ends[0] - ends[1]) > TOLERANCE).any(axis=0).argmax())
+    if not is_straight:
+        axis = int(np.abs(nearest - place).argmax())
+    view = "side" if axis == 2 else "above"
 
     def draw() -> None:
         _draw(points, mine, right, [place], view, "The circle should hold a corner of yours")
 
-    ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (mine, right)])
-    if same_corners(mine, corners_between(*ends[0])):
-        axis = int((np.abs(ends[0] - ends[1]) > TOLERANCE).any(axis=0).argmax())
+    if is_straight:
         letter, given = "xyz"[axis], None
         if len(points) <= 20:
             given = f"the {letter} of its points: {brief(points[:, axis])}"

@@ -13,11 +13,12 @@ import numpy as np
 
 from utils.checks import promises, row_promises
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, mistakes, same_array
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
+    as_array,
     assert_places,
     frozen,
     needs,
@@ -800,6 +801,11 @@ def _freed(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarra
     return cloud[_depth(cloud, minimum, maximum).min(axis=1) < 0]
 
 
+def _same_rows(answer: object, predicted: np.ndarray) -> bool:
+    """Whether an answer is a table of these rows; a list of nothing is no table."""
+    return same_array(answer, predicted) and as_array(answer).ndim > 1
+
+
 # Inside; outside in one, in two, in three coordinates, on either side; on a face; all inside.
 _BOXES = tuple(
     (frozen(cloud), minimum, maximum)
@@ -938,6 +944,7 @@ mistakes(
     ),
     cases=_BOXES,
     right=_cropped,
+    same=_same_rows,
 )
 
 mistakes(
@@ -1001,4 +1008,5 @@ mistakes(
     ),
     cases=_BOXES,
     right=_freed,
+    same=_same_rows,
 )

@@ -42,6 +42,15 @@ _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 
 @once
+def assert_reaches(get_bounding_boxes: Callable) -> None:
+    """One cluster gets its box; where not, no other property can be looked at."""
+    with needs("a single cluster gets its box"):
+        labels = np.ones(7, dtype=int)
+        answer = get_bounding_boxes(_POINTS.copy(), labels.copy())
+        assert_box_corners(answer, _BOX[None], _POINTS, labels)
+
+
+@once
 def assert_works(get_bounding_boxes: Callable) -> None:
     """Three clusters get their boxes; where not, no other property can be looked at."""
     with needs("each of three clusters gets its box"):
@@ -53,8 +62,8 @@ def assert_works(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=4,
     title="A box reaches from the smallest to the largest x, y and z of its points",
-    why="Where a side of the box lies a few centimetres too far in, the car scrapes along what "
-    "sticks out.",
+    why="The planner asks the box alone: what sticks out of it is hit, what it covers for nothing "
+    "is closed to us, and an obstacle without a box is not there.",
     hint="points.min(axis=0) and points.max(axis=0) of the rows of one label give all six "
     "numbers; a corner takes, for each axis, one or the other.",
 )
@@ -68,11 +77,13 @@ def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=3,
     title="Each label gets a box of its own",
-    why="One box over two cars closes the gap between them, too.",
+    why="One box over two cars closes the gap between them, too; and a car without a box is not "
+    "there.",
     hint="For each label take the rows with that label alone, cloud[cluster_labels == label], "
     "and start afresh.",
 )
 def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
+    assert_reaches(get_bounding_boxes)
     answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
     assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
@@ -85,6 +96,7 @@ def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
     hint="Start from the first point or from infinity: 0 is a place like any other.",
 )
 def starts_anywhere(get_bounding_boxes: Callable) -> None:
+    assert_works(get_bounding_boxes)
     shifts = np.array([[9.0, 6.0, 3.0], [-9.0, -6.0, -3.0]])
     cloud = np.vstack([_POINTS + shift for shift in shifts])
     labels = np.repeat([1, 2], 7)
@@ -102,6 +114,7 @@ def starts_anywhere(get_bounding_boxes: Callable) -> None:
     "must be asked of each point, if and if, not if and elif.",
 )
 def takes_points_in_any_order(get_bounding_boxes: Callable) -> None:
+    assert_works(get_bounding_boxes)
     labels = np.repeat([1, 2], 7)
     for first in range(1, 7):
         points = np.roll(_POINTS, -first, axis=0)
@@ -138,6 +151,7 @@ box_promises.noise(_THREE, "leaves_noise_alone", weight=2)
     hint="Minimum and maximum of a single point are both that point; no special case is needed.",
 )
 def takes_few_points(get_bounding_boxes: Callable) -> None:
+    assert_works(get_bounding_boxes)
     first, second, third = np.array([[6.0, 2.0, -1.1], [5.0, 2.6, -0.5], [-3.0, -4.6, -1.0]])
     cloud = np.vstack([first, second, third, first, second, third, third, third])
     labels = np.array([1, 1, 2, 3, 3, 4, 4, 4])
@@ -168,8 +182,8 @@ box_promises.untouched(
 @noted(
     "get_bounding_boxes",
     title="Corner k has the larger x if k & 1, the larger y if k & 2, the larger z if k & 4",
-    why="Programs that draw a box join its corners by their numbers: in another order the edges "
-    "cross. The picture of the box of seven points shows your numbers.",
+    why="The lesson's pictures join corners by these numbers, as most programs do by theirs: in "
+    "another order the edges cross. The picture of the box of seven points shows your numbers.",
 )
 def numbers_the_corners(get_bounding_boxes: Callable) -> None:
     box = as_array(get_bounding_boxes(_POINTS.copy(), np.ones(7, dtype=int)))[0]
@@ -196,8 +210,8 @@ def returns_an_array(get_bounding_boxes: Callable) -> None:
 
 
 # Small streets with the corners of their boxes: clusters apart from each other, labels without
-# gaps, and a stray point. The first point of a cluster is its largest on every axis, or its
-# smallest.
+# gaps, some with a stray point and some without. The first point of a cluster is its largest on
+# every axis, or its smallest. No two streets have equally many points.
 _STREETS = tuple(
     frozen((np.array(cloud), np.array(labels), np.stack([corners_between(*box) for box in boxes])))
     for cloud, labels, boxes in (
@@ -243,6 +257,34 @@ _STREETS = tuple(
             [2, 2, 2, 2, 1, 1, 1, 1, 0],
             (((-4, -6, -2), (-1, -3, -0.5)), ((1, 1, -1), (4, 3, 2))),
         ),
+        (
+            [
+                [-5.0, 4.0, 1.0],
+                [-7.0, 2.0, -1.0],
+                [-6.0, 3.0, 0.0],
+                [4.0, 5.0, 2.0],
+                [6.0, 8.0, 3.0],
+                [5.0, 6.0, 2.5],
+                [4.5, 7.0, 2.2],
+                [3.0, -4.0, 0.5],
+                [2.0, -6.0, -1.5],
+                [2.5, -5.0, -1.0],
+            ],
+            [2, 2, 2, 3, 3, 3, 3, 1, 1, 1],
+            (((2, -6, -1.5), (3, -4, 0.5)), ((-7, 2, -1), (-5, 4, 1)), ((4, 5, 2), (6, 8, 3))),
+        ),
+        (
+            [
+                [9.0, -3.0, 0.0],
+                [7.0, -5.0, -1.0],
+                [8.0, -4.0, -0.5],
+                [-2.0, 8.0, 1.0],
+                [-4.0, 5.0, -0.6],
+                [-3.0, 6.0, 0.2],
+            ],
+            [1, 1, 1, 2, 2, 2],
+            (((7, -5, -1), (9, -3, 0)), ((-4, 5, -0.6), (-2, 8, 1))),
+        ),
     )
 )
 
@@ -260,6 +302,19 @@ def _changed(right: np.ndarray, change: Callable) -> np.ndarray:
 def _without_first(low: np.ndarray, high: np.ndarray, cloud: np.ndarray) -> np.ndarray:
     """The points between two corners but the one that comes first."""
     return cloud[((cloud >= low) & (cloud <= high)).all(axis=1)][1:]
+
+
+def _boxed(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """The boxes of labels that belong to other points."""
+    clusters = [cloud[labels == name] for name in np.unique(labels[labels > 0])]
+    ends = [(points.min(axis=0), points.max(axis=0)) for points in clusters]
+    return np.stack([corners_between(low, high) for low, high in ends])
+
+
+def _by_appearance(labels: np.ndarray) -> np.ndarray:
+    """Which row of the boxes comes first, and so on, where the labels go as they first occur."""
+    names = np.unique(labels[labels > 0])
+    return np.argsort([labels.tolist().index(name) for name in names])
 
 
 def _same(answer: object, predicted: np.ndarray) -> bool:
@@ -304,7 +359,7 @@ mistakes(
     Mistake(
         "Label 0 gets a box, too. It is no obstacle.",
         lambda right, cloud, labels: np.concatenate(
-            [np.repeat(cloud[labels == 0], 8, axis=0)[None], right]
+            [np.repeat(cloud[labels == 0], 8, axis=0).reshape(-1, 8, 3), right]
         ),
         "Keep only labels > 0.",
     ),
@@ -312,6 +367,43 @@ mistakes(
         "The last label gets no box: range stops before its end.",
         lambda right, cloud, labels: right[:-1],
         "Loop over np.unique(cluster_labels) instead, which knows about gaps, too.",
+    ),
+    Mistake(
+        "Only the first label gets a box.",
+        lambda right, cloud, labels: right[:1],
+        "The loop over the labels ends too early: `return` belongs behind it, not into it.",
+    ),
+    Mistake(
+        "The first label is left out, as if it were 0; where no point has label 0, it is an "
+        "obstacle.",
+        lambda right, cloud, labels: right[int(0 not in labels) :],
+        "Keep labels > 0 instead of dropping the first: noise need not occur.",
+    ),
+    Mistake(
+        "The labels are sorted and the points are not: each point gets the label of another.",
+        lambda right, cloud, labels: _boxed(cloud, np.sort(labels)),
+        "Leave cluster_labels as they are; np.unique(cluster_labels) is a sorted list beside them.",
+    ),
+    Mistake(
+        "All points count for every box, whatever their label.",
+        lambda right, cloud, labels: np.stack(
+            [corners_between(cloud.min(axis=0), cloud.max(axis=0))] * len(right)
+        ),
+        "For each label take the rows with that label alone, cloud[cluster_labels == label].",
+    ),
+    Mistake(
+        "One maximum serves x, y and z alike: axis=0 is missing.",
+        lambda right, cloud, labels: _changed(
+            right, lambda low, high: (low, np.full(3, high.max()))
+        ),
+        "points.max(axis=0) gives three numbers, one for each column.",
+    ),
+    Mistake(
+        "One minimum serves x, y and z alike: axis=0 is missing.",
+        lambda right, cloud, labels: _changed(
+            right, lambda low, high: (np.full(3, low.min()), high)
+        ),
+        "points.min(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
         "One minimum and one maximum serve x, y and z alike: axis=0 is missing.",
@@ -331,9 +423,7 @@ mistakes(
     ),
     Mistake(
         "The boxes come in the order in which the labels first occur.",
-        lambda right, cloud, labels: right[
-            np.argsort([labels.tolist().index(name) for name in (1, 2)])
-        ],
+        lambda right, cloud, labels: right[_by_appearance(labels)],
         "They belong in ascending order of the labels.",
     ),
     cases=tuple((cloud, labels) for cloud, labels, _ in _STREETS),

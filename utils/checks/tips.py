@@ -168,8 +168,8 @@ _TIPS = (
         r"boolean index did not match indexed array along (axis|dimension) 0; "
         r"(size of axis|dimension) is \d+ but .* (is|dimension is) 2$",
         "",
-        "This mask has two values, and each point needs one. Was it made along two columns? "
-        "axis=1 goes along a row.",
+        "The mask and the array have different lengths: a mask fits the array that it was made "
+        "from. Two values may be one for each of two columns; axis=1 goes along a row.",
     ),
     (
         "IndexError",
@@ -277,8 +277,8 @@ _TIPS = (
         r"zero-size array|need at least one array|arg(min|max) of an empty|empty sequence|"
         r"empty iterable",
         "",
-        "Here there is nothing to take the smallest or largest of, or to stack: a cloud, or one "
-        "cluster of it, can be empty.",
+        "Here there is nothing to take the smallest or largest of, or to stack: a cloud can be "
+        "empty, and a label that does not occur has no rows.",
     ),
     (
         "ValueError",

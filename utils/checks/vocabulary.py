@@ -586,9 +586,21 @@ def assert_left_alone(seen: Observed, *arguments: object) -> None:
         if not _unchanged(before, after):
             raise CheckFailed(
                 "The function changed its input. Work on a copy, or build a new array.",
-                yours=brief(after),
-                expected=brief(before),
+                **_first_change(before, after),
             )
+
+
+def _first_change(before: object, after: object) -> dict[str, str]:
+    """What stands where an argument was changed first, afterwards and before."""
+    arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
+    if not arrays or before.ndim == 0 or after.shape != before.shape:
+        return {"yours": brief(after), "expected": brief(before)}
+    rows = zip(before, after, strict=True)
+    row = next((row for row, (one, other) in enumerate(rows) if not _unchanged(one, other)), 0)
+    return {
+        "yours": f"afterwards row {row} is {brief(after[row])}",
+        "expected": f"as before, {brief(before[row])}",
+    }
 
 
 def assert_new_array(function: Callable, *arguments: object) -> None:
