@@ -7,13 +7,15 @@ outside has a say: no setting in the environment, no plugin, no ``conftest.py``.
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import importlib
+import inspect
 import os
 import signal
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import pytest
 
@@ -144,6 +146,42 @@ class _Asking:
         self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
 
 
+class _Collecting(_Asking):
+    """Keeps the checks that students do not see, to be asked later, as often as one likes."""
+
+    def __init__(self, student: Student, seed: int, asked: Callable[[Check], bool]) -> None:
+        super().__init__(student, seed, asked)
+        self.questions: list[Callable[[], object]] = []
+
+    def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
+        """Keep a check, and say that it has been asked."""
+        names = inspect.signature(pyfuncitem.obj).parameters
+        arguments = {name: pyfuncitem.funcargs[name] for name in names}
+        self.questions.append(functools.partial(pyfuncitem.obj, **arguments))
+        return True
+
+
+def shown_questions(student: Student, checks: Iterable[Check]) -> tuple[Callable[[], object], ...]:
+    """Those of some checks that students see, each as something that raises at a wrong answer."""
+    return tuple(
+        functools.partial(check.run, getattr(student, asked_through(check.exercise)))
+        for check in checks
+        if check.is_shown
+    )
+
+
+def hidden_questions(
+    lesson: Lesson, student: Student, seed: int, checks: Iterable[Check]
+) -> tuple[Callable[[], object], ...]:
+    """Those of some checks that students do not see, as `shown_questions`; see `run_tests`."""
+    wanted = {check.name for check in checks if not check.is_shown}
+    if not wanted:
+        return ()
+    collecting = _Collecting(student, seed, lambda check: check.name in wanted)
+    _ask_hidden(lesson, collecting)
+    return tuple(collecting.questions)
+
+
 def everything(check: Check) -> bool:
     """Ask all there is to ask."""
     return True
@@ -185,8 +223,7 @@ def run_tests(
         for exercise in lesson.machine_graded:
             for check in filter(asked, checks_of(exercise.name)):
                 asking.show(check)
-        with _plain_environment():
-            code = pytest.main([str(lesson.tests), *_OPTIONS], plugins=[asking])
+        code = _ask_hidden(lesson, asking)
     if asking.broken:
         raise asking.broken
     if asking.interrupted:
@@ -195,10 +232,16 @@ def run_tests(
     if not asking.tests or missing:
         raise JudgeFault(
             f"pytest ran {asking.tests - len(missing)} of {asking.tests} tests in "
-            f"{lesson.tests.name} (exit code {int(code)}). Run it by hand to see why."
+            f"{lesson.tests.name} (exit code {code}). Run it by hand to see why."
             + "".join(f"\n{said}" for said in asking.said)
         )
     return [*asking.outcomes.values()]
+
+
+def _ask_hidden(lesson: Lesson, asking: _Asking) -> int:
+    """Have pytest ask what students do not see; its exit code."""
+    with _plain_environment():
+        return int(pytest.main([str(lesson.tests), *_OPTIONS], plugins=[asking]))
 
 
 @contextlib.contextmanager

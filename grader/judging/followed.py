@@ -40,10 +40,13 @@ class Followed:
     outcomes : tuple of Outcome
     sentence : str
         Which function is at fault.
+    program : grader.sandbox.program.Program
+        The notebook, with right helpers where these made it better.
     """
 
     outcomes: tuple[Outcome, ...]
     sentence: str
+    program: Program
 
 
 def follow_through(
@@ -95,9 +98,10 @@ def follow_through(
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
             sentence = _sentence(exercise, helpers, before, after)
-            better[exercise.name] = Followed(outcomes, sentence)
+            better[exercise.name] = Followed(outcomes, sentence, codes[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
-            better[exercise.name] = Followed(outcomes, _FICKLE.format(name=exercise.name))
+            sentence = _FICKLE.format(name=exercise.name)
+            better[exercise.name] = Followed(outcomes, sentence, program)
     return better, starved
 
 

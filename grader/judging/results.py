@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from grader.course.lessons import Exercise, Lesson
+from grader.course.rules import ONE_SLIP_KEEPS
 from grader.judging.followed import Followed
 from grader.judging.messages import messages_of, text_of, told
 from grader.judging.points import shares, total
+from grader.judging.repair import Repair
 from grader.judging.trial import Asked
-from grader.judging.verdict import CheckResult, ExerciseResult
+from grader.judging.verdict import CheckResult, ExerciseResult, Slip
 from utils.checks.outcomes import Outcome
 from utils.checks.story import resolve
 
@@ -20,7 +22,9 @@ def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
     )
 
 
-def result_of(exercise: Exercise, asked: Asked, followed: Followed | None) -> ExerciseResult:
+def result_of(
+    exercise: Exercise, asked: Asked, followed: Followed | None, repair: Repair | None = None
+) -> ExerciseResult:
     """What a verdict says about an exercise.
 
     Parameters
@@ -30,6 +34,8 @@ def result_of(exercise: Exercise, asked: Asked, followed: Followed | None) -> Ex
         What came of asking the notebook.
     followed : grader.judging.followed.Followed or None
         How the exercise fared with right helpers, if better.
+    repair : grader.judging.repair.Repair or None
+        The one edit with which it is right.
     """
     said, mistake = [], asked.mistakes.get(exercise.name)
     outcomes = asked.about(exercise.name)
@@ -46,7 +52,16 @@ def result_of(exercise: Exercise, asked: Asked, followed: Followed | None) -> Ex
     said += [text_of(story.first, story.mistake)] if story.first else []
     first = story.first.check.name if story.first and not story.not_started else ""
     score = total([result.score for result in checks])
-    return ExerciseResult(exercise.name, score, exercise.points, checks, "\n".join(said), first)
+    slip = _slip(repair, exercise.points, score) if repair else None
+    score = total([score, slip.score]) if slip else score
+    cause = "\n".join(said)
+    return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip)
+
+
+def _slip(repair: Repair, points: float, score: float) -> Slip:
+    """What a slip leaves, beside what the checks have earned."""
+    kept = max(round(100 * ONE_SLIP_KEEPS * points) - round(100 * score), 0) / 100
+    return Slip(repair.cell, repair.line, repair.before, repair.after, kept)
 
 
 def _result(outcome: Outcome, points: float, message: str) -> CheckResult:

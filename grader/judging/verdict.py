@@ -31,6 +31,34 @@ class CheckResult:
 
 
 @dataclass(frozen=True)
+class Slip:
+    """The one edit with which an answer is right.
+
+    Attributes
+    ----------
+    cell, line : int
+        Where it is in the notebook's code cells.
+    before, after : str
+        The lines that change, and what they become.
+    score : float
+        Points that the answer keeps for it, beside those of its checks.
+    """
+
+    cell: int
+    line: int
+    before: str
+    after: str
+    score: float
+
+    @property
+    def sentence(self) -> str:
+        """What a student may read: where, and not what."""
+        return (
+            f"One change in code cell {self.cell}, line {self.line}, makes everything here right."
+        )
+
+
+@dataclass(frozen=True)
 class ExerciseResult:
     """One exercise with its tests.
 
@@ -43,6 +71,8 @@ class ExerciseResult:
         What to mend first, line by line; empty where nothing failed.
     first : str
         Name of the check that this is about; empty where none failed or nothing was written.
+    slip : Slip or None
+        What alone is wrong, where that is proven.
     """
 
     name: str
@@ -51,6 +81,7 @@ class ExerciseResult:
     tests: tuple
     cause: str = ""
     first: str = ""
+    slip: Slip | None = None
 
 
 @dataclass(frozen=True)
@@ -100,6 +131,8 @@ class Verdict:
         for exercise in content["exercises"]:
             # A summary for reports: the messages of the tests say it all.
             del exercise["cause"], exercise["first"]
+            if exercise["slip"]:  # what to write there is for the student to find
+                del exercise["slip"]["before"], exercise["slip"]["after"]
         return content
 
     def believed(self) -> Verdict:
@@ -152,7 +185,11 @@ def read_verdict(path: str | os.PathLike) -> Verdict | None:
         content = json.loads(Path(path).read_text("utf-8"))
         exercises = tuple(
             ExerciseResult(
-                **{**exercise, "tests": tuple(CheckResult(**test) for test in exercise["tests"])}
+                **{
+                    **exercise,
+                    "tests": tuple(CheckResult(**test) for test in exercise["tests"]),
+                    "slip": exercise["slip"] and Slip(**exercise["slip"]),
+                }
             )
             for exercise in content["exercises"]
         )

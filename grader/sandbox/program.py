@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 # What a lesson finds inside unless its header names more, as pip calls it.
 PACKAGES = ("numpy", "scipy", "matplotlib")
@@ -67,6 +67,12 @@ class Program:
         """The packages that stand anywhere in the code, be it in a comment."""
         sources = (*self.cells, *self.modules.values(), self.given.source)
         return tuple(name for name in self.packages if any(name in source for source in sources))
+
+    def edited(self, cell: int, first: int, last: int, text: str) -> Program:
+        """The same, with something else in the place of some lines of a cell."""
+        lines = self.cells[cell - 1].split("\n")
+        changed = "\n".join([*lines[: first - 1], text, *lines[last:]])
+        return replace(self, cells=(*self.cells[: cell - 1], changed, *self.cells[cell:]))
 
     def line_at(self, place: str) -> str | None:
         """What stands at a place such as ``code cell 3, line 12``; None if there is no such one."""

@@ -17,7 +17,7 @@ from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.patience import Budget, Patience, stopwatch
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
-from grader.sandbox.untrusted import names_a_number, positions, readable, rows, texts
+from grader.sandbox.untrusted import changes, names_a_number, positions, readable, rows, texts
 from utils.remote import Observed, Remote
 
 # What may be stopped beside exercises: the cells that these need, and the whole notebook.
@@ -98,6 +98,8 @@ class Student:
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.patience.Budget, optional
         What is left of the notebook's time; by default all of it.
+    mend : str, optional
+        An exercise whose edits are to be tried.
 
     Attributes
     ----------
@@ -107,6 +109,9 @@ class Student:
         Which of the functions each of them calls, as the notebook's text says.
     exercise : str
         What is asked about now: an exercise that hangs costs the others nothing.
+    edits : tuple of tuple
+        What one edit makes of the exercise to mend, once it was started: number of the cell, first
+        and last line, and the text that takes their place; the likeliest first.
     starved : bool
         Whether a call was given up, or called slow, that had not had its time: on a quieter
         machine it may be right.
@@ -118,7 +123,9 @@ class Student:
         sandbox: Sandbox,
         limits: Limits | None = None,
         budget: Budget | None = None,
+        mend: str = "",
     ) -> None:
+        self._mend, self.edits = mend, ()
         self._program, self._sandbox, self._limits = program, sandbox, limits or Limits()
         self._worker, self._missing, self._calls = None, set(), 0
         # Attributes that came with another one, of the same object and of those that it leads to;
@@ -144,6 +151,20 @@ class Student:
         if name.startswith("_") or name not in self._program.names:
             raise AttributeError(name)
         return RemoteFunction(self, name)
+
+    def start(self) -> None:
+        """Read the notebook, and run what its functions need."""
+        self._ensure_running()
+
+    def edit(self, number: int) -> None:
+        """Go on with the exercise as one of `edits` makes it."""
+        self._ensure_running()
+        self._reply_to({"name": self._mend, "edit": number})
+
+    @property
+    def cpu_seconds(self) -> float:
+        """Processor time that the running worker has had."""
+        return self._worker.cpu_seconds() if self._worker else 0.0
 
     def close(self) -> None:
         """Stop the sandbox."""
@@ -297,6 +318,7 @@ class Student:
                 "cells": list(program.cells),
                 "names": list(program.names),
                 "modules": program.modules,
+                "mend": self._mend,
                 "given": {
                     "names": list(program.given.names),
                     "source": program.given.source,
@@ -310,6 +332,7 @@ class Student:
             self.problems += texts(found.get("problems")) + texts(failed.get("problems"))
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
             self._lines = found["lines"]
+            self.edits = changes(found.get("edits"))
             self._told = True
         if self._missing and _ALL not in (*self._stops, *self._budget.hung):
             self._try_whole_notebook()

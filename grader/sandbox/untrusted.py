@@ -31,6 +31,16 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
             yield row
 
 
+def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
+    """A stranger's table of changes: number of a cell, first and last line, and a text."""
+    if not isinstance(values, list):
+        return ()
+    kinds = [int, int, int, str]
+    return tuple(
+        tuple(row) for row in values if isinstance(row, list) and [*map(type, row)] == kinds
+    )
+
+
 def positions(values: object) -> list[int]:
     """A stranger's list of whole numbers, of which the first few are enough."""
     if not isinstance(values, list):

@@ -31,6 +31,7 @@ import wire  # noqa: E402
 import wire_format  # noqa: E402
 
 from utils.notebooks import slicing  # noqa: E402
+from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 
 LONGEST_TEXT = 400
@@ -62,7 +63,12 @@ def main(read_end: int, write_end: int) -> None:
     # An answer may be a method of a class of one's own.
     uses = {name: used_by((name, *own), start["names"], statements) for name in start["names"]}
     lines = {name: slicing.lines_of((name, *own), statements) for name in start["names"]}
-    wire.send(write_end, {"problems": [*problems, *refusals], "uses": uses, "lines": lines})
+    mended = (start["mend"], *own) if start["mend"] else ()
+    theirs = definitions_of(mended, start["names"], statements)
+    edits = edits_of(start["cells"], theirs)
+    told = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
+    read = {"problems": [*problems, *refusals], "uses": uses, "lines": lines, "edits": told}
+    wire.send(write_end, read)
 
     namespace = make_namespace()
     failures = run(needed, namespace)
@@ -80,6 +86,9 @@ def main(read_end: int, write_end: int) -> None:
             run(statements, namespace)
             missing = missing_from(namespace, start["names"], own)
             wire.send(write_end, {"missing": missing})
+        elif "edit" in request:
+            objects.clear()
+            reply(write_end, request["id"], define(edits[request["edit"]], theirs, namespace))
         else:
             reply(write_end, request["id"], answer(request, namespace, objects))
 
@@ -206,6 +215,33 @@ def used_by(
     needed = slicing.slice_for(parts, statements)
     bound = set().union(*(statement.binds for statement in needed))
     return [other for other in names if other in bound and other != parts[0]]
+
+
+def definitions_of(
+    parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
+) -> list[slicing.Statement]:
+    """Where a notebook defines an answer, and the helpers that it has for it alone."""
+    others = frozenset(names) - frozenset(parts)
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    return [
+        statement
+        for statement in slicing.slice_for(parts, statements)
+        if statement.cell and isinstance(statement.node, kinds) and not statement.binds & others
+    ]
+
+
+def define(edit: Edit, theirs: list[slicing.Statement], namespace: dict) -> dict:
+    """Define some functions anew, one of them with an edit."""
+    try:
+        node = ast.parse(edit.statement).body[0]
+        for statement in theirs:
+            ends = statement.node.lineno <= edit.last and edit.first <= statement.node.end_lineno
+            if statement.cell == edit.cell and ends:
+                statement = dataclasses.replace(statement, node=node)
+            exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), namespace)
+    except BaseException as error:
+        return {"error": describe(error)}
+    return {"result": None}
 
 
 def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list[str]:

@@ -1,0 +1,139 @@
+"""Look for the one edit that makes a wrong answer right.
+
+Each edit of the student's own functions (`utils.notebooks.edits`) is asked the questions that the
+answer failed, all in one process. What passes these is handed in, so to speak: the notebook with
+that edit is judged as any other is, hidden questions and all, and only where it loses nothing is
+it proven that one thing alone is wrong. So a repair earns what its author nearly wrote, and who
+has written nothing has nothing that one edit could mend.
+
+Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) mend with the
+answers of other students. Here nobody's answer is needed, as the questions decide.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from grader.course.rules import ONE_SLIP_KEEPS
+from grader.judging.asking import hidden_questions, shown_questions
+from grader.judging.followed import Followed
+from grader.judging.trial import Asked, Setting, ask
+from grader.sandbox import Limits
+from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student
+from utils.checks import Check
+from utils.checks.outcomes import Outcome
+from utils.checks.remembering import one_run
+
+# Of the processor, here and behind the walls, for one exercise.
+SECONDS = 1.0
+# A right answer takes less for the first questions, and an edit may well make an endless loop.
+SECONDS_OF_A_CALL = 0.25
+# Edits that pass what the answer failed, of which none passes everything: then there is none.
+MOST_JUDGED = 3
+LOOK_AFTER = 16  # edits, as looking at the clock takes longer than most
+
+
+@dataclass(frozen=True)
+class Repair:
+    """One edit with which an answer is right.
+
+    Attributes
+    ----------
+    cell : int
+        Number of the code cell.
+    line : int
+        Number of the first line that changes.
+    before, after : str
+        The lines that change, and what they become.
+    """
+
+    cell: int
+    line: int
+    before: str
+    after: str
+
+
+def repairs_in(
+    setting: Setting, program: Program, asked: Asked, followed: dict[str, Followed]
+) -> dict[str, Repair]:
+    """The repairs of all exercises that lost something, by name; see `repair_of`."""
+    found = {}
+    for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
+        better = followed.get(exercise.name)
+        outcomes = better.outcomes if better else asked.about(exercise.name)
+        failed = tuple(outcome for outcome in outcomes if outcome.failure)
+        if failed and not any(map(_is_a_stub, failed)):
+            checks = tuple(outcome.check for outcome in failed)
+            its = better.program if better else program
+            if repair := repair_of(setting, its, exercise.name, checks):
+                found[exercise.name] = repair
+    return found
+
+
+def _is_a_stub(outcome: Outcome) -> bool:
+    """Whether a check met a function that nobody has written."""
+    failure = outcome.failure
+    return isinstance(failure, StudentError) and failure.type_name == "NotImplementedError"
+
+
+def repair_of(
+    setting: Setting, program: Program, exercise: str, failed: tuple[Check, ...]
+) -> Repair | None:
+    """The edit with which an exercise loses nothing; None where there is none, or none was found.
+
+    Parameters
+    ----------
+    setting : grader.judging.trial.Setting
+    program : grader.sandbox.program.Program
+        The notebook.
+    exercise : str
+    failed : tuple of utils.checks.Check
+        The checks that it lost.
+    """
+    for cell, first, last, text in _passing(setting, program, exercise, failed):
+        mended = program.edited(cell, first, last, text)
+        asked = ask(setting, mended, lambda check: check.exercise == exercise)
+        if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
+            before = program.cells[cell - 1].split("\n")[first - 1 : last]
+            return Repair(cell, first, "\n".join(before), text)
+    return None
+
+
+def _passing(
+    setting: Setting, program: Program, exercise: str, failed: tuple[Check, ...]
+) -> Iterator[tuple[int, int, int, str]]:
+    """The first few edits that pass what the answer failed."""
+    limits = setting.limits or Limits()
+    seconds = min(SECONDS_OF_A_CALL, limits.call_seconds)
+    limits = replace(limits, call_seconds=seconds)
+    with one_run(), Student(program, setting.sandbox, limits, mend=exercise) as student:
+        student.exercise = exercise
+        try:
+            student.start()
+        except StudentStopped:
+            return
+        shown, hidden = shown_questions(student, failed), None
+        begin, found = time.process_time(), 0
+        for number, edit in enumerate(student.edits):
+            if number % LOOK_AFTER == 0:
+                worked = time.process_time() - begin + student.cpu_seconds
+                if worked > SECONDS:
+                    return
+            try:
+                student.edit(number)
+                for question in shown:
+                    question()
+                if hidden is None:
+                    hidden = hidden_questions(setting.lesson, student, setting.seed, failed)
+                for question in hidden:
+                    question()
+            except Exception:  # whatever a wrong answer makes a question raise
+                continue
+            yield edit
+            found += 1
+            if found == MOST_JUDGED:
+                return
