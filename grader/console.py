@@ -75,6 +75,9 @@ def print_verdict(verdict: Verdict) -> None:
             console.print(f"  {mark}  {test.title}", markup=False)
             for line in test.message.splitlines():
                 console.print(f"          {plain(line)}", markup=False, style="dim")
+        if exercise.slip:
+            kept = f"+{exercise.slip.score:g}".ljust(6) if exercise.slip.score else " " * 6
+            console.print(f"  {kept}  {plain(exercise.slip.sentence)}", markup=False)
     console.print(
         f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
         f"({verdict.seconds:.1f} s)",

@@ -12,8 +12,9 @@ answers of other students. Here nobody's answer is needed, as the questions deci
 
 from __future__ import annotations
 
+import functools
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from grader.course.rules import ONE_SLIP_KEEPS
@@ -103,6 +104,14 @@ def repair_of(
     return None
 
 
+def _fails(question: Callable[[], object]) -> bool:
+    try:
+        question()
+    except Exception:  # whatever a wrong answer makes a question raise
+        return True
+    return False
+
+
 def _passing(
     setting: Setting, program: Program, exercise: str, failed: tuple[Check, ...]
 ) -> Iterator[tuple[int, int, int, str]]:
@@ -118,20 +127,18 @@ def _passing(
             return
         shown, hidden = shown_questions(student, failed), None
         begin, found = time.process_time(), 0
+        if shown and not _fails(shown[0]):  # whoever throws a coin gets no more throws
+            return
         for number, edit in enumerate(student.edits):
             if number % LOOK_AFTER == 0:
                 worked = time.process_time() - begin + student.cpu_seconds
                 if worked > SECONDS:
                     return
-            try:
-                student.edit(number)
-                for question in shown:
-                    question()
-                if hidden is None:
-                    hidden = hidden_questions(setting.lesson, student, setting.seed, failed)
-                for question in hidden:
-                    question()
-            except Exception:  # whatever a wrong answer makes a question raise
+            if _fails(functools.partial(student.edit, number)) or any(map(_fails, shown)):
+                continue
+            if hidden is None:
+                hidden = hidden_questions(setting.lesson, student, setting.seed, failed)
+            if any(map(_fails, hidden)):
                 continue
             yield edit
             found += 1

@@ -14,6 +14,7 @@ from pathlib import Path
 _UMASK = os.umask(0o022)
 os.umask(_UMASK)
 
+LONGEST_LINE = 100
 JUDGED, FAILED = "judged", "judge_failed"
 
 
@@ -53,9 +54,12 @@ class Slip:
     @property
     def sentence(self) -> str:
         """What a student may read: where, and not what."""
-        return (
-            f"One change in code cell {self.cell}, line {self.line}, makes everything here right."
+        line = self.before.split("\n")[0].strip()[:LONGEST_LINE]
+        place = f"code cell {self.cell}, line {self.line} (`{line}`)"
+        kept = (
+            " An answer that is wrong in one place keeps this for the rest." if self.score else ""
         )
+        return f"One change in {place} makes everything here right.{kept}"
 
 
 @dataclass(frozen=True)

@@ -167,6 +167,12 @@ def score_output(exercise: ExerciseResult) -> NotebookNode:
         f"{test.score:g} / {test.max_score:g}</td></tr>"
         for test in exercise.tests
     )
+    if exercise.slip:
+        kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
+        rows += (
+            f"<tr><td></td><td style='text-align:left'><b>{escape(exercise.slip.sentence)}</b></td>"
+            f"<td style='white-space:nowrap;padding-left:1em'>{kept}</td></tr>"
+        )
     return nbformat.v4.new_output(
         "execute_result",
         execution_count=1,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
 from utils.checks.limits import TimeUp, limited
+from utils.checks.one_change import line_to_change
 from utils.checks.outcomes import Check, Outcome
 from utils.checks.refusing import Refusing
 from utils.checks.remembering import one_run
@@ -195,14 +197,17 @@ def check(function: Callable, exercise: str | None = None) -> None:
     else:
         outcomes = _run_all(checks, function, table)
     failed = [outcome for outcome in outcomes if outcome.failure]
-    mistake = blamed = None
+    mistake = blamed = place = None
     # What hangs would hang again, and what was not started or is refused needs no cause.
     if failed and not any(
         isinstance(outcome.failure, NotStarted | Refused | Stopped) for outcome in failed
     ):
         mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
+        if not blamed and threading.current_thread() is threading.main_thread():
+            lost = [outcome.check for outcome in failed]
+            place = line_to_change(function, checks, lost)
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
-    story = resolve(outcomes, checks, mistake, notes, blamed)
+    story = resolve(outcomes, checks, mistake, notes, blamed, place)
     table.finish(story)
     if story.first:
         raise ChecksFailed(story.in_one_line)

@@ -84,6 +84,7 @@ def as_text(story: Story) -> str:
     if story.first:
         lines.append(f"[failed] {story.first.check.title}")
         lines += [f"    {label}: {text}" for label, text in _all_details(story)]
+        lines += [f"    Where to look: {story.place.sentence}"] if story.place else []
     lines += [f"    [failed] for the same reason: {outcome.check.title}" for outcome in story.same]
     lines += [f"[failed] {o.check.title}: {o.failure.message}" for o in story.others]
     lines += [f"[waiting] {outcome.check.title}" for outcome in story.waiting]
@@ -111,6 +112,11 @@ def as_html(story: Story) -> str:
     rows = []
     if story.first:
         body = "".join(_line(label, text) for label, text in _all_details(story))
+        if story.place:
+            body += (
+                f"<details><summary>Where to look</summary>{_line('', story.place.sentence)}"
+                "</details>"
+            ).replace("<br>", "")
         if story.same:
             body += (
                 f"<details><summary>{_count(story.same)} for the same reason</summary>"

@@ -30,7 +30,7 @@ def limited(seconds: float) -> Iterator[None]:
     ----------
     seconds : float
     """
-    with _limited_memory():
+    with limited_memory():
         if threading.current_thread() is not threading.main_thread():
             yield
             return
@@ -85,7 +85,7 @@ def _silence(over: threading.Event, watch: threading.Thread, rang: threading.Eve
 
 
 @contextlib.contextmanager
-def _limited_memory() -> Iterator[None]:
+def limited_memory() -> Iterator[None]:
     """Let no more memory be taken than is free; only Linux can say how much that is."""
     with contextlib.ExitStack() as after:
         with contextlib.suppress(ImportError, OSError, ValueError, StopIteration):

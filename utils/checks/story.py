@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised
+from utils.checks.one_change import Line
 from utils.checks.outcomes import Check, Outcome
 
 
@@ -35,6 +36,8 @@ class Story:
         What explains all answers; None where the first failure is no answer.
     blamed : str or None
         A function that this one calls and that is wrong itself.
+    place : utils.checks.one_change.Line or None
+        Where one change makes everything pass that students see.
     """
 
     passed: tuple[Outcome, ...]
@@ -45,6 +48,7 @@ class Story:
     notes: tuple[Outcome, ...] = ()
     mistake: Mistake | None = None
     blamed: str | None = None
+    place: Line | None = None
 
     @property
     def not_started(self) -> bool:
@@ -69,6 +73,7 @@ def resolve(
     mistake: Mistake | None = None,
     notes: Sequence[Outcome] = (),
     blamed: str | None = None,
+    place: Line | None = None,
 ) -> Story:
     """Find out what to tell.
 
@@ -81,6 +86,7 @@ def resolve(
     mistake : Mistake, optional
     notes : sequence of Outcome
     blamed : str, optional
+    place : utils.checks.one_change.Line, optional
 
     Returns
     -------
@@ -105,7 +111,7 @@ def resolve(
     )
     others = tuple(outcome for outcome in rest if outcome not in same)
     mistake = mistake if first.failure.is_about_an_answer else None
-    return Story(passed, first, same, others, waiting, notes, mistake, blamed)
+    return Story(passed, first, same, others, waiting, notes, mistake, blamed, place)
 
 
 def details(outcome: Outcome, mistake: Mistake | None = None) -> list[tuple[str, str]]:

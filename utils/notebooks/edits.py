@@ -188,8 +188,8 @@ def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
     while end < min(len(lines), len(new)) - begin and lines[-1 - end] == new[-1 - end]:
         end += 1
     # What only takes lines away, or puts some between two, says so beside a line that stays.
-    if begin == len(lines) - end:
-        begin = max(begin - 1, 0)
+    if begin in (len(lines) - end, len(new) - end):
+        begin -= 1
     text = "\n".join(new[begin : len(new) - end])
     return Edit(cell, first + begin, first + len(lines) - end - 1, text, changed)
 
@@ -508,6 +508,8 @@ def _wrapped(
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
         for part in _SLICES if atom and placed else ():
             yield 2, begin, end, inner + part
+        if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
+            yield 1, begin, end, f"{inner}.T"
         for change in ("{} + 1", "{} - 1") if placed else ():
             yield 2, begin, end, f"({change.format(inner)})"
     if isinstance(parent, ast.Return):
@@ -533,9 +535,13 @@ def _moved(block: str, function: ast.AST) -> Iterator[str]:
 
 def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[str]:
     depth = body[0].col_offset
+    if ast.get_docstring(ast.Module(body, [])) is not None:
+        body = body[1:]
+    if not body:
+        return
+    rest = body[-1].end_lineno
     for position, statement in enumerate(body):
         first, last = statement.lineno - 1, statement.end_lineno
-        rest = body[-1].end_lineno
         if position:  # one level out, with all that follows
             yield _shifted(lines, first, rest, outer - depth)
             before = body[position - 1]

@@ -1,0 +1,139 @@
+"""One edit: what a slip of the pen is, undone."""
+
+import ast
+import textwrap
+
+import pytest
+
+from utils.notebooks import slicing
+from utils.notebooks.edits import MOST_EDITS, edits_of
+
+# Wrong lines, and the right ones, in the body of a function of these names.
+SLIPS = {
+    "an operator": ("return x + y * z", "return x + y / z"),
+    "a sign": ("return a, b, -(a * x + b * y)", "return a, b, a * x + b * y"),
+    "a sign within": ("return -dy / length, dx / length", "return dy / length, dx / length"),
+    "a comparison": ("return x < y", "return x <= y"),
+    "the other way round": ("return x < y", "return x > y"),
+    "is None": (
+        "if x is None:\n    return y\nreturn z",
+        "if x is not None:\n    return y\nreturn z",
+    ),
+    "a constant": ("for k in range(1, n):\n    x += k", "for k in range(0, n):\n    x += k"),
+    "a bound": ("for k in range(n):\n    x += k", "for k in range(n + 1):\n    x += k"),
+    "a bound by one": (
+        "for k in range(1, n):\n    x += k",
+        "for k in range(1, n + 1):\n    x += k",
+    ),
+    "one too many": ("for k in range(n - 1):\n    x += k", "for k in range(n):\n    x += k"),
+    "an axis": ("return x.mean(axis=1)", "return x.mean(axis=0)"),
+    "no axis": ("return x.mean()", "return x.mean(axis=0)"),
+    "a mask": ("return x[y]", "return x[~y]"),
+    "a mask of a call": ("return x[np.isnan(y)]", "return x[~np.isnan(y)]"),
+    "a mask too many": ("return x[~y]", "return x[y]"),
+    "abs": ("return a * x + b < y", "return abs(a * x + b) < y"),
+    "abs too many": ("return abs(x)", "return x"),
+    "a root": ("return x ** 2 + y ** 2", "return (x ** 2 + y ** 2) ** 0.5"),
+    "a root of a sum": ("return np.sum(x)", "return np.sum(x) ** 0.5"),
+    "a square": ("return x + y ** 2", "return x ** 2 + y ** 2"),
+    "a copy": ("y = x\nreturn y", "y = x.copy()\nreturn y"),
+    "an index": ("return x[:, 0]", "return x[:, 1]"),
+    "a column": ("return x[0]", "return x[:, 0]"),
+    "row and column": ("return x[0, :]", "return x[:, 0]"),
+    "arguments": ("return f(x, y)", "return f(y, x)"),
+    "what is returned": ("return x, y", "return y, x"),
+    "three returned": ("return x, y, z", "return z, x, y"),
+    "names": ("dx = x\nreturn dx + y", "dx = y\nreturn dx + y"),
+    "the other child": ("node.left = x", "node.right = x"),
+    "min and max": ("return x.min(), x.max()", "return x.max(), x.max()"),
+    "one level out": (
+        "for k in x:\n    if k:\n        y += k\n    return y",
+        "for k in x:\n    if k:\n        y += k\nreturn y",
+    ),
+    "one level in": ("if x:\n    y = 1\nz = 2\nreturn z", "if x:\n    y = 1\n    z = 2\nreturn z"),
+    "an if too deep": (
+        "if x:\n    f(x)\n    if y:\n        f(y)",
+        "if x:\n    f(x)\nif y:\n    f(y)",
+    ),
+    "break": ("for k in x:\n    if k:\n        break", "for k in x:\n    if k:\n        continue"),
+    "a return": (
+        "if x:\n    f(x)\nf(y)",
+        "if x:\n    f(x)\n    return\nf(y)",
+    ),
+    "elif": ("if x:\n    f(x)\nif y:\n    f(y)", "if x:\n    f(x)\nelif y:\n    f(y)"),
+    "a slice": ("return x", "return x[::-1]"),
+    "a slice too many": ("return x[::-1]", "return x"),
+    "three columns": ("return f(x)", "return f(x[:, :3])"),
+    "and": ("return x and y", "return x or y"),
+    "both masks": ("return x & y", "return x | y"),
+    "not": ("while x:\n    y += 1", "while not x:\n    y += 1"),
+    "+=": ("for k in x:\n    y = k\nreturn y", "for k in x:\n    y += k\nreturn y"),
+    "a list for an array": ("return [x, y]", "return np.array([x, y])"),
+    "two lines": ("y = f(x)\nx = g(y)\nreturn x", "x = g(y)\ny = f(x)\nreturn x"),
+    "a line too many": ("x = f(x)\nx = g(x)\nreturn x", "x = g(x)\nreturn x"),
+    "a keyword": ("return f(x, axis=1)", "return f(x)"),
+    "transposed": ("return x @ y", "return x @ y.T"),
+    "a call": ("return len(x)", "return x"),
+}
+
+
+def function(body):
+    return "def f(x, y, z, n, node):\n" + textwrap.indent(body, "    ") + "\n"
+
+
+def edits_in(*cells):
+    statements, _ = slicing.parse_notebook(cells)
+    return edits_of(cells, [one for one in statements if isinstance(one.node, ast.FunctionDef)])
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_is_one_edit_away(slip):
+    wrong, right = map(function, SLIPS[slip])
+    found = set()
+    for edit in edits_in(wrong):
+        try:
+            found.add(ast.dump(ast.parse(edit.statement)))
+        except SyntaxError:
+            continue
+    assert ast.dump(ast.parse(right)) in found
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_the_lines_of_an_edit_make_its_statement(slip):
+    """In the middle of a notebook, behind signs of more than one byte and beside decorators."""
+    wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
+    cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
+    edits = edits_in(*cells)
+    assert len(edits) == len({edit.statement for edit in edits}) > 3
+    for edit in edits:
+        lines = cells[edit.cell - 1].split("\n")
+        changed = "\n".join([*lines[: edit.first - 1], edit.text, *lines[edit.last :]])
+        assert edit.cell == 2
+        assert 4 <= edit.first <= edit.last <= 4 + wrong.count("\n")
+        assert edit.statement in changed
+        assert changed.startswith("é = '²'") and changed.endswith("print(é)")
+
+
+def test_docstrings_and_signatures_stay():
+    text = 'def f(x, k=3):\n    """A text."""\n    return x\n'
+    assert all(
+        edit.statement.startswith('def f(x, k=3):\n    """A text."""')
+        for edit in edits_in(text)
+        if edit.first < 3
+    )
+
+
+def test_there_are_not_too_many():
+    long = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(100)))
+    assert len(edits_in(long)) == MOST_EDITS
+    longer = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(200)))
+    assert edits_in(longer) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["def f(x): return x", "def f(x): return x; y = 1", "def f(x):\n\treturn -x", "def f(): pass"],
+)
+def test_unusual_texts_harm_nobody(text):
+    for edit in edits_in(text):
+        assert edit.first >= 1

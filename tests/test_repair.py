@@ -1,0 +1,145 @@
+"""One slip costs one slip: where one edit makes an answer right, most of its points stay."""
+
+import json
+
+import numpy as np
+import pytest
+
+from grader.course import rules
+from grader.course.lessons import all_lessons, find_lesson, lesson_of
+from grader.course.variants import fill_in
+from grader.intake.handed_in import HandedIn
+from grader.judging import repair, results
+from grader.judging.judge import judge_handed_in
+from grader.judging.verdict import read_verdict, write_verdict
+from grader.lms.autograded import score_output
+from grader.sandbox import Limits
+from tests.test_slips import solution_of
+
+SEED = 23
+LINE = find_lesson("02_ransac_line")
+
+WITH_A_WRONG_SIGN = """
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a, b = -dy / length, dx / length
+    return a, b, a * p[0] + b * p[1]
+"""
+IN_TWO_PLACES = WITH_A_WRONG_SIGN.replace("length == 0", "length == 1").replace(
+    "dx / length", "dx * length"
+)
+IN_A_HELPER = """
+def normal_of(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    return dy, dx
+
+def line_through(p, q):
+    normal = np.array(normal_of(p, q))
+    length = np.hypot(*normal)
+    if length == 0:
+        return None
+    a, b = normal / length
+    return a, b, -a * p[0] - b * p[1]
+"""
+# Right in one of two throws, so that each edit that changes nothing is right as often.
+A_COIN = """
+import os
+
+def line_through(p, q):
+    global heads
+    if "heads" not in globals():
+        heads = os.urandom(1)[0] % 2
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a, b = -dy / length, dx / length
+    return a, b, -(a * p[0] + b * p[1]) * (1 - 2 * heads)
+"""
+ENDLESS = WITH_A_WRONG_SIGN.replace(
+    "    length = np.hypot(dx, dy)\n",
+    "    length = np.hypot(dx, dy)\n    while length >= 0:\n        pass\n",
+)
+
+
+def judged(sandbox, lesson=LINE, limits=None, **answers):
+    """The results of a notebook of right answers but for some."""
+    right = {exercise.name: solution_of(exercise.name) for exercise in lesson.machine_graded}
+    text = fill_in(lesson, right | {name: text.strip() for name, text in answers.items()})
+    handed_in = HandedIn(f"{lesson.name}.ipynb", text.encode())
+    verdict = judge_handed_in(handed_in, SEED, sandbox, lesson, limits=limits)
+    return verdict, {exercise.name: exercise for exercise in verdict.exercises}
+
+
+def test_a_slip_keeps_three_fifths_and_is_shown_by_its_line(sandbox, tmp_path):
+    verdict, exercises = judged(sandbox, line_through=WITH_A_WRONG_SIGN)
+    line = exercises["line_through"]
+    assert (line.score, line.max_score) == (3.0, 5.0)
+    assert exercises["ransac_line"].score == exercises["ransac_line"].max_score
+    assert line.slip.before == "    return a, b, a * p[0] + b * p[1]"
+    assert line.slip.after != line.slip.before
+    assert f"line {line.slip.line} " in line.slip.sentence
+    write_verdict(verdict, tmp_path / "verdict.json")
+    assert read_verdict(tmp_path / "verdict.json") == verdict
+    # Whoever is graded reads where, and not what.
+    published = verdict.as_dict()["exercises"][0]["slip"]
+    assert published == {"cell": line.slip.cell, "line": line.slip.line, "score": 3.0}
+    assert line.slip.sentence in score_output(line)["data"]["text/html"]
+    assert "a * p[0]" not in json.dumps(score_output(line))
+    assert json.loads(score_output(line)["data"]["text/plain"]) == 3.0
+
+
+@pytest.mark.parametrize("answer", [IN_TWO_PLACES, A_COIN])
+def test_what_is_wrong_in_more_than_one_place_keeps_what_its_checks_earn(sandbox, answer):
+    for _ in range(3):
+        _, exercises = judged(sandbox, line_through=answer)
+        line = exercises["line_through"]
+        assert line.slip is None
+        assert line.score in (5.0, sum(test.score for test in line.tests))
+
+
+def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
+    _, exercises = judged(sandbox, line_through=IN_A_HELPER)
+    assert exercises["line_through"].score == 3.0
+    # Turned by the one quarter or by the other.
+    assert exercises["line_through"].slip.before in IN_A_HELPER[: IN_A_HELPER.index("def line")]
+
+
+def test_an_endless_loop_costs_seconds(sandbox):
+    limits = Limits(call_seconds=0.4, restarts=1)
+    _, exercises = judged(sandbox, limits=limits, line_through=ENDLESS)
+    assert exercises["line_through"].score <= 3.0
+
+
+def test_an_edit_is_looked_for_in_what_calls_a_wrong_function(sandbox):
+    """With a right helper in the place of the wrong one."""
+    wrong = solution_of("ransac_line").replace("max_iterations)", "max_iterations - 1)", 1)
+    assert wrong != solution_of("ransac_line")
+    _, exercises = judged(sandbox, line_through=IN_TWO_PLACES, ransac_line=wrong)
+    assert exercises["line_through"].slip is None
+    assert "max_iterations - 1" in exercises["ransac_line"].slip.before
+
+
+def test_nothing_is_looked_for_in_a_stub(sandbox, monkeypatch):
+    asked = []
+    monkeypatch.setattr(repair, "repair_of", lambda *about: asked.append(about[2]))
+    text = LINE.released.read_bytes()
+    judge_handed_in(HandedIn(f"{LINE.name}.ipynb", text), SEED, sandbox, LINE)
+    assert asked == []
+
+
+def test_a_course_may_do_without(sandbox, monkeypatch):
+    for module in (repair, results):
+        monkeypatch.setattr(module, "ONE_SLIP_KEEPS", 0)
+    _, exercises = judged(sandbox, line_through=WITH_A_WRONG_SIGN)
+    assert exercises["line_through"].slip is None
+    assert exercises["line_through"].score < 1
+
+
+@pytest.mark.parametrize("earned", [0.0, 2.99, 3.0, 3.01, 4.87])
+def test_a_slip_never_takes(earned):
+    found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned)
+    assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))

@@ -1,0 +1,166 @@
+"""Where to look: the line in which one change makes every shown check pass.
+
+The changed functions run in a copy of this process, which ends with them: it writes no file, opens
+no connection, draws nothing and waits for nobody. What it tells is a line, and only of a function
+that has passed every check there is in the notebook.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import inspect
+import os
+import select
+import signal
+import sys
+import textwrap
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from utils.checks.limits import limited_memory
+from utils.checks.outcomes import Check
+from utils.checks.remembering import one_run
+from utils.notebooks import slicing
+from utils.notebooks.edits import Edit, edits_of
+from utils.showing import shell
+
+# Somebody waits for it.
+SECONDS = 3.0
+# For one check; a change may well make a loop that never ends.
+SECONDS_OF_A_CHECK = 0.5
+_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+# Audit events of what reaches beyond a process; see https://docs.python.org/3/library/audit_events.html
+_REACHES_OUT = (
+    *("os.remove", "os.rename", "os.rmdir", "os.mkdir", "os.link", "os.symlink", "os.truncate"),
+    *("os.chmod", "os.chown", "os.utime", "os.kill", "os.system", "os.exec", "os.fork"),
+    *("os.posix_spawn", "os.spawn", "os.startfile", "subprocess.", "shutil.", "socket."),
+    *("tempfile.", "webbrowser.", "urllib.", "ftplib.", "smtplib.", "signal.pthread_kill"),
+)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a cell, and what stands there."""
+
+    number: int
+    text: str
+
+    @property
+    def sentence(self) -> str:
+        """What may be said of it."""
+        return f"One change in line {self.number}, `{self.text}`, makes everything here green."
+
+
+def line_to_change(
+    function: Callable, checks: Sequence[Check], failed: Sequence[Check]
+) -> Line | None:
+    """The line in which one change makes all checks pass.
+
+    Parameters
+    ----------
+    function : callable
+        The student's.
+    checks : sequence of utils.checks.outcomes.Check
+        All that the notebook shows.
+    failed : sequence of utils.checks.outcomes.Check
+        Those of them that the function fails.
+
+    Returns
+    -------
+    Line or None
+        None where there is none, where it is not found in time, or where no process can be copied.
+    """
+    with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
+        lines, first = inspect.getsourcelines(function)
+        text = textwrap.dedent("".join(lines))
+        statements = slicing.parse_notebook([text])[0]
+        if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
+            edits = edits_of([text], statements)
+            order = [*failed, *(check for check in checks if check not in failed)]
+            number = _first_that_passes(function, statements[0], edits, order)
+            if number is not None:
+                place = edits[number].first
+                return Line(first + place - 1, text.split("\n")[place - 1].strip())
+    return None
+
+
+def _first_that_passes(
+    function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
+) -> int | None:
+    """Position of the first edit with which all checks pass, found by a copy of this process."""
+    if not hasattr(os, "fork"):
+        return None
+    read_end, write_end = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of threads, which stay behind
+        child = os.fork()
+    if child == 0:
+        try:
+            _keep_to_oneself(write_end)
+            for number, changed in _changed(function, statement, edits):
+                if all(_passes(check, changed) for check in checks):
+                    os.write(write_end, b"%d" % number)
+                    break
+        finally:
+            os._exit(0)  # nothing of the notebook may end in here, or be sent twice
+    os.close(write_end)
+    try:
+        ready, _, _ = select.select([read_end], [], [], SECONDS)
+        told = os.read(read_end, 16) if ready else b""
+    finally:
+        os.close(read_end)
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    return int(told) if told else None
+
+
+def _keep_to_oneself(write_end: int) -> None:
+    """Let nothing of what runs here reach the notebook, a file or a screen."""
+    with contextlib.suppress(Exception):
+        shell().display_pub.publish = lambda *about, **more: None
+    if "matplotlib" in sys.modules:
+        import matplotlib
+
+        matplotlib.use("agg")
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(nowhere, standard)
+    sys.stdin = open(os.devnull)  # noqa: SIM115 (this process ends with it)
+    sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+
+    def refuse(event: str, about: tuple) -> None:
+        if event.startswith(_REACHES_OUT) or (event == "open" and about[2] & _WRITING):
+            raise PermissionError(event)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGALRM, _too_long)
+    sys.addaudithook(refuse)
+
+
+def _too_long(*about: object) -> None:
+    raise TimeoutError
+
+
+def _changed(
+    function: Callable, statement: slicing.Statement, edits: list[Edit]
+) -> Iterator[tuple[int, Callable]]:
+    """Each edit's position, and what it makes of the function."""
+    for number, edit in enumerate(edits):
+        space = dict(function.__globals__)
+        with contextlib.suppress(Exception):
+            exec(compile(edit.statement, "<changed>", "exec", flags=statement.future), space)
+            yield number, space[statement.node.name]
+
+
+def _passes(check: Check, function: Callable) -> bool:
+    signal.setitimer(signal.ITIMER_REAL, SECONDS_OF_A_CHECK)
+    try:
+        with limited_memory(), one_run():
+            check.run(function)
+    except BaseException:
+        return False
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+    return True
