@@ -4,14 +4,18 @@ import ast
 import contextlib
 import inspect
 import signal
-import warnings
 
+import numpy as np
 import pytest
 
 from grader.course.lessons import lesson_of
+from grader.course.variants import fill_in
+from grader.intake.handed_in import HandedIn
 from grader.judging.asking import hidden_questions, run_tests, shown_questions
+from grader.judging.judge import judge_handed_in
 from tests import test_cheap
 from tests.students import student_with, walled
+from utils.checks.diagnosis import diagnose
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 
@@ -22,9 +26,7 @@ def sources():
     """Each function of the table's module, by where its code begins."""
     tree = ast.parse(inspect.getsource(test_cheap))
     kinds = (ast.Lambda, ast.FunctionDef)
-    return {(node.lineno, type(node)): [] for node in ast.walk(tree) if isinstance(node, kinds)} | {
-        (node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)
-    }
+    return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}
 
 
 SOURCES = sources()
@@ -44,12 +46,15 @@ def as_text(function):
 def edited(function):
     """All functions that are one edit away from a function of the table."""
     text, names = as_text(function)
+    names.pop("answer", None)
     statements, _ = slicing.parse_notebook([text])
     for edit in edits_of([text], statements):
         space = dict(names)
-        with contextlib.suppress(SyntaxError):
-            exec(edit.statement, space)
-            yield edit.statement, space[statements[0].node.name]
+        with contextlib.suppress(Exception):
+            exec(edit.statement, space)  # what an edit moves out of a function may fail here
+        changed = space.get(statements[0].node.name)
+        if changed is not None:
+            yield edit.statement, changed
 
 
 @contextlib.contextmanager
@@ -80,12 +85,8 @@ def mended_by_one_edit(exercise, function):
     lesson = lesson_of(exercise)
     student = student_with(lesson, {one.name: test_cheap.nothing for one in lesson.machine_graded})
     setattr(student, exercise, walled(function))
-    about = lambda check: check.exercise == exercise  # noqa: E731
-    failed = [
-        outcome.check
-        for outcome in run_tests(lesson, student, test_cheap.SEED, about)
-        if outcome.failure
-    ]
+    outcomes = run_tests(lesson, student, test_cheap.SEED, lambda check: check.exercise == exercise)
+    failed = [outcome.check for outcome in outcomes if outcome.failure]
     found, hidden = [], None
     for text, changed in edited(function):
         setattr(student, exercise, walled(changed))
@@ -98,25 +99,33 @@ def mended_by_one_edit(exercise, function):
     return found
 
 
-if __name__ == "__main__":
-    import sys, time
+def is_the_task(exercise, function):
+    mistake = diagnose(exercise, function)
+    return mistake is not None and mistake.is_the_task
 
-    warnings.simplefilter("ignore")
-    import numpy
 
-    numpy.seterr(all="ignore")
-    for exercise, table in test_cheap.CHEAP.items():
-        if len(sys.argv) > 1 and exercise not in sys.argv[1:]:
-            continue
-        t = time.time()
-        for name, function in (test_cheap.ANYTHING | table).items():
-            if not inspect.isfunction(function):
-                continue
-            try:
-                found = mended_by_one_edit(exercise, function)
-            except Exception as e:
-                print(exercise, name, "ERROR", repr(e)[:200])
-                continue
-            if found:
-                print(exercise, name, found[:3])
-        print("--", exercise, round(time.time() - t, 1), flush=True)
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("exercise", test_cheap.CHEAP)
+def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
+    """But for what the judge knows to be the very mistake that an exercise is about."""
+    kept, tried = {}, 0
+    with np.errstate(all="ignore"):
+        for name, function in (test_cheap.ANYTHING | test_cheap.CHEAP[exercise]).items():
+            if inspect.isfunction(function) and not is_the_task(exercise, function):
+                kept[name] = mended_by_one_edit(exercise, function)
+                tried += 1
+    assert tried > 25
+    assert {name: edits for name, edits in kept.items() if edits} == {}
+
+
+def test_what_an_exercise_is_about_is_no_slip(sandbox):
+    """In horizontal distances the height has no place: to forget that is to do another task."""
+    lesson = lesson_of("horizontal_distance")
+    answer = "def horizontal_distance(cloud):\n    return np.linalg.norm(cloud[:, :3], axis=1)"
+    handed_in = HandedIn(
+        f"{lesson.name}.ipynb", fill_in(lesson, {"horizontal_distance": answer}).encode()
+    )
+    result = judge_handed_in(handed_in, 5, sandbox, lesson).exercises[0]
+    assert result.slip is None
+    assert result.score < result.max_score / 10

@@ -2,11 +2,10 @@
 
 import json
 
-import numpy as np
 import pytest
 
 from grader.course import rules
-from grader.course.lessons import all_lessons, find_lesson, lesson_of
+from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
 from grader.intake.handed_in import HandedIn
 from grader.judging import repair, results

@@ -64,6 +64,9 @@ def repairs_in(
     """The repairs of all exercises that lost something, by name; see `repair_of`."""
     found = {}
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
+        mistake = asked.mistakes.get(exercise.name)
+        if mistake and mistake.is_the_task:
+            continue
         better = followed.get(exercise.name)
         outcomes = better.outcomes if better else asked.about(exercise.name)
         failed = tuple(outcome for outcome in outcomes if outcome.failure)

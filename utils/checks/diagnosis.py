@@ -29,11 +29,14 @@ class Mistake:
         Takes the right answer and then the arguments of a case; returns what the mistake would.
     hint : str
         What to do about it; empty where the sentence says so.
+    is_the_task : bool
+        Whether the exercise is about just this. Then it is no slip, however small the change.
     """
 
     says: str
     predicts: Callable
     hint: str = ""
+    is_the_task: bool = False
 
 
 @dataclass(frozen=True)

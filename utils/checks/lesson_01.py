@@ -184,11 +184,13 @@ mistakes(
         "These are lengths of x, y, z: the height is mixed in.",
         lambda right, cloud: np.sqrt(right**2 + cloud[:, 2] ** 2),
         "Use the first two columns only, the ones of x and y.",
+        is_the_task=True,
     ),
     Mistake(
         "These are lengths of whole rows: height and intensity are mixed in.",
         lambda right, cloud: np.sqrt(right**2 + (cloud[:, 2:] ** 2).sum(axis=1)),
         "Use the first two columns only, the ones of x and y.",
+        is_the_task=True,
     ),
     Mistake(
         "These are squared distances: the square root is missing.",
