@@ -35,20 +35,25 @@ def told(outcome: Outcome, open_to_all: bool) -> Outcome:
 
 
 def messages_of(story: Story) -> dict[Outcome, str]:
-    """What to tell about each failed test; one cause is told once."""
+    """What to tell about each failed test; one cause is told once.
+
+    A hint comes with the first failure alone, as in `check()`: what else failed may have another
+    cause than the one that its own hint is about.
+    """
     if story.first is None:
         return {}
     same = f"For the same reason as “{story.first.check.title}”."
     return {
         story.first: text_of(story.first, story.mistake),
         **dict.fromkeys(story.same, same),
-        **{one: text_of(one) for one in (*story.others, *story.waiting)},
+        **{one: text_of(one, hinted=False) for one in (*story.others, *story.waiting)},
     }
 
 
-def text_of(outcome: Outcome, mistake: Mistake | None = None) -> str:
+def text_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> str:
     """What to tell about a failure, line by line."""
-    failure, hint = outcome.failure, hint_for(outcome, mistake)
+    failure = outcome.failure
+    hint = hint_for(outcome, mistake) if hinted else ""
     lines = [
         mistake.says if mistake else "",
         failure.message,
