@@ -99,6 +99,7 @@ def test_what_is_wrong_in_two_places_is_not_told():
 
 def test_it_is_told_only_where_all_shown_checks_pass():
     """A change that mends what failed and breaks another check is none."""
+
     def never(function):
         raise AssertionError
 

@@ -23,14 +23,17 @@ from grader.judging.followed import Followed
 from grader.judging.trial import Asked, Setting, ask
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
 from utils.checks import Check
 from utils.checks.outcomes import Outcome
 from utils.checks.remembering import one_run
 
-# Of the processor, here and behind the walls, for one exercise.
+# Of the processor, here and behind the walls, for the edits of one exercise.
 SECONDS = 1.0
+# With all that starting and stopping takes, by whatever clock.
+MOST_SECONDS = 10.0
 # A right answer takes less for the first questions, and an edit may well make an endless loop.
 SECONDS_OF_A_CALL = 0.25
 # Edits that pass what the answer failed, of which none passes everything: then there is none.
@@ -121,8 +124,9 @@ def _passing(
     """The first few edits that pass what the answer failed."""
     limits = setting.limits or Limits()
     seconds = min(SECONDS_OF_A_CALL, limits.call_seconds)
-    limits = replace(limits, call_seconds=seconds)
-    with one_run(), Student(program, setting.sandbox, limits, mend=exercise) as student:
+    limits = replace(limits, call_seconds=seconds, total_seconds=MOST_SECONDS)
+    budget = Budget(replace(limits, wall_seconds=MOST_SECONDS))
+    with one_run(), Student(program, setting.sandbox, limits, budget, exercise) as student:
         student.exercise = exercise
         try:
             student.start()
