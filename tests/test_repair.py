@@ -51,18 +51,6 @@ def line_through(p, q):
     a, b = normal / length
     return a, b, -a * p[0] - b * p[1]
 """
-# Right in one of two throws, each time it is asked.
-A_COIN = """
-import os
-
-def line_through(p, q):
-    dx, dy = q[0] - p[0], q[1] - p[1]
-    length = np.hypot(dx, dy)
-    if length == 0:
-        return None
-    a, b = -dy / length, dx / length
-    return a, b, -(a * p[0] + b * p[1]) * (1 - 2 * (os.urandom(1)[0] % 2))
-"""
 ENDLESS = WITH_A_WRONG_SIGN.replace(
     "    length = np.hypot(dx, dy)\n",
     "    length = np.hypot(dx, dy)\n    while length >= 0:\n        pass\n",
@@ -96,9 +84,8 @@ def test_a_slip_keeps_three_fifths_and_is_shown_by_its_line(sandbox, tmp_path):
     assert json.loads(score_output(line)["data"]["text/plain"]) == 3.0
 
 
-@pytest.mark.parametrize("answer", [IN_TWO_PLACES, A_COIN])
-def test_what_is_wrong_in_more_than_one_place_keeps_what_its_checks_earn(sandbox, answer):
-    _, exercises = judged(sandbox, line_through=answer)
+def test_what_is_wrong_in_more_than_one_place_keeps_what_its_checks_earn(sandbox):
+    _, exercises = judged(sandbox, line_through=IN_TWO_PLACES)
     line = exercises["line_through"]
     assert line.slip is None
     assert line.score == sum(test.score for test in line.tests) < 3
