@@ -10,6 +10,7 @@ from grader.judging.verdict import (
     JUDGED,
     CheckResult,
     ExerciseResult,
+    Slip,
     Verdict,
     read_verdict,
     write_atomically,
@@ -23,9 +24,11 @@ def full_verdict():
         CheckResult("a", "Holds", True, 1.25, 1.25, "", True),
         CheckResult("test_b", "Fails", False, 0.0, 8.75, "For “größer”.", False),
     )
-    exercises = (ExerciseResult("filter_ground", 1.25, 10.0, tests, "It fails.", "test_b"),)
+    slip = Slip(3, 14, "    return x", "    return -x", 4.75)
+    about = ("filter_ground", 6.0, 10.0, tests, "It fails.", "test_b", slip)
+    exercises = (ExerciseResult(*about),)
     about = {"key": "of rules", "faults": ("no",), "starved": True, "fingerprint": "of a file"}
-    return Verdict("06", "ada", JUDGED, 1.25, 10.0, exercises, ("A cell.",), 3.25, **about)
+    return Verdict("06", "ada", JUDGED, 6.0, 10.0, exercises, ("A cell.",), 3.25, **about)
 
 
 def test_a_verdict_comes_back_from_the_disk_as_it_was(tmp_path):
@@ -43,14 +46,15 @@ def test_what_is_published_is_a_part_of_it():
         "lesson": "06",
         "student": "ada",
         "status": "judged",
-        "score": 1.25,
+        "score": 6.0,
         "max_score": 10.0,
         "exercises": [
             {
                 "name": "filter_ground",
-                "score": 1.25,
+                "score": 6.0,
                 "max_score": 10.0,
                 "tests": [dataclasses.asdict(test) for test in verdict.exercises[0].tests],
+                "slip": {"cell": 3, "line": 14, "score": 4.75},
             }
         ],
         "problems": ["A cell."],

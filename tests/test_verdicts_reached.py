@@ -32,6 +32,7 @@ from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
 NO = CheckFailed("no")
+PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
 
 
@@ -69,6 +70,7 @@ def judge_made_of(monkeypatch):
         monkeypatch.setattr(judging, "ask", ask)
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "follow_through", lambda *about: (better or {}, late))
+        monkeypatch.setattr(judging, "repairs_in", lambda *about: {})
         data = (text or fill_in(FILTER, {})).encode()
         verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting
@@ -178,7 +180,8 @@ def test_who_writes_an_exercise_twice_is_told_if_it_loses_points(judge_made_of):
         for number in (1, 2):
             source = f"def {name}(cloud):\n    return {number}"
             twice["cells"].append({"cell_type": "code", "metadata": {}, "source": source})
-    better = {"voxel_grid": Followed(tuple(ended().about("voxel_grid")), "A helper is wrong.")}
+    others = tuple(ended().about("voxel_grid"))
+    better = {"voxel_grid": Followed(others, "A helper is wrong.", PROGRAM)}
     about = {"text": json.dumps(twice), "better": better}
     verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
     *problems, last = verdict.problems
@@ -265,6 +268,7 @@ def test_what_was_said_beside_a_right_helper_is_not_told():
     better = Followed(
         tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).about("filter_ground")),
         "A helper is wrong.",
+        PROGRAM,
     )
     asked = ended((NO, NO), mistakes={"filter_ground": FLIPPED})
     result = result_of(FILTER.machine_graded[0], asked, better)
