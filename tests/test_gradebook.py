@@ -641,6 +641,10 @@ def test_where_the_gradebook_is_is_said_without_a_password(course):
     assert gradebook.address(course) == "postgresql+pg8000://teacher:***@host/grades"
 
 
+def test_what_is_entered_stays_as_it_is():
+    assert gradebook.Entry.__dataclass_params__.frozen
+
+
 def test_a_student_who_handed_in_nothing_is_not_there(entered):
     with gradebook.open_gradebook(entered) as book, pytest.raises(MissingEntry):
         book.find_submission(STAGE, "eve")

@@ -13,7 +13,7 @@ from nbconvert.exporters import HTMLExporter
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.intake.handed_in import HandedIn
-from grader.intake.preflight import prepare, prepare_to_show
+from grader.intake.preflight import Answer, Prepared, ToJudge, prepare, prepare_to_show
 from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
 from tests.students import answers_in
@@ -358,6 +358,12 @@ def marked(made, grade_id):
 
 GROUND = "def filter_ground(cloud):\n    return {}"
 VOXELS = "def voxel_grid(cloud):\n    return {}"
+
+
+def test_what_is_prepared_stays_as_it_is():
+    for kind in (Answer, Prepared, ToJudge):
+        assert kind.__dataclass_params__.frozen
+    assert Answer("a").certain
 
 
 @pytest.mark.parametrize(

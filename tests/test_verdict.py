@@ -70,6 +70,7 @@ def test_what_verdicts_have_in_common_is_there_once():
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
     assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
+    assert verdict_file._the_same.cache_info().maxsize > 5000  # checks and ways for them to end
 
 
 def test_a_verdict_is_believed_when_nothing_else_was_at_work():
@@ -138,8 +139,9 @@ def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch
     ]
 
 
-def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch):
-    monkeypatch.setattr(verdict_file, "_UMASK", 0o027)
+@pytest.mark.parametrize(("mask", "mode"), [(0o000, 0o666), (0o026, 0o640), (0o077, 0o600)])
+def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch, mask, mode):
+    monkeypatch.setattr(verdict_file, "_UMASK", mask)
     write_atomically("a \ud800 word", tmp_path / "a" / "b.json")  # what is no text does no harm
     write_atomically("a word", tmp_path / "a" / "b.json")
-    assert (tmp_path / "a" / "b.json").stat().st_mode & 0o777 == 0o640
+    assert (tmp_path / "a" / "b.json").stat().st_mode & 0o777 == mode
