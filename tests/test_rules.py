@@ -92,6 +92,10 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, held):
     assert asked and not better
 
 
+def test_who_was_followed_stays_so():
+    assert followed.Followed.__dataclass_params__.frozen
+
+
 STOP = StudentStopped("it did not answer")
 
 
@@ -186,9 +190,10 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
     hold = [outcome for name in names for outcome in outcomes_of(name, True, True)]
     given = Given(("KdTree",), "class KdTree: pass", ("KdTree",))
-    own, programs = Program(("pass",), plane.names, given=given), []
+    own, programs, about = Program(("pass",), plane.names, given=given), [], []
 
     def ask(setting, program, wanted):
+        about.append({one.check.exercise for one in hold if wanted(one.check)})
         if program == own:
             return Asked(tuple(one for one in lost if wanted(one.check)))
         programs.append(program)
@@ -202,6 +207,7 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     )
     assert late and list(better) == [names[1], *names[3:]]  # the second of the four broke
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
+    assert about == [{name} for name in names[1:] for _ in range(2)]
     for number, program in enumerate(programs, start=1):
         assert program.names == (names[number], "KdTree")
         assert program.given.names == ("KdTree", *names[:number])
