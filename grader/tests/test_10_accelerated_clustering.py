@@ -12,7 +12,7 @@ from grader.judging import samples
 from grader.judging.marks import hidden
 from grader.sandbox.failures import StudentStopped
 from utils.checks.clusters import assert_works
-from utils.checks.lesson_10 import assert_in_clusters
+from utils.checks.lesson_10.accelerated import assert_in_clusters
 from utils.checks.vocabulary import CheckFailed, assert_partition, frozen
 
 NAME = "euclidean_clustering_accelerated"
@@ -29,20 +29,26 @@ def assert_clusters(student, cloud, threshold=0.5):
 
 @hidden(
     NAME,
-    weight=3,
-    title="Right on obstacles of the course's own scan",
-    hint="Compare with your euclidean_clustering of lesson 05: same partition?",
+    weight=12,
+    title="Right on obstacles of the course's own scan, point for point",
+    hint="Compare with join_all_pairs on the same points: the same clusters? Where not, draw both.",
 )
 def test_course_cloud(student, seed):
-    cloud = samples.patch_of_course_cloud(seed, 6000)
-    assert_clusters(student, cloud[cloud[:, 2] > -1.1][:1500, :3])
+    cloud = samples.course_cloud()
+    far = cloud[(np.hypot(cloud[:, 0], cloud[:, 1]) > 15) & (cloud[:, 2] > -1.1)]
+    angle = np.arctan2(far[:, 1], far[:, 0])
+    start = np.random.default_rng(seed).uniform(0, 2 * np.pi)
+    # Nothing is thinned out or mixed: the rows are those of the scanner.
+    order = np.argsort((angle - start) % (2 * np.pi), kind="stable")
+    assert_clusters(student, far[np.sort(order[:2500])])
 
 
 @hidden(
     NAME,
-    weight=4,
+    weight=12,
     title="Right on streets you have not seen",
-    hint="Nothing about one particular cloud may stand in the function.",
+    hint="Compare with join_all_pairs on every tenth point of cloud.txt, in any order: what is "
+    "torn, what runs together?",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -51,20 +57,22 @@ def test_fresh_streets(student, seed):
 
 @hidden(
     NAME,
-    weight=2,
+    weight=6,
     title="Right at thresholds you have not seen, small and large",
     hint="Side, neighbours and distances all follow the parameter threshold.",
 )
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 600)[:, :3]
-    for threshold in np.random.default_rng(seed).uniform(0.1, 2.5, 4):
+    for threshold in np.random.default_rng(seed).uniform(
+        [0.1, 0.1, 1.2, 1.2], [1.0, 1.0, 2.5, 2.5]
+    ):
         assert_clusters(student, cloud, float(threshold))
     assert_clusters(student, cloud, 25.0)
 
 
 @hidden(
     NAME,
-    weight=5,
+    weight=6,
     title="Exact where many points crowd into few cells",
     hint="Two cells belong together if ANY point of one is close to ANY point of the other.",
 )
@@ -123,7 +131,7 @@ def test_invariance(student, seed):
 
 @hidden(
     NAME,
-    weight=1,
+    weight=6,
     title="Right with intensities, small ones and large ones",
     hint="cloud[:, :3] are the coordinates.",
 )
@@ -199,7 +207,7 @@ def whole_scan(seed):
 
 @hidden(
     NAME,
-    weight=7,
+    weight=30,
     title="A whole scan, exactly and in time",
     hint="Compare with your euclidean_clustering of lesson 05 on the points of cloud.txt within "
     "10 m: same partition?",
@@ -225,7 +233,7 @@ def test_whole_scan(student, seed):
 
 @hidden(
     NAME,
-    weight=9,
+    weight=12,
     title="Sixty thousand points on a few walls, in time and in little memory",
     hint="Twice as many points on the same wall make four times as many near pairs, and not one "
     "more cell: work with cells instead of pairs of points.",
@@ -240,7 +248,7 @@ def test_dense_walls(student, seed):
 
 @hidden(
     NAME,
-    weight=10,
+    weight=16,
     title="Heaps of twenty thousand points, in time and in little memory",
     hint="In a heap everybody is near everybody: a list of all pairs is as long as the square "
     "of its points. Points that share a cell need no pair.",
@@ -259,7 +267,7 @@ def test_heaps(student, seed):
 
 @hidden(
     NAME,
-    weight=9,
+    weight=30,
     title="Heaps that a single pair of points joins, or nearly, exactly and in little memory",
     hint="Two crowded cells need only their closest pair: a KD-tree of the one, asked by the "
     "other.",

@@ -22,6 +22,7 @@ from utils.checks.detections import (
     assert_nothing_at_sensor,
     assert_own_car_free,
     assert_people_found,
+    assert_reached,
     assert_sees,
     detected,
 )
@@ -33,7 +34,9 @@ from utils.checks.lesson_12 import (
     cubes,
 )
 from utils.checks.scans import (
+    car_across,
     clear_cars,
+    crossing,
     half_sensor,
     own_car,
     rain,
@@ -115,13 +118,25 @@ def test_city(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=3,
+    weight=9,
     title="Finds people in places you have not seen",
     hint="A person near by has 20 to 40 points after thinning: which of your steps asks for more?",
 )
 def test_people(student, seed):
     frame = walk(seed)
     assert_people_found(sees(student, frame), frame)
+
+
+@hidden(
+    "detect_obstacles",
+    weight=3,
+    title="Looks 10 m ahead",
+    hint="A region of interest that ends before 10 m cuts through cars that stand nearer.",
+)
+def test_reach(student, seed):
+    assert_cars_seen(student.detect_obstacles, square(seed))
+    frame = crossing(seed)
+    assert_reached(detected(student.detect_obstacles, frame), car_across(frame), frame)
 
 
 @hidden(
@@ -138,7 +153,7 @@ def test_few_ghosts(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=4,
+    weight=9,
     title="Turns the boxes of cars that stand at an angle",
     hint="Seen from above, the sides of a box should run along the sides of the car.",
 )
@@ -149,7 +164,7 @@ def test_turned_cars(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=3,
+    weight=9,
     title="Does not take its own car for an obstacle, however much of it the scanner sees",
     hint="All that lies in the box of the own car has to go, up to its faces.",
 )
@@ -173,9 +188,10 @@ def test_dirty_scan(student, seed):
 
 @hidden(
     "detect_obstacles",
-    weight=2,
+    weight=7,
     title="Does not take single returns in the air, such as drops of rain, for obstacles",
-    hint="filter_clusters removes clusters of a few points. Does the detector call it?",
+    hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
+    "labels that get boxes?",
 )
 def test_rain(student, seed):
     frame, drops = square(seed + 3), rain(seed + 3)
@@ -315,7 +331,7 @@ def test_new_ones(student, seed):
 
 @hidden(
     "match_boxes",
-    weight=3,
+    weight=6,
     title="Partners are within max_distance, whatever it is",
     hint="Compare the distance itself, in metres, with max_distance, before you accept a pair.",
 )
@@ -349,7 +365,7 @@ def test_one_to_one(student, seed):
 
 @hidden(
     "match_boxes",
-    weight=3,
+    weight=6,
     title="Of many rivals the nearer ones win",
     hint="Sort all pairs by distance, and go through them from the closest.",
 )
@@ -380,7 +396,7 @@ def test_second_choice(student, seed):
 
 @hidden(
     "match_boxes",
-    weight=2,
+    weight=6,
     title="The order of a box's corners does not matter",
     hint="A box that turns a little may start its corners elsewhere. The mean of all eight stays.",
 )

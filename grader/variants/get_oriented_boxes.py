@@ -590,6 +590,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% wrong: the number of the smallest area taken for its angle
 # loses only: turns_with_the_cluster, is_no_larger_than_needed, looks_from_above, test_any_heading, test_scanned_vehicles, test_tall_things, test_fresh_street
 # says: is not turned with its cluster
+# told: taken for an angle
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):

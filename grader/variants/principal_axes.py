@@ -100,7 +100,7 @@ def principal_axes(points):
 
 # %% wrong: np.cov of rows instead of columns
 # loses: finds_the_directions, test_any_turn, test_scanned
-# says: are a 3 x 3 matrix, however many points there are
+# says: takes rows for variables
 def principal_axes(points):
     if len(points) < 2:
         return np.eye(3)
@@ -108,7 +108,7 @@ def principal_axes(points):
     return axes[:, ::-1]
 
 # %% wrong: columns left in ascending order
-# loses only: orders_by_spread, test_order
+# loses only: orders_by_spread, finds_vehicles, test_order, test_scanned
 # says: not in the order of the spread
 # told: order of increasing spread
 def principal_axes(points):
@@ -121,7 +121,7 @@ def principal_axes(points):
     return axes
 
 # %% wrong: np.linalg.eig left unsorted
-# loses only: orders_by_spread, test_order, test_few_points
+# loses only: orders_by_spread, finds_vehicles, test_order, test_scanned, test_few_points
 # says: not in the order of the spread
 def principal_axes(points):
     if len(points) == 0:
@@ -176,7 +176,7 @@ def principal_axes(points):
     return axes * np.sign(np.linalg.det(axes))
 
 # %% wrong: not centred
-# loses only: centres_the_points, test_place
+# loses only: centres_the_points, finds_vehicles, test_place, test_scanned
 # says: Subtract the mean
 # told: The points are not centred
 def principal_axes(points):
@@ -286,7 +286,7 @@ def principal_axes(cluster):
     return axes
 
 # %% wrong: ascending and left-handed at times
-# loses only: orders_by_spread, stays_right_handed, test_order, test_handed
+# loses only: orders_by_spread, stays_right_handed, finds_vehicles, test_order, test_handed, test_scanned
 # says: not in the order of the spread
 # told: order of increasing spread
 def principal_axes(points):
@@ -295,4 +295,17 @@ def principal_axes(points):
     q = points[:, :3] - points[:, :3].mean(axis=0)
     axes = np.linalg.eigh(q.T @ q)[1].copy()
     axes[:, 0] *= -np.sign(np.linalg.det(axes))
+    return axes
+
+# %% wrong: the sign of a row turned round in place of a column
+# loses: leans_in_space, finds_vehicles, test_any_turn, test_scanned
+# says: axes[2] is a row
+def principal_axes(points):
+    xyz = points[:, :3]
+    if len(xyz) == 0:
+        return np.eye(3)
+    q = xyz - xyz.mean(axis=0)
+    axes = np.linalg.eigh(q.T @ q / len(q))[1][:, ::-1]
+    if np.linalg.det(axes) < 0:
+        axes[2] = -axes[2]
     return axes

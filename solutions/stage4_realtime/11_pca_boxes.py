@@ -796,7 +796,7 @@ for name, values in followed.items():
 # |---|---|
 # | turned by −yaw both times | the box has the right size, but it has swung clockwise round the sensor, by twice the yaw |
 # | turned by +yaw both times | it has swung anticlockwise by twice the yaw, and it is too large |
-# | degrees passed to `np.cos`; or the number of the smallest area taken for its angle | boxes that hold their points, at any angle but the right one |
+# | degrees in one place and radians in another; or the number of the smallest area taken for its angle | boxes that hold their points, at any angle but the right one |
 # | largest area instead of smallest | a box turned by 45° against its car, for a full outline more than twice as large |
 # | divided by the standard deviation (z-score) | the first axis is at 45°, however the cluster stands; and where z was set to 0 before, an error: 0 / 0 |
 # | not centred | the first axis points from the sensor to the car |

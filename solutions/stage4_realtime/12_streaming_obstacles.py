@@ -115,7 +115,7 @@ plots.ring(axes, 29, 1.2, radius=2.1, text="bare road");
 # | drop [invalid returns](#Words-of-the-course) | 01 | NaN and (0, 0, 0) | errors, or a cluster inside the sensor, unless a later step happens to catch them |
 # | keep the region of interest | 07 | whatever we cannot hit | time for house fronts, and boxes around them |
 # | remove our [own car](#Words-of-the-course) | 07 | returns from mirrors, aerial, bonnet or roof | full braking, for ever, as soon as enough of it is seen |
-# | remove the road | 03 | a third of all returns | rings of road tie cars and pavements together |
+# | remove the road | 03 | half of what is left by then | rings of road tie cars and pavements together |
 # | thin with a [voxel](#Words-of-the-course) grid | 06 | nine of ten points that are left | more than ten times as many points to cluster, most of them on the nearest things |
 # | cluster | 10 or 05 | nothing: it adds labels | points, but no things |
 # | remove small clusters | 09 | raindrops, specks, single leaves | twice as many boxes |
@@ -187,7 +187,7 @@ for notebook, functions in useful.items():
 #
 # The judge shows it scans of a 64-beam scanner 1.73 m above streets that you have not seen. It asks that
 #
-# - cars which stand free within 10 m have a box of their own, turned with them;
+# - cars which stand free, with all of them within 10 m and no farther than 7 m to the side, have a box of their own, turned with them: one that crosses 9 m ahead has one, too;
 # - pedestrians who stand free within 7 m have one, too: of a person 20 to 40 points are left after thinning;
 # - at least six of ten boxes hold obstacles and not road, and a single raindrop in the air gets no box;
 # - no box stands where our own car is: from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4), as in lesson 07, however much of its bonnet and roof the scanner sees;
@@ -583,7 +583,7 @@ for axes, parameter, values, unit in ((rows[0], "threshold", thresholds, " (m)")
     axes.set_ylim(0, 1)
 
 # %% [markdown]
-# Each curve has its own lesson. At 0.2 m cars are torn, which costs precision and recall alike. From 0.4 m on $F_1$ hardly changes: a flat top is good news, because the exact value does not matter. The minimum size trades precision against recall, as in lesson 09.
+# Each curve has its own lesson. At 0.2 m cars are torn, which costs precision and recall alike. From 0.4 m on, beware of the flat top. These are two frames. Over all ten, with the course's own detector, $F_1$ stays between 0.48 and 0.51, and differs from frame to frame by 0.05 at 0.4 m and by 0.15 at 1.0 m (standard deviation). Below the flat top much happens: from 0.4 to 1.0 m recall falls from 0.57 to 0.47, and precision makes up for it, because things that run together are fewer boxes. Whether to miss more or to invent more is for you to decide, not for $F_1$. The minimum size trades precision against recall, as in lesson 09.
 #
 # But do not obey the lower curve. On this carriageway all that counts is a car or a lorry, so $F_1$ asks for a minimum that no pedestrian survives: a person 10 m away has about 30 points after thinning, and nobody is there to be missed. And both curves are of one street. Check any choice on a stream that you did not tune on.
 #
@@ -877,13 +877,18 @@ for axes, title, settings in (
         (rows[1], "settings of the highway", {"threshold": 2.0, "min_num_points": 3,
                                               "ground_level": -2.1})):
     boxes = detect_obstacles(frame.cloud, **settings)
-    print(f"{title}: {len(boxes)} of {len(frame.boxes)} cars have a box")
+    at_half, at_all = (scoring.score_boxes(boxes, corners_of(frame.boxes), overlap).true_positives
+                       for overlap in (0.5, 0.05))
+    print(f"{title}: {len(boxes)} boxes for {len(frame.boxes)} cars; hits at an IoU of 0.5: "
+          f"{at_half}, of 0.05: {at_all}")
     plots.boxes(corners_of(frame.boxes), cloud=frame.cloud[:, :3], limits=((-20, 30), (-7, 7)),
                 reference=True, label="true", axes=axes)
     plots.boxes(boxes, axes=axes, label="found", title=title)
 
 # %% [markdown]
 # Three numbers had to follow the scanner: the ground level its height, the threshold and the minimum the gaps between its beams. The code itself stayed as it was.
+#
+# Do not count boxes, though. Three boxes for three cars look like three hits, and the score knows of one: that of the car with 35 returns. The two others have 6 and 12, all from a bumper or a flank, and a box around these is a sliver. No setting brings back what eight beams did not see.
 #
 # ## Second data set (5 points, read by a person)
 #

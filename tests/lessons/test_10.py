@@ -15,11 +15,20 @@ from grader.judging.asking import _own_time
 from grader.lms.autograded import build_copy
 from utils import load_cloud
 from utils.checks.core import notes_of, run_check
-from utils.checks.lesson_10 import _seconds_to_find_neighbours
+from utils.checks.lesson_10.accelerated import _seconds_to_find_neighbours
 
 NAME = "10_accelerated_clustering"
 STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
-GIVEN = ("components", "join_all_pairs", "same_clusters", "points_of_each_cell", "spring_the_trap")
+GIVEN = (
+    "components",
+    "join_all_pairs",
+    "seconds_of",
+    "clusters_by",
+    "neighbours_by_tree",
+    "same_clusters",
+    "points_of_each_cell",
+    "spring_the_trap",
+)
 LESSON = load_reference(
     NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "after_two_steps"
 )
@@ -100,6 +109,18 @@ def test_what_is_said_about_pairs(obstacles):
     assert pairs / (len(half) * company(cKDTree(half), half[::10], 0.5)) == pytest.approx(
         4, rel=0.1
     )
+
+
+@pytest.mark.slow
+def test_the_list_of_all_pairs_against_the_tree(obstacles):
+    """No longer than asking the tree alone; much quicker than asking it and joining."""
+    by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
+    few = np.random.default_rng(1).permutation(obstacles)[:6000]
+    for points in (few, obstacles):
+        listed = LESSON.seconds_of(LESSON.join_all_pairs, points)
+        assert LESSON.seconds_of(by_tree, points) > 2 * listed
+    asking = LESSON.seconds_of(LESSON.neighbours_by_tree, obstacles, obstacles)
+    assert listed < 1.5 * asking
 
 
 def test_fewer_cells_and_open_pairs_at_larger_thresholds(obstacles):

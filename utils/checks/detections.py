@@ -129,6 +129,31 @@ def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> Non
     _assert_found(answers, [(frame, clear_cars(frame)) for frame in frames], "cars")
 
 
+def assert_reached(answer: object, car: Box, frame: Frame) -> None:
+    """Some box holds a certain car; what else it holds, or whether there are more, is not asked.
+
+    Parameters
+    ----------
+    answer : object
+    car : utils.boxes.Box
+    frame : utils.simulator.frames.Frame
+    """
+    boxes = as_boxes(answer)
+    returns = frame.cloud[frame.scan.objects == car.identity, :3]
+    returns = returns[returns[:, 2] > car.centre[2] - car.size[2] / 2 + 0.55]
+    if not any(
+        _within(returns, boxes[number], 0.2).mean() >= HELD
+        for number in _covering(boxes, car.centre, 4.0)
+    ):
+        raise CheckFailed(
+            f"No box holds the car at {point_text(car.centre[:2])}.",
+            given=_what_is_left(car, frame),
+            yours=f"{len(boxes)} boxes in that scan",
+            expected="one around that car",
+            draw=lambda: _draw(frame, boxes, [car.corners], "missed"),
+        )
+
+
 def assert_people_found(answer: object, frame: Frame) -> None:
     """At least half of the clear people have a box of their own.
 

@@ -1,7 +1,9 @@
 """Visible checks of lesson 11: `principal_axes` and `get_oriented_boxes`."""
 
+import contextlib
+import functools
+import itertools
 from collections.abc import Callable, Sequence
-from itertools import product
 
 import numpy as np
 
@@ -41,7 +43,7 @@ def _turn(points: np.ndarray, degrees: float) -> np.ndarray:
 def _grid(length: float, width: float, height: float, steps: int = 4) -> np.ndarray:
     """(steps^3, 3): a solid block around the origin, its corners included."""
     half = np.linspace(-0.5, 0.5, steps)
-    return np.array(list(product(length * half, width * half, height * half)))
+    return np.array(list(itertools.product(length * half, width * half, height * half)))
 
 
 # ---- principal_axes ----
@@ -72,6 +74,11 @@ def as_axes(answer: object) -> np.ndarray:
         words = "Three axes of three components are a 3 x 3 matrix, however many points there are."
         if axes.shape == (4, 4):
             words = "Intensity is not a direction in space: take the first three columns."
+        elif axes.ndim == 2 and axes.shape[0] == axes.shape[1] > 4:
+            words += (
+                " A row and a column for each point come of q @ q.T, and of np.cov(q), which takes "
+                "rows for variables: q.T @ q, or np.cov(q, rowvar=False)."
+            )
         raise WrongForm(words, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
         raise CheckFailed("Some components are not finite.", yours=brief(axes))
@@ -174,6 +181,24 @@ def _words(sides: Sequence[float], degrees: float) -> str:
     return f"a block of {size} m, turned by {degrees}°"
 
 
+def _leaning(yaw: float, pitch: float, roll: float) -> np.ndarray:
+    """A rotation matrix: its columns are the axes of a block that was turned so (degrees)."""
+    (cr, sr), (cp, sp) = (
+        (np.cos(np.radians(angle)), np.sin(np.radians(angle))) for angle in (roll, pitch)
+    )
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    return _turn(np.eye(3), yaw).T @ about_y @ about_x
+
+
+# So many that of the triples of any library some are left-handed.
+_TURNS_IN_SPACE = tuple(
+    frozen(_leaning(yaw, pitch, roll))
+    for yaw, pitch, roll in itertools.product((20, 110, 200, 290), (-25, 35), (-30, 40))
+)
+_IN_SPACE = "a block of {:g} x {:g} x {:g} m that leans forwards and to the side".format(*_SIDES[0])
+
+
 @once
 def assert_finds_axes(principal_axes: Callable) -> None:
     """The directions of a turned block are found; where not, nothing else can be looked at."""
@@ -207,7 +232,40 @@ def finds_the_directions(principal_axes: Callable) -> None:
 
 @visible(
     "principal_axes",
-    weight=3,
+    weight=4,
+    title="The columns run along the sides of a block that leans, too",
+    why="On a hill a car leans with the road, and a kerb has a slope of its own.",
+    hint="The same lines serve every turn. Does anything here treat z differently from x and y, or "
+    "change a row where an axis, a column, is meant?",
+)
+def leans_in_space(principal_axes: Callable) -> None:
+    assert_finds_axes(principal_axes)
+    for axes in _TURNS_IN_SPACE:
+        answer = principal_axes(_grid(*_SIDES[0]) @ axes.T)
+        try:
+            assert_directions(answer, axes, _IN_SPACE)
+        except CheckFailed as failure:
+            if (row := _flipped_row(answer, axes)) is not None:
+                failure.hint = (
+                    f"With the other sign in row {row} these would be the axes. To turn one axis "
+                    "round, flip a column: axes[:, 2] = -axes[:, 2]. axes[2] is a row."
+                )
+            raise
+
+
+def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
+    """The row whose sign alone is wrong, if there is one."""
+    for row in range(3):
+        mirror = np.where(np.arange(3) == row, -1.0, 1.0)[:, None]
+        with contextlib.suppress(CheckFailed):
+            assert_directions(mirror * as_axes(answer), expected)
+            return row
+    return None
+
+
+@visible(
+    "principal_axes",
+    weight=7,
     title="The first axis is the one of the largest spread, the third that of the smallest",
     why="The first axis becomes the heading of the car.",
     hint="np.linalg.eigh gives the variances in ascending order: turn the order of the "
@@ -223,7 +281,7 @@ def orders_by_spread(principal_axes: Callable) -> None:
 
 @visible(
     "principal_axes",
-    weight=2,
+    weight=10,
     title="The axes are right-handed for every heading",
     why="A left-handed triple is a reflection. Read as a rotation it gives nonsense angles.",
     hint="Where np.linalg.det(axes) is negative, flip the sign of one column. Ask that last: "
@@ -239,7 +297,7 @@ def stays_right_handed(principal_axes: Callable) -> None:
 
 @visible(
     "principal_axes",
-    weight=2,
+    weight=6,
     title="Each axis has length 1, and the three are at right angles",
     why="A box measured along a longer axis is a larger box.",
     hint="np.linalg.eigh and np.linalg.svd return unit vectors: do not multiply them by the "
@@ -253,7 +311,7 @@ def has_unit_length(principal_axes: Callable) -> None:
 
 @visible(
     "principal_axes",
-    weight=2,
+    weight=7,
     title="Where the cluster stands does not matter",
     why="Without centring, the first axis points from the sensor to the car.",
     hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
@@ -266,6 +324,71 @@ def centres_the_points(principal_axes: Callable) -> None:
         assert_directions(
             answer, _axes_of(sides, 50), f"{_words(sides, 50)}, its middle at {brief(place)}"
         )
+
+
+@functools.cache
+def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
+    """Vehicles of the lesson's street: name, points (n, 3) where they stand, axes in columns.
+
+    By the singular values of the points themselves. Left out is whom two directions of nearly equal
+    spread leave without an order.
+    """
+    from utils.datasets import DATA, load_cloud
+
+    cloud, truth = load_cloud("cloud.txt")[:, :3], np.load(DATA / "cloud_truth.npz")
+    near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
+    found = []
+    for label, kind in zip(truth["box_identities"], truth["box_kinds"], strict=True):
+        points = cloud[near & (truth["objects"] == label)]
+        if kind not in ("car", "truck") or len(points) < 100:
+            continue
+        # No more than 250 of each: who makes a matrix of n x n shall not have to wait for it.
+        points = points[:: -(-len(points) // 250)]
+        _, spread, rows = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+        if (spread[1:] < 0.9 * spread[:-1]).all():
+            found.append(
+                (f"{kind} {label}, {len(points):,} points", frozen(points), frozen(rows.T))
+            )
+    return tuple(found)
+
+
+def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) -> None:
+    """Each column runs along the axis that belongs there, forwards or backwards.
+
+    Parameters
+    ----------
+    answer : object
+    expected : numpy.ndarray, shape (3, 3)
+        Axes in columns, by decreasing spread.
+    given : str, optional
+        What the function was given, for the message.
+    """
+    axes = as_axes(answer)
+    lengths = np.linalg.norm(axes, axis=0)
+    cosines = np.abs((expected * axes).sum(axis=0)) / np.where(lengths > 0, lengths, 1)
+    wrong = np.flatnonzero(cosines < _CLOSE)
+    if len(wrong):
+        column = wrong[0]
+        off = np.degrees(np.arccos(min(cosines[column], 1)))
+        raise CheckFailed(
+            f"Column {column} does not run along the {_NAMES[column]} direction of the points.",
+            given=given,
+            yours=f"{_text(axes[:, column])}, {off:.0f}° off",
+            expected=f"{_text(expected[:, column])}, or minus that",
+        )
+
+
+@visible(
+    "principal_axes",
+    weight=26,
+    title="Right for the vehicles of the lesson's street, where they stand",
+    why="This is what the axes are for. All that is asked above comes together here.",
+    hint="Does one of the checks above fail, too? Each asks for one property alone. If not, print "
+    "your axes of one vehicle beside those of np.linalg.svd, which stands above the exercise.",
+)
+def finds_vehicles(principal_axes: Callable) -> None:
+    for name, points, axes in _vehicles():
+        assert_axes(principal_axes(points.copy()), axes, name)
 
 
 _TURNED = frozen(_turn(_grid(*_SIDES[0]), 50))
@@ -433,7 +556,7 @@ def _two_blocks(*headings: float) -> str:
 
 @visible(
     "get_oriented_boxes",
-    weight=4,
+    weight=11,
     title="Every point of a cluster is inside its box",
     why="A box is a promise: outside of it the car is free to drive.",
     hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and "
@@ -442,7 +565,8 @@ def _two_blocks(*headings: float) -> str:
 def contains_all_points(get_oriented_boxes: Callable) -> None:
     # Few points stick out, on all four sides: what leaves out the outermost leaves out these.
     ends = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
-    for heading in (0, *_HEADINGS):
+    # At 30° first: there a box that is turned the wrong way shows by how much.
+    for heading in (30, *_HEADINGS, 0):
         tips = [
             _turn(ends * size, heading) + place for size, place in zip(_SIZES, _PLACES, strict=True)
         ]
@@ -481,7 +605,7 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
 
 @visible(
     "get_oriented_boxes",
-    weight=3,
+    weight=5,
     title="No box covers much more ground than its cluster",
     why="What a box takes, nobody can drive on.",
     hint="Minimum and maximum belong to the points as they are after the turn by minus yaw.",
@@ -524,7 +648,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
 
 @visible(
     "get_oriented_boxes",
-    weight=5,
+    weight=8,
     title="What is taller than long turns by its heading seen from above, too",
     why="In space the longest direction of a pedestrian is up. Seen from above, that is nowhere.",
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
@@ -556,7 +680,7 @@ box_promises.gaps(
     _BOTH, "allows_gaps", [3, 8], hint="Loop over np.unique(cluster_labels[cluster_labels > 0])."
 )
 box_promises.ascending(_BOTH, "follows_the_labels", [2, 1])
-box_promises.noise(_BOTH, "leaves_noise_alone")
+box_promises.noise(_BOTH, "leaves_noise_alone", weight=6)
 
 
 @visible(
@@ -575,7 +699,10 @@ def takes_small_clusters(get_oriented_boxes: Callable) -> None:
 
 
 box_promises.no_boxes(
-    _BOTH, "takes_nothing", hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3)."
+    _BOTH,
+    "takes_nothing",
+    hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
+    weight=2,
 )
 box_promises.fourth_column(_BOTH, "boxes_no_intensity")
 promises.names(
@@ -649,6 +776,13 @@ def _measured_off(box: np.ndarray, degrees: float) -> tuple[float, float]:
 def _straight(box: np.ndarray) -> np.ndarray:
     middle, _, _, height, heading = _parts(box)
     return _standing(middle, *_measured_off(box, heading), height, 0)
+
+
+def _by_degrees(box: np.ndarray) -> np.ndarray:
+    """As if a heading in whole degrees, from 0 to 89, were one in radians."""
+    middle, _, _, height, heading = _parts(box)
+    yaw = np.degrees(np.round(heading) % 90)
+    return _standing(middle, *_measured_off(box, yaw - heading), height, yaw)
 
 
 def _diagonal(box: np.ndarray) -> np.ndarray:
@@ -744,6 +878,12 @@ mistakes(
         "against them.",
         _each(_diagonal),
         "np.argmin finds where the smallest area stands, np.argmax where the largest.",
+    ),
+    Mistake(
+        "A number of degrees, or the row in which the smallest area stands, is taken for an angle "
+        "in radians.",
+        _each(_by_degrees),
+        "angles[areas.argmin()] is the angle that belongs to the row; np.radians(30) is 30°.",
     ),
     Mistake(
         "Label 0 gets a box, too. It is no obstacle.",

@@ -22,6 +22,7 @@ from utils.checks.detections import (
     assert_nothing_at_sensor,
     assert_own_car_free,
     assert_people_found,
+    assert_reached,
     assert_sees,
     assert_upright,
     detected,
@@ -29,7 +30,17 @@ from utils.checks.detections import (
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.promises import Case
 from utils.checks.remembering import once
-from utils.checks.scans import own_car, rain, square, street, street_before, walk, with_invalid
+from utils.checks.scans import (
+    car_across,
+    crossing,
+    own_car,
+    rain,
+    square,
+    street,
+    street_before,
+    walk,
+    with_invalid,
+)
 from utils.checks.using import functions_used
 from utils.checks.vocabulary import (
     CheckFailed,
@@ -62,7 +73,7 @@ def finds_cars(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=3,
+    weight=9,
     title="People who stand free near the sensor have boxes, too",
     why="They are the smallest that there is on a road, and the ones that matter most.",
     hint="How many points of a person are left before clustering? min_num_points must be smaller.",
@@ -70,6 +81,19 @@ def finds_cars(detect_obstacles: Callable) -> None:
 def finds_people(detect_obstacles: Callable) -> None:
     assert_cars_seen(detect_obstacles, walk(WALK))
     assert_people_found(detected(detect_obstacles, walk(WALK)), walk(WALK))
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="A car across the road has a box, 8 to 10 m ahead",
+    why="At 30 km/h a car needs 9 m to stop: who looks less far brakes too late.",
+    hint="Where does your region of interest end? It must reach 10 m ahead, and a little more.",
+)
+def looks_far_enough(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    frame = crossing(SQUARE)
+    assert_reached(detected(detect_obstacles, frame), car_across(frame), frame)
 
 
 @visible(
@@ -88,7 +112,7 @@ def leaves_the_road(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=3,
+    weight=9,
     title="Does not take its own car for an obstacle",
     why="An obstacle at 0 m means full braking, for ever.",
     hint="Call remove_ego_returns with the whole box of the own car, from (-1.5, -1.7, -1.0) to "
@@ -104,7 +128,7 @@ def forgets_itself(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=3,
+    weight=9,
     title="Boxes turn with the cars",
     why="A car that pulls out of a parking space stands at an angle; a box along the axes "
     "would close the lane beside it.",
@@ -130,10 +154,11 @@ def stands_upright(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=2,
+    weight=11,
     title="Single returns in the air, such as drops of rain, are no obstacles",
     why="In a shower the car would stop at every drop.",
-    hint="filter_clusters removes clusters of a few points. Does the detector call it?",
+    hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
+    "labels that get boxes?",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
     frame, drops = square(SQUARE), rain(SQUARE)
@@ -367,7 +392,22 @@ def assert_matched(
         given=_centres(previous, current, given),
         yours=brief(yours),
         expected=brief(expected),
+        hint=_OTHER_WAY_ROUND if _is_inverse(yours, expected) else "",
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
+    )
+
+
+_OTHER_WAY_ROUND = (
+    "Read the other way round, your pairs are right: entry k of yours says which current box "
+    "previous box k became. answer[row] = column, where rows are current and columns previous."
+)
+
+
+def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
+    """Whether an answer has the right pairs, and each the wrong way round."""
+    everybody = np.arange(len(expected))
+    return np.array_equal(np.sort(expected), everybody) and np.array_equal(
+        yours, np.argsort(expected)
     )
 
 
@@ -483,7 +523,7 @@ def marks_new_ones(match_boxes: Callable) -> None:
 
 @visible(
     "match_boxes",
-    weight=3,
+    weight=6,
     title="Boxes farther apart than max_distance are no partners",
     why="A name that jumps to somebody far away gives them a speed that they do not have.",
     hint="Compare the distance itself with max_distance before you accept a pair.",
@@ -525,7 +565,7 @@ def is_one_to_one(match_boxes: Callable) -> None:
 
 @visible(
     "match_boxes",
-    weight=3,
+    weight=6,
     title="Of two that want the same partner the nearer one gets it",
     why="The name goes to whoever happens to stand first in the list, and cars swap names.",
     hint="Take the closest of all pairs first. Going through the current boxes in their order "
@@ -554,7 +594,7 @@ def takes_the_nearer(match_boxes: Callable) -> None:
 
 @visible(
     "match_boxes",
-    weight=2,
+    weight=6,
     title="Goes by the centres: the corners of a box may start elsewhere",
     why="A car that turns, or shows more of itself, gets a box with other corners.",
     hint="The centre is the mean over all eight corners: boxes.mean(axis=1).",
@@ -569,7 +609,7 @@ def goes_by_the_centres(match_boxes: Callable) -> None:
 
 @visible(
     "match_boxes",
-    weight=2,
+    weight=3,
     title="Takes no boxes on either side",
     why="The first frame has no frame before it, and an empty road has no boxes.",
     hint="argmin of an empty table is an error: return early, an array of -1 as long as current.",
@@ -616,7 +656,7 @@ def has_whole_indices(match_boxes: Callable) -> None:
         raise CheckFailed(f"The indices are of type {kind}.")
 
 
-# Ten small calls that tell the usual mistakes apart, each with a max_distance of its own, by
+# Eleven small calls that tell the usual mistakes apart, each with a max_distance of its own, by
 # which it is known: where (x, y) the boxes were and are, and who is whose partner. In "far" and
 # "near" boxes are large, and their corners start elsewhere in the second frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
@@ -631,6 +671,7 @@ _CALLS = {
     "near": (1.3, _ROW[:2], ((10, 1.2), (0, 1.2)), (1, 0)),
     "chain": (1.8, ((0, 0), (4, 0)), ((3.2, 0), (7.2, 0)), (1, -1)),
     "gap": (2.5, ((0, 0), (4, 0), (20, 0)), ((7, 0), (3.1, 0)), (-1, 1)),
+    "askew": (1.0, ((0, 0), (10, 0)), ((0.8, -0.8), (10.3, 0)), (-1, 1)),
 }
 
 
@@ -650,6 +691,19 @@ def _but(**answers: tuple) -> Callable:
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 
 
+def _by_means_of_corners(
+    right: np.ndarray, previous: np.ndarray, current: np.ndarray, max_distance: float
+) -> np.ndarray:
+    """As if the middle of a box were the means of x, y and z of its corners, eight numbers."""
+    table = np.linalg.norm(current.mean(axis=2)[:, None] - previous.mean(axis=2), axis=2)
+    partners = np.full(len(current), -1)
+    while table.min() <= max_distance:
+        row, column = np.unravel_index(table.argmin(), table.shape)
+        partners[row] = column
+        table[row, :] = table[:, column] = np.inf
+    return partners
+
+
 mistakes(
     "match_boxes",
     Mistake(
@@ -666,7 +720,14 @@ mistakes(
     ),
     Mistake(
         "max_distance is not looked at: pairs are made as long as there are boxes on both sides.",
-        _but(rivals=(0, 1, 2, -1), far=(2, 0, 1), small=(0, 2, 1), chain=(1, 0), gap=(0, 1)),
+        _but(
+            rivals=(0, 1, 2, -1),
+            far=(2, 0, 1),
+            small=(0, 2, 1),
+            chain=(1, 0),
+            gap=(0, 1),
+            askew=(0, 1),
+        ),
         "Stop at the first pair that is farther apart than max_distance.",
     ),
     Mistake(
@@ -679,13 +740,21 @@ mistakes(
             small=(0, 2, 1),
             chain=(1, 1),
             gap=(1, 1),
+            askew=(0, 1),
         ),
         "Compare with max_distance, and strike out the row and the column of each pair.",
     ),
     Mistake(
         "Each previous box takes the nearest current one, however far it is: max_distance is not "
         "looked at.",
-        _but(merge=(2,), between=(1, 2), far=(2, 0, 1), small=(0, 2, 1), gap=(2, 1)),
+        _but(
+            merge=(2,),
+            between=(1, 2),
+            far=(2, 0, 1),
+            small=(0, 2, 1),
+            gap=(2, 1),
+            askew=(0, 1),
+        ),
         "Accept a pair only if it is not farther apart than max_distance.",
     ),
     Mistake(
@@ -706,7 +775,7 @@ mistakes(
     ),
     Mistake(
         "A fixed distance decides, whatever max_distance is.",
-        _but(far=(-1, 0, -1), small=(0, 2, 1)),
+        _but(far=(-1, 0, -1), small=(0, 2, 1), askew=(0, 1)),
         "Compare with max_distance, by its name.",
     ),
     Mistake(
@@ -740,6 +809,12 @@ mistakes(
         "0 stands where a box has no partner. That is the index of a previous box.",
         lambda right, *case: np.where(right < 0, 0, right),
         "Start from np.full(len(current), -1).",
+    ),
+    Mistake(
+        "The mean is taken over x, y and z of each corner, and not over the eight corners of each "
+        "box.",
+        _by_means_of_corners,
+        "boxes.mean(axis=1) is one centre (x, y, z) for each box; axis=2 would mix x with y.",
     ),
     Mistake(
         "Corners are compared, one or all of them, and not centres. Another box may start its "

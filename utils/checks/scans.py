@@ -114,10 +114,39 @@ def walk(seed: int) -> Frame:
     )
 
 
+@functools.lru_cache(maxsize=64)
+def crossing(seed: int) -> Frame:
+    """A small car that stands across the road ahead, from 8 to 10 m; else as `square`.
+
+    Parameters
+    ----------
+    seed : int
+
+    Returns
+    -------
+    utils.simulator.frames.Frame
+    """
+    from utils.simulator.streets import placed
+    from utils.simulator.traffic import car
+
+    rng = np.random.default_rng((seed, 8))
+    length, width = rng.uniform((3.7, 1.65), (3.8, 1.68))
+    y = rng.uniform(-0.05, 0.05)
+    x = math.sqrt(9.98**2 - (length / 2 + abs(y)) ** 2) - width / 2  # of its middle
+    yaw = np.radians(90 + 180 * rng.integers(2))
+    return _on_a_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
+
+
+def car_across(frame: Frame) -> Box:
+    """The car that stands across the road in `crossing`."""
+    return min(
+        (box for box in frame.boxes if box.kind == "car"),
+        key=lambda box: math.hypot(box.centre[0] - 9.0, box.centre[1]),
+    )
+
+
 def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
-    from utils.simulator.frames import observe
-    from utils.simulator.ground import Ground
-    from utils.simulator.streets import Plan, placed, some_car, some_walker, street, world_of
+    from utils.simulator.streets import placed, some_car, some_walker
 
     rng = np.random.default_rng(seed)
     things = []
@@ -128,6 +157,18 @@ def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
         thing = placed(some_car(rng) if len(things) < cars else some_walker(rng), x, y, yaw)
         if len(things) < cars + people and _has_room(thing, things):
             things.append(thing)
+    return _on_a_square(things, rng, seed)
+
+
+def _on_a_square(
+    things: list[Obstacle], rng: np.random.Generator, seed: int | Sequence[int]
+) -> Frame:
+    """A scan of things around the sensor, of two who walk by, and of houses."""
+    from utils.simulator.frames import observe
+    from utils.simulator.ground import Ground
+    from utils.simulator.streets import Plan, placed, some_walker, street, world_of
+
+    things = list(things)
     things += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
     empty = float("inf")
     houses = Plan(((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0)

@@ -1,10 +1,11 @@
-"""Visible checks of lesson 10: `euclidean_clustering_accelerated`.
+"""Visible checks of `euclidean_clustering_accelerated`.
 
 Whether the clusters are right, and whether they come in time, are looked at apart: what is timed
 gets right whoever joins cells by any rule, and what is exact is small.
 """
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Iterable
 from math import ceil
 from time import thread_time
 
@@ -36,11 +37,13 @@ from utils.checks.clusters import (
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.lesson_10.steps import SEVEN, WIDE
 from utils.checks.vocabulary import (
     CheckFailed,
     as_labels,
     assert_partition,
     brief,
+    frozen,
     needs,
     timed,
 )
@@ -63,7 +66,20 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
 
 @visible(
     _NAME,
-    weight=2,
+    weight=4,
+    title="The seven points of the lesson: six of them hang together",
+    why="Each of the three steps has its part in them.",
+    hint="If you go by the three steps: run each on the seven points, in the cells where they are "
+    "written. Which is the first to differ from what is expected?",
+)
+def clusters_the_seven(euclidean_clustering_accelerated: Callable) -> None:
+    labels = np.array([1, 1, 1, 1, 1, 1, 2])
+    assert_clusters(euclidean_clustering_accelerated(SEVEN.copy(), WIDE), labels, SEVEN, WIDE)
+
+
+@visible(
+    _NAME,
+    weight=8,
     title="Labels are the whole numbers 1 to N",
     why='Later lessons use 0 for "no obstacle" and count by the largest label.',
     hint="Pieces count from 0, labels from 1.",
@@ -122,7 +138,30 @@ def parts_what_is_apart(euclidean_clustering_accelerated: Callable) -> None:
 
 @visible(
     _NAME,
-    weight=2,
+    weight=5,
+    title="Pairs just above the threshold stay apart, also where the cloud begins with a heap",
+    why="A scan begins with thousands of returns of the same wall. What lies far behind it must "
+    "not run together for that.",
+    hint="Are the two points that you measure really points of the two cells? The row of a cell in "
+    "the list of cells is not the row of a point in the cloud.",
+)
+def parts_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
+    assert_works(euclidean_clustering_accelerated)
+    pairs = _pairs_of_points(1.01)
+    with needs("pairs just above the threshold stay apart, where nothing else is"):
+        answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
+        assert_partition(answer, np.arange(len(pairs)), pairs)
+    # More points than there are cells, within 0.2 m.
+    heap = np.random.default_rng(2).uniform(-8.2, -8.0, (2 * len(pairs), 3))
+    cloud = np.vstack([heap, pairs])
+    labels = np.concatenate([np.zeros(len(heap), dtype=int), 1 + np.arange(len(pairs))])
+    answer = euclidean_clustering_accelerated(cloud.copy(), 1.0)
+    assert_clusters(answer, labels, cloud, 1.0)
+
+
+@visible(
+    _NAME,
+    weight=4,
     title="Cells around the sensor are as large as all others",
     why="The sensor is where coordinates change their sign, and right there stands our own car.",
     hint="Below zero, np.floor and .astype(int) differ: .astype(int) alone rounds towards 0.",
@@ -157,7 +196,21 @@ def compares_the_points(euclidean_clustering_accelerated: Callable) -> None:
 
 @visible(
     _NAME,
-    weight=3,
+    weight=19,
+    title="Right on the far end of the lesson's own street",
+    why="This is the scan that the picture above shows.",
+    hint="The picture of the pieces after two steps shows the same end of the street. Draw your "
+    "labels there, and beside them those of join_all_pairs: what is torn, what runs together?",
+)
+def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
+    assert_works(euclidean_clustering_accelerated)
+    cloud, labels = _end_of_the_street()
+    assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.5), labels, cloud, 0.5)
+
+
+@visible(
+    _NAME,
+    weight=6,
     title="The parameter threshold decides which points are close",
     why="The threshold decides what counts as one object, and it decides the size of a cell.",
     hint="Everything scales with the parameter threshold: sides, neighbours and distances, also "
@@ -181,6 +234,13 @@ def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
         assert_partition(answer, np.array([1, 2]), pair)
     answer = euclidean_clustering_accelerated(pair.copy(), 0.3)
     assert_clusters(answer, np.array([1, 2]), pair, 0.3)
+    # Farther apart than 2 m, in neighbouring cells.
+    cloud = 2.0 * _pairs_of_points(1.01)[:40]
+    with needs("pairs just above the threshold stay apart"):
+        answer = euclidean_clustering_accelerated(cloud / 2, 1.0)
+        assert_partition(answer, np.arange(len(cloud)), cloud)
+    answer = euclidean_clustering_accelerated(cloud.copy(), 2.0)
+    assert_clusters(answer, np.arange(len(cloud)), cloud, 2.0)
 
 
 _CASE = cluster_promises.case_of(__name__, _NAME)
@@ -215,7 +275,7 @@ cluster_promises.intensity(
     _CASE,
     "ignores_intensity",
     why="A number plate is bright, not far away. Many recordings count intensity from 0 to 255.",
-    weight=2,
+    weight=8,
 )
 cluster_promises.few_points(
     _CASE,
@@ -256,7 +316,7 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
 
 @visible(
     _NAME,
-    weight=10,
+    weight=16,
     title="A heap of points costs no list of all its pairs",
     why="A wet wall just in front of the sensor, or two merged scans, put thousands of points "
     "close together: the pairs of near points are then the square of the points, and fill the "
@@ -271,7 +331,7 @@ def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
 
 @visible(
     _NAME,
-    weight=8,
+    weight=12,
     title="Two heaps side by side cost no table of their distances",
     why="The exact test of two cells is the old trouble in a corner that no street shows: "
     "thousands of points against thousands.",
@@ -409,6 +469,33 @@ def parts_at_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
 # ---- clouds ------------------------------------------------------------------------------------
 
 
+@functools.cache
+def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
+    """What stands 20 to 40 m ahead in the course's scan, point for point, and its clusters.
+
+    Of a pair at the threshold, give or take a millimetre, the second point is left out.
+    """
+    from scipy.spatial import cKDTree
+
+    from utils.datasets import load_cloud
+
+    xyz = load_cloud("cloud.txt")[:, :3]
+    x, y, z = xyz.T
+    xyz = xyz[(x > 20) & (x < 40) & (np.abs(y) < 7) & (z > -1.2)]
+    pairs = cKDTree(xyz).query_pairs(0.501, output_type="ndarray")
+    doubtful = pairs[length(xyz[pairs[:, 0]] - xyz[pairs[:, 1]]) > 0.499, 1]
+    xyz = np.delete(xyz, np.unique(doubtful), axis=0)
+    return frozen(xyz), frozen(_hung_together(len(xyz), cKDTree(xyz).query_pairs(0.5)))
+
+
+def _hung_together(n: int, pairs: Iterable[tuple[int, int]]) -> np.ndarray:
+    """Labels of n points of which pairs are joined."""
+    labels = np.arange(n)
+    for one, other in pairs:
+        labels[labels == labels[other]] = labels[one]
+    return labels
+
+
 def _pairs_of_points(gap: float) -> np.ndarray:
     """Points (240, 3) in pairs, so far apart (m) in all directions; from pair to pair 4 m."""
     numbers, way = np.arange(120), _directions(120)
@@ -468,6 +555,31 @@ def _with_cells(side: float, joins: Callable, rounded: Callable = np.floor) -> C
     return predicts
 
 
+def _with_rows(of_points: bool) -> Callable:
+    """What a mistake predicts that mixes up cells and points in the cheap step.
+
+    Either it takes the rows of two cells for rows of points, or it measures from cell to cell, in
+    cells, and compares that with metres. The exact step then finds what is close all the same.
+    """
+
+    def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+        xyz = cloud[:, :3]
+        cells, which = np.unique(np.floor(xyz / (threshold * _SIDE)), axis=0, return_inverse=True)
+        measured, which = xyz if of_points else cells, which.ravel()
+        first = [int(np.flatnonzero(which == cell)[0]) for cell in range(len(cells))]
+        joined = [
+            (first[a], first[b])
+            for a in range(len(cells))
+            for b in range(a)
+            if np.abs(cells[a] - cells[b]).max() <= 2
+            and length((measured[a] - measured[b])[None])[0] < threshold
+        ]
+        same = [(int(np.flatnonzero(right == one)[0]), row) for row, one in enumerate(right)]
+        return in_order(_hung_together(len(cloud), [*same, *joined]))
+
+    return predicts
+
+
 def _same(answer: object, predicted: np.ndarray) -> bool:
     """Whether an answer groups the points as predicted and begins with the same label."""
     try:
@@ -492,6 +604,16 @@ def _lines_across_cells() -> tuple[tuple[np.ndarray, float], ...]:
     for threshold, (way, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
         for scale in (threshold, -1.5 * threshold):
             cases.append((on_a_line(scale * np.array(places), way=way), abs(scale)))
+    return frozen_cases(cases)
+
+
+def _lines_behind_a_heap() -> tuple[tuple[np.ndarray, float], ...]:
+    """Cases that begin with a heap, after which neighbouring cells hold nothing that is close."""
+    cases = []
+    for threshold in (0.7, 1.4, 2.1):
+        behind = 3.05 + 1.15 * np.arange(8)
+        places = np.concatenate([np.linspace(0.45, 0.55, 9), behind])
+        cases.append((on_a_line(threshold * places, way=_DIAGONAL[0]), threshold))
     return frozen_cases(cases)
 
 
@@ -536,7 +658,19 @@ mistakes(
         "np.floor rounds down on both sides of 0; .astype(int) alone does not.",
     ),
     *mixed_up(),
-    cases=(*lines_of_points(), *_lines_across_cells()),
+    Mistake(
+        "The rows of two cells are taken for rows of points: what is measured are points that have "
+        "nothing to do with these cells.",
+        _with_rows(of_points=True),
+        "pairs[:, 0] are rows of cells, first[pairs[:, 0]] are rows of points: "
+        "points[first[pairs[:, 0]]].",
+    ),
+    Mistake(
+        "The distance is measured from cell to cell, in cells, and compared with metres.",
+        _with_rows(of_points=False),
+        "Measure between representatives: points[first[pairs[:, 0]]], and not cells[pairs[:, 0]].",
+    ),
+    cases=(*lines_of_points(), *_lines_across_cells(), *_lines_behind_a_heap()),
     right=right_on_a_line,
     same=_same,
 )

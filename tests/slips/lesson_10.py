@@ -1,0 +1,67 @@
+"""Slips in lesson 10, most of which lie in one of its three steps."""
+
+from tests.slips import PARTLY, SMALL, USELESS, Slip
+
+_SIDE = "cells, first, cell_of_point = points_in_cells(points, threshold)"
+_CHEAP = "join_cheaply(points, cells, first, threshold)"
+_EXACT = "    label = join_exactly(points, cell_of_point, pairs, label, threshold)\n"
+_RANKS = "np.argsort(np.argsort(start))[which] + 1"
+
+SLIPS = {
+    "euclidean_clustering_accelerated": [
+        Slip(
+            "side of a cell = threshold",
+            _SIDE,
+            _SIDE.replace("(points, threshold)", "(points, threshold * np.sqrt(3))"),
+            PARTLY,
+        ),
+        Slip(
+            "rounded towards 0",
+            _SIDE,
+            "cells, first, cell_of_point = np.unique((points / (threshold / np.sqrt(3)))"
+            ".astype(int), axis=0, return_index=True, return_inverse=True)\n"
+            "    cell_of_point = cell_of_point.ravel()",
+            PARTLY,
+        ),
+        Slip(
+            "rows of cells taken for rows of points",
+            _CHEAP,
+            "join_cheaply(points, cells, np.arange(len(points)), threshold)",
+            USELESS,
+        ),
+        Slip(
+            "cells compared, not points",
+            _CHEAP,
+            "join_cheaply(cells, cells, np.arange(len(cells)), threshold)",
+            SMALL,
+        ),
+        Slip(
+            "only the next cells looked at",
+            _CHEAP,
+            f'{_CHEAP}\n    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")',
+            PARTLY,
+        ),
+        Slip("no exact step", _EXACT, "", USELESS),
+        Slip(
+            "result of the exact step forgotten",
+            "    label = join_exactly(points",
+            "    join_exactly(points",
+            USELESS,
+        ),
+        Slip(
+            "a fixed threshold in the exact step",
+            "pairs, label, threshold)\n    _,",
+            "pairs, label, 0.5)\n    _,",
+            PARTLY,
+        ),
+        Slip("labels from 0", _RANKS, "np.argsort(np.argsort(start))[which]", SMALL),
+        Slip("pieces of cells for points", _RANKS, "label + 1", USELESS),
+        Slip("intensity is a coordinate", "np.asarray(cloud)[:, :3]", "np.asarray(cloud)", SMALL),
+        Slip(
+            "a fixed threshold for the cells",
+            _SIDE,
+            _SIDE.replace("(points, threshold)", "(points, 0.5)"),
+            PARTLY,
+        ),
+    ],
+}

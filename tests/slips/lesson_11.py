@@ -1,0 +1,62 @@
+"""Slips in lesson 11."""
+
+from tests.slips import PARTLY, SMALL, USELESS, Slip
+
+_YAW = "quarter_turn[np.argmin(floor_area_at(points, quarter_turn))]"
+_POINTS = "straight = turned(points, -snuggest)"
+_CORNERS = "turned(np.array(corners), snuggest)"
+
+SLIPS = {
+    "principal_axes": [
+        Slip("ascending", "ascending[:, ::-1]", "ascending", USELESS),
+        Slip("rows in order, not columns", "ascending[:, ::-1]", "ascending[::-1]", USELESS),
+        Slip("axes in rows", "return by_spread", "return by_spread.T", USELESS),
+        Slip("not centred", "xyz - xyz.mean(axis=0)", "xyz", USELESS),
+        Slip("mean over each point", "xyz.mean(axis=0)", "xyz.mean(axis=1)[:, None]", USELESS),
+        Slip(
+            "z-score",
+            "xyz - xyz.mean(axis=0)",
+            "(xyz - xyz.mean(axis=0)) / (xyz.std(axis=0) + 1e-9)",
+            USELESS,
+        ),
+        Slip("rows for variables", "centred.T @ centred", "centred @ centred.T", USELESS),
+        Slip("handedness forgotten", "by_spread[:, 2] *= -1", "pass", PARTLY),
+        Slip("mirrored where it was right", "det(by_spread) < 0", "det(by_spread) > 0", PARTLY),
+        Slip("a row flipped", "by_spread[:, 2] *= -1", "by_spread[2] *= -1", USELESS),
+        Slip("determinant before the order", "det(by_spread) < 0", "det(ascending) < 0", PARTLY),
+    ],
+    "get_oriented_boxes": [
+        Slip("turned by minus yaw twice", _CORNERS, _CORNERS.replace("snug", "-snug"), USELESS),
+        Slip("turned by plus yaw twice", _POINTS, _POINTS.replace("-snug", "snug"), USELESS),
+        Slip("corners not turned back", _CORNERS, "np.array(corners)", USELESS),
+        Slip("not turned at all", _YAW, "0.0", USELESS),
+        Slip("the largest rectangle", "np.argmin", "np.argmax", USELESS),
+        Slip("row for angle", _YAW, "np.argmin(floor_area_at(points, quarter_turn))", USELESS),
+        Slip(
+            "degrees for radians",
+            _YAW,
+            "np.degrees(quarter_turn[np.argmin(floor_area_at(points, quarter_turn))])",
+            USELESS,
+        ),
+        Slip(
+            "first axis in space",
+            _YAW,
+            "np.arctan2(*principal_axes(points)[[1, 0], 0])",
+            PARTLY,
+        ),
+        Slip("extent before the turn", "straight.min(axis=0)", "points.min(axis=0)", USELESS),
+        Slip("a box for label 0", "(cluster_labels > 0)", "(cluster_labels >= 0)", PARTLY),
+        Slip(
+            "no shape where nothing is",
+            "np.array(boxes).reshape(-1, 8, 3)",
+            "np.array(boxes)",
+            SMALL,
+        ),
+        Slip(
+            "half of the angles",
+            "quarter_turn = np.radians(np.arange(90))",
+            "quarter_turn = np.radians(np.arange(45))",
+            PARTLY,
+        ),
+    ],
+}

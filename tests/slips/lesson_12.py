@@ -1,0 +1,80 @@
+"""Slips in lesson 12."""
+
+from tests.slips import PARTLY, SMALL, USELESS, Slip
+
+_CENTRES = "current.mean(axis=1)[:, None] - previous.mean(axis=1)"
+_STRUCK = "distances[row, :] = distances[:, column] = np.inf"
+_PLANE = """\
+    low = points[points[:, 2] < ground_level]
+    plane, near = ransac_plane(low, 50, 0.2, 0)
+    if plane is not None:
+        points = points[point_plane_distance(points, fit_plane(low[near])) > 0.3]
+"""
+_EGO = "    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))\n"
+
+SLIPS = {
+    "detect_obstacles": [
+        Slip("the road stays in", _PLANE, "", USELESS),
+        Slip("the road alone stays", "low[near])) > 0.3", "low[near])) < 0.3", USELESS),
+        Slip("the plane of all returns", "ransac_plane(low,", "ransac_plane(points,", USELESS),
+        Slip("the own car stays in", _EGO, "", PARTLY),
+        Slip(
+            "result of filter_clusters forgotten",
+            "labels = filter_clusters(labels",
+            "filter_clusters(labels",
+            PARTLY,
+        ),
+        Slip("a minimum of 100", "(labels, min_num_points)", "(labels, 100)", PARTLY),
+        Slip(
+            "a threshold of two metres",
+            "accelerated(points, threshold)",
+            "accelerated(points, 2.0)",
+            USELESS,
+        ),
+        Slip("a region that ends at 8 m", "maximum)\n", "(8.0, 9.0, 1.0))\n", SMALL),
+        Slip(
+            "boxes along the axes",
+            "return get_oriented_boxes(points, labels)",
+            """\
+boxes = []
+    for label in np.unique(labels[labels > 0]):
+        mine = points[labels == label]
+        low, high = mine.min(axis=0), mine.max(axis=0)
+        floor = [(high[0], high[1]), (low[0], high[1]), (low[0], low[1]), (high[0], low[1])]
+        boxes.append([(x, y, z) for z in (low[2], high[2]) for x, y in floor])
+    return np.array(boxes).reshape(-1, 8, 3)""",
+            PARTLY,
+        ),
+        Slip("only with intensity", "cloud[:, :3]", "cloud[:, [0, 1, 2, 3]]", SMALL),
+    ],
+    "match_boxes": [
+        Slip(
+            "rows and columns exchanged",
+            "partners[row] = column",
+            "partners[column] = row",
+            USELESS,
+        ),
+        Slip(
+            "the mean over the wrong axis",
+            _CENTRES,
+            _CENTRES.replace("axis=1", "axis=2"),
+            PARTLY,
+        ),
+        Slip("first corners compared", _CENTRES, "current[:, 0][:, None] - previous[:, 0]", PARTLY),
+        Slip("the column not struck out", _STRUCK, "distances[row, :] = np.inf", PARTLY),
+        Slip("the row not struck out", _STRUCK, "distances[:, column] = np.inf", SMALL),
+        Slip("however far", "distances.min() <= max_distance", "distances.min() < np.inf", PARTLY),
+        Slip("a distance of its own", "<= max_distance", "<= 1.5", PARTLY),
+        Slip(
+            "squares compared",
+            f"np.linalg.norm({_CENTRES}, axis=2)",
+            f"(({_CENTRES}) ** 2).sum(axis=2)",
+            PARTLY,
+        ),
+        Slip("0 for new ones", "np.full(len(current), -1)", "np.zeros(len(current), int)", PARTLY),
+        Slip(
+            "as long as previous", "np.full(len(current), -1)", "np.full(len(previous), -1)", PARTLY
+        ),
+        Slip("smallest of nothing", "distances.size and ", "", SMALL),
+    ],
+}

@@ -1,0 +1,238 @@
+"""Visible checks of the three steps, on the seven points of the lesson.
+
+They give no points: whoever goes another way needs no steps. Where the exercise calls a step that
+fails here, `check` says so.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from utils.checks.core import visible
+from utils.checks.vocabulary import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    as_labels,
+    assert_left_alone,
+    brief,
+    frozen,
+    needs,
+    observe,
+    overlaps,
+)
+
+# At this threshold a cell is 1 m wide.
+WIDE = float(np.sqrt(3))
+SEVEN = frozen(
+    np.array(
+        [
+            [0.1, 0.2, 0.0],
+            [1.2, 0.9, 0.0],
+            [2.7, 0.5, 0.0],
+            [2.95, 0.3, 0.0],
+            [4.6, 0.2, 0.0],
+            [6.1, 0.7, 0.0],
+            [-0.4, 2.6, 0.0],
+        ]
+    )
+)
+# What the steps make of them, as the lesson prints it.
+_CELLS = frozen(np.array([[-1, 2, 0], [0, 0, 0], [1, 0, 0], [2, 0, 0], [4, 0, 0], [6, 0, 0]]))
+_FIRST = frozen(np.array([6, 0, 1, 2, 4, 5]))
+_CELL_OF_POINT = frozen(np.array([1, 2, 3, 3, 4, 5, 0]))
+_PAIRS = frozen(np.array([[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [3, 4], [4, 5]]))
+_PIECES = frozen(np.array([0, 1, 1, 1, 2, 2]))
+_JOINED = frozen(np.array([0, 1, 1, 1, 1, 1]))
+_GIVEN = "the seven points, threshold √3 m"
+
+
+def _parts(answer: object, names: Sequence[str]) -> tuple:
+    """An answer of several results, one for each name."""
+    if not isinstance(answer, (tuple, list)) or len(answer) != len(names):
+        raise WrongForm(
+            f"The step returns {len(names)} things: {', '.join(names)}.", yours=brief(answer)
+        )
+    return tuple(answer)
+
+
+def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> None:
+    """Cells hang together as expected, under whatever numbers."""
+    yours = as_labels(answer, len(expected))
+    shared, number, others = overlaps(yours, expected)
+    if not shared == number == others:
+        raise CheckFailed(
+            "Other cells hang together.",
+            given=given,
+            yours=f"pieces {_pieces(yours)}",
+            expected=f"pieces {_pieces(expected)}",
+        )
+
+
+def _pieces(label: np.ndarray) -> str:
+    groups = [np.flatnonzero(label == one).tolist() for one in dict.fromkeys(label.tolist())]
+    return brief(groups)
+
+
+# ---- step 1 ------------------------------------------------------------------------------------
+
+
+def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
+    cells, first, cell_of_point = _parts(answer, ("cells", "first", "cell_of_point"))
+    cells = as_array(cells, columns=3, what="cells, three numbers each").astype(float)
+    right = np.floor(points / (threshold / np.sqrt(3)))
+    which = as_labels(cell_of_point, len(points))
+    different = len(np.unique(right, axis=0))
+    if len(cells) != different or which.min() < 0 or which.max() >= len(cells):
+        raise CheckFailed(
+            f"The points lie in {different} different cells, numbered from 0.",
+            given=given,
+            yours=f"{len(cells)} cells; of the points {brief(which)}",
+            expected=f"{different} cells",
+        )
+    wrong = np.flatnonzero((cells[which] != right).any(axis=1))
+    if len(wrong):
+        row = wrong[0]
+        raise CheckFailed(
+            f"Point {row}, at {brief(points[row])}, lies in another cell.",
+            given=given,
+            yours=f"cell {brief(cells[which[row]])}",
+            expected=f"cell {brief(right[row])}",
+        )
+    rows = as_array(first, what="one row for each cell")
+    if rows.shape != (different,) or not np.isin(rows, np.arange(len(points))).all():
+        raise WrongForm(
+            "There must be one representative for each cell: the row of one of the points.",
+            yours=brief(rows),
+            expected=f"{different} rows from 0 to {len(points) - 1}",
+        )
+    strangers = np.flatnonzero(which[rows.astype(int)] != np.arange(different))
+    if len(strangers):
+        cell = strangers[0]
+        raise CheckFailed(
+            f"The representative of cell {cell} lies in another cell.",
+            given=given,
+            yours=f"row {rows[cell]:g}",
+            expected=f"one of the rows {brief(np.flatnonzero(which == cell))}",
+        )
+
+
+@visible(
+    "points_in_cells",
+    title="The seven points lie in six cells",
+    why="Points that share a cell are one cluster without measuring: the cell must be right.",
+    hint="np.floor(points / side) names the cell of each point, below zero as well; np.unique "
+    "with axis=0 returns cells, first and cell_of_point in this order.",
+)
+def finds_the_cells(points_in_cells: Callable) -> None:
+    _assert_cells(points_in_cells(SEVEN.copy(), WIDE), SEVEN, WIDE, _GIVEN)
+
+
+@visible(
+    "points_in_cells",
+    title="A cell is threshold / √3 wide, at any threshold",
+    why="In a larger cell points need not be close; smaller ones are only slower.",
+    hint="side = threshold / np.sqrt(3): from corner to corner a cell is then as long as the "
+    "threshold.",
+)
+def follows_the_side(points_in_cells: Callable) -> None:
+    with needs("the seven points lie in six cells"):
+        _assert_cells(points_in_cells(SEVEN.copy(), WIDE), SEVEN, WIDE, _GIVEN)
+    for threshold in (0.5, 2.5):
+        given = f"the seven points, threshold {threshold:g} m"
+        _assert_cells(points_in_cells(SEVEN.copy(), threshold), SEVEN, threshold, given)
+
+
+# ---- step 2 ------------------------------------------------------------------------------------
+
+# More points in the first cell than there are cells, and then one in every second cell: as many
+# rows of points as of cells lie close together, while no two cells do.
+_HEAP = frozen(
+    np.vstack(
+        [0.1 + 0.02 * np.arange(6)[:, None] * np.ones(3), np.outer([2.05, 4.1, 6.15], np.eye(3)[0])]
+    )
+)
+_HEAP_CELLS = frozen(np.array([[0, 0, 0], [2, 0, 0], [4, 0, 0], [6, 0, 0]]))
+_HEAP_FIRST = frozen(np.array([0, 6, 7, 8]))
+
+
+def _joined(join_cheaply: Callable) -> tuple:
+    arguments = SEVEN.copy(), _CELLS.copy(), _FIRST.copy(), WIDE
+    return _parts(join_cheaply(*arguments), ("pairs", "label"))
+
+
+@visible(
+    "join_cheaply",
+    title="Of the six cells, seven pairs are neighbours",
+    why="Pairs that are left out here are never measured: things tear.",
+    hint="cKDTree(cells).query_pairs(2, p=np.inf, output_type='ndarray') finds all cells at most "
+    "two steps apart along each axis. All of them are returned, joined or not.",
+)
+def finds_the_neighbours(join_cheaply: Callable) -> None:
+    pairs = as_array(_joined(join_cheaply)[0], columns=2, what="pairs of cells")
+    yours = np.unique(np.sort(pairs, axis=1), axis=0)
+    if len(yours) != len(pairs) or not np.array_equal(yours, _PAIRS):
+        raise CheckFailed(
+            "These are not all pairs of cells at most two steps apart, each once.",
+            given=_GIVEN,
+            yours=brief(yours.tolist()),
+            expected=brief(_PAIRS.tolist()),
+        )
+
+
+@visible(
+    "join_cheaply",
+    title="Neighbours whose representatives are close share a piece",
+    why="One distance settles what would take thousands.",
+    hint="The gap between two representatives is one distance for each pair, axis=1; joined are "
+    "the pairs with gap < threshold.",
+)
+def joins_what_is_close(join_cheaply: Callable) -> None:
+    _assert_same_pieces(_joined(join_cheaply)[1], _PIECES, _GIVEN)
+
+
+@visible(
+    "join_cheaply",
+    title="What is measured are points, not the numbers of their cells",
+    why="Cell 3 is not point 3. On the street, things far apart become one.",
+    hint="pairs[:, 0] are rows of cells. first[pairs[:, 0]] are rows of points, and "
+    "points[first[pairs[:, 0]]] are the points.",
+)
+def measures_representatives(join_cheaply: Callable) -> None:
+    arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE
+    _, label = _parts(join_cheaply(*arguments), ("pairs", "label"))
+    given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (4, 0, 0), (6, 0, 0)"
+    _assert_same_pieces(label, np.arange(4), f"{given}; from cell to cell about 2 m, threshold √3")
+
+
+# ---- step 3 ------------------------------------------------------------------------------------
+
+
+def _exactly(label: np.ndarray) -> tuple:
+    return SEVEN, _CELL_OF_POINT, _PAIRS, label, WIDE
+
+
+@visible(
+    "join_exactly",
+    title="Points 3 and 4 join their pieces, and all cells of these",
+    why="Where only one cell of a piece changes sides, the rest of a car stays behind.",
+    hint="Where the closest pair of two cells is below the threshold, all cells with the one label "
+    "get the other: label[label == label[b]] = label[a].",
+)
+def joins_exactly(join_exactly: Callable) -> None:
+    # The pieces have numbers as they come, and either may be the larger.
+    for label in (_PIECES, 2 - _PIECES):
+        answer = join_exactly(*(np.copy(part) for part in _exactly(label)[:-1]), WIDE)
+        _assert_same_pieces(answer, _JOINED, f"{_GIVEN}; pieces {_pieces(_PIECES)} after step 2")
+
+
+@visible(
+    "join_exactly",
+    title="Leaves the labels of step 2 as they are",
+    why="Whoever runs the cell below a second time would start from pieces that are joined.",
+    hint="label = label.copy() before anything is written into it.",
+)
+def leaves_the_labels(join_exactly: Callable) -> None:
+    with needs("points 3 and 4 join their pieces, and all cells of these"):
+        joins_exactly(join_exactly)
+    assert_left_alone(observe(join_exactly, *_exactly(_PIECES)), *_exactly(_PIECES))
