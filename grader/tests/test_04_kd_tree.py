@@ -66,7 +66,7 @@ def inserted(student, points, indices=None):
 
 @hidden(
     "insert",
-    weight=4,
+    weight=9,
     title="Right in the plane, for points you have not seen",
     hint="At each node compare one coordinate: x at even depths, y at odd ones.",
 )
@@ -77,7 +77,7 @@ def test_plane(student, seed):
 
 @hidden(
     "insert",
-    weight=4,
+    weight=9,
     title="Right in space: x, y, z, x, y, z, ...",
     hint="The number of axes is len(point).",
 )
@@ -91,7 +91,7 @@ def test_space(student, seed):
 
 @hidden(
     "insert",
-    weight=3,
+    weight=7,
     title="Right where coordinates are equal and points repeat",
     hint="Equal is not smaller, so it goes right, at every depth.",
 )
@@ -106,7 +106,7 @@ def test_equal_coordinates(student, seed):
 
 @hidden(
     "insert",
-    weight=2,
+    weight=1,
     title="Right for lists, tuples and single precision",
     hint="Take the coordinates as they are given, one by one.",
 )
@@ -118,7 +118,7 @@ def test_notations(student, seed):
 
 @hidden(
     "insert",
-    weight=2,
+    weight=8,
     title="Keeps whatever index comes with a point",
     hint="Pass it on to Node.",
 )
@@ -136,11 +136,14 @@ def test_indices(student, seed):
     "insert",
     weight=2,
     title="Goes on with a tree that exists, and trees do not share nodes",
-    hint="All that is known about a tree hangs on its root: nothing may be kept outside.",
+    hint="The walk begins at the root of the tree that was passed, and all that is known about "
+    "a tree hangs on that.",
 )
 def test_two_trees(student, seed):
     points = along_the_diagonal(np.random.default_rng(seed).permutation(20) / 4)
     first = inserted(student, points[:10])
+    with needs("every point is where it belongs"):
+        assert_tree(first, points[:10], either_way=True)
     second = student.KdTree()
     for row in range(10, 20):
         first.insert(points[row].copy(), row)
@@ -206,7 +209,7 @@ def planes(seed):
 
 @hidden(
     "search",
-    weight=5,
+    weight=8,
     title="Right in space, on a street you have not seen",
     hint="The axis at a node is depth % len(target).",
 )
@@ -253,7 +256,7 @@ def test_search_circle(student, seed, k):
 
 @hidden(
     "search",
-    weight=4,
+    weight=8,
     title="Right for small and for large tolerances",
     hint="Compare a distance with the tolerance, not its square.",
 )
@@ -479,7 +482,8 @@ def test_lower_medians(student, seed):
     "median_order",
     weight=3,
     title="Right on a street you have not seen",
-    hint="Nothing about one particular array may stand in the function.",
+    hint="Draw the tree of your order for a few points of the lesson's own scan: is each part "
+    "halved along its own axis?",
 )
 def test_medians_of_street(student, seed):
     points = samples.obstacles_of_street(seed, 500)[:, :3]

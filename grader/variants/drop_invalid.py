@@ -207,8 +207,8 @@ def drop_invalid(cloud):
     return cloud[np.isfinite(length) & (length > 0.5)]
 
 # %% wrong: loses the intensity
-# loses: drops_the_origin, test_course_cloud_cleaned
-# says: expected 4 columns
+# loses only: keeps_the_intensity, test_order_and_precision_cleaned
+# says: does not have the columns of the cloud
 # told: without the intensity
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
@@ -236,7 +236,7 @@ def drop_invalid(cloud):
     return np.vstack([row for row in cloud if np.isfinite(row[:3]).all() and row[:3].any()])
 
 # %% wrong: equal points only once, and sorted
-# loses: drops_the_origin, test_order_and_precision_cleaned
+# loses only: keeps_the_order, test_order_and_precision_cleaned
 # says: another order
 def drop_invalid(cloud):
     xyz = cloud[:, :3]
@@ -275,3 +275,27 @@ def drop_invalid(cloud):
 # says: is not started
 def drop_invalid(cloud):
     raise NotImplementedError
+
+# %% wrong: the masks are joined by an or
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: with `|` one is enough
+# told: Nothing is dropped
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[np.isfinite(xyz).all(axis=1) | ~(xyz == 0).all(axis=1)]
+
+# %% wrong: the mask is turned around
+# loses: drops_the_origin, drops_nan, test_course_cloud_cleaned
+# says: missing
+# told: It is the lost returns that come back
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[~(np.isfinite(xyz).all(axis=1) & (xyz != 0).any(axis=1))]
+
+# %% wrong: not all is taken for none
+# loses: drops_nan, drops_what_is_infinite, test_course_cloud_cleaned
+# says: too many
+# told: only if all three coordinates are NaN
+def drop_invalid(cloud):
+    xyz = cloud[:, :3]
+    return cloud[~np.isnan(xyz).all(axis=1) & ~(xyz == 0).all(axis=1)]

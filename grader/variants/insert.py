@@ -482,3 +482,48 @@ def insert(tree, point, index):
 # says: is not started
 def insert(tree, point, index):
     raise NotImplementedError
+
+# %% wrong: the right child is hung on the left
+# loses: compares_x_first, test_plane
+# says: does each branch hang the new node on its own side
+def insert(tree, point, index):
+    new = Node(point, index)
+    if tree.root is None:
+        tree.root = new
+        return
+    node, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        if point[axis] < node.point[axis]:
+            if node.left is None:
+                node.left = new
+                return
+            node = node.left
+        else:
+            if node.right is None:
+                node.left = new
+                return
+            node = node.right
+        depth += 1
+
+# %% wrong: no return after a left child
+# loses: compares_x_first, test_plane
+# says: A point that has been hung into the tree is done
+def insert(tree, point, index):
+    new = Node(point, index)
+    if tree.root is None:
+        tree.root = new
+        return
+    node, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        if point[axis] < node.point[axis]:
+            if node.left is None:
+                node.left = new
+            node = node.left
+        else:
+            if node.right is None:
+                node.right = new
+                return
+            node = node.right
+        depth += 1

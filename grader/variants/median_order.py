@@ -325,3 +325,34 @@ def median_order(points):
 # says: is not started
 def median_order(points):
     raise NotImplementedError
+
+# %% wrong: the depth grows on the left only
+# loses: halves_every_part, test_medians
+# says: Both parts wait with depth + 1
+# told: The rows after a median
+def median_order(points):
+    order, waiting = [], [(np.arange(len(points)), 0)]
+    while waiting:
+        rows, depth = waiting.pop()
+        if len(rows) == 0:
+            continue
+        rows = rows[np.argsort(points[rows, depth % points.shape[1]])]
+        middle = (len(rows) - 1) // 2
+        order.append(int(rows[middle]))
+        waiting += [(rows[:middle], depth + 1), (rows[middle + 1:], depth)]
+    return order
+
+# %% wrong: ends at the first part without rows
+# loses: names_every_row, test_medians
+# says: is skipped, and ends nothing
+def median_order(points):
+    order, waiting = [], [(np.arange(len(points)), 0)]
+    while waiting:
+        rows, depth = waiting.pop()
+        if len(rows) == 0:
+            break
+        rows = rows[np.argsort(points[rows, depth % points.shape[1]])]
+        middle = (len(rows) - 1) // 2
+        order.append(int(rows[middle]))
+        waiting += [(rows[:middle], depth + 1), (rows[middle + 1:], depth + 1)]
+    return order

@@ -185,7 +185,7 @@ def search(tree, target, tolerance):
 # %% wrong: else instead of a second if
 # loses only: looks_on_both_sides, reaches_the_split, test_search_plane, test_search_street, test_search_crooked, test_search_split
 # says: Not found
-# told: The right side is searched only where
+# told: only the left one is searched
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -435,7 +435,7 @@ def search(tree, target, tolerance):
 # %% wrong: returns at the first empty place
 # loses: looks_on_both_sides, test_search_plane
 # says: Not found
-# told: The left side is searched only where the right one is not
+# told: only the right one is searched
 def search(tree, target, tolerance):
     found, stack = [], [(tree.root, 0)]
     while stack:
@@ -664,3 +664,79 @@ def search(tree, target, tolerance):
 # says: is not started
 def search(tree, target, tolerance):
     raise NotImplementedError
+
+# %% wrong: one if under the other
+# loses: finds_the_target, test_search_plane
+# says: indented under the first
+# told: The right side is asked only where the left one was taken
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        axis = depth % len(target)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+            if target[axis] + tolerance >= node.point[axis]:
+                stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: break for continue
+# loses: looks_on_both_sides, test_search_plane
+# says: `break` and `return` end the whole search
+# told: only the right one is searched
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            break
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        axis = depth % len(target)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found
+
+# %% wrong: break for continue, level by level
+# loses: looks_on_both_sides, test_search_plane
+# says: `break` and `return` end the whole search
+# told: The search ends at the first empty place
+def search(tree, target, tolerance):
+    found, queue = [], [(tree.root, 0)]
+    while queue:
+        node, depth = queue.pop(0)
+        if node is None:
+            break
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        axis = depth % len(target)
+        if target[axis] - tolerance < node.point[axis]:
+            queue.append((node.left, depth + 1))
+        if target[axis] + tolerance >= node.point[axis]:
+            queue.append((node.right, depth + 1))
+    return found
+
+# %% wrong: the depth does not grow on the left
+# loses: finds_the_target, test_search_plane
+# says: Both children wait with depth + 1
+# told: on the way to a left child
+def search(tree, target, tolerance):
+    found, stack = [], [(tree.root, 0)]
+    while stack:
+        node, depth = stack.pop()
+        if node is None:
+            continue
+        if dist(node.point, target) <= tolerance:
+            found.append(node.index)
+        axis = depth % len(target)
+        if target[axis] - tolerance < node.point[axis]:
+            stack.append((node.left, depth))
+        if target[axis] + tolerance >= node.point[axis]:
+            stack.append((node.right, depth + 1))
+    return found

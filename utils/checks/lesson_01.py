@@ -14,7 +14,10 @@ from utils.checks.vocabulary import (
     TOLERANCE,
     CheckFailed,
     as_array,
-    assert_rows,
+    assert_all_columns,
+    assert_nothing_left,
+    assert_order,
+    assert_places,
     assert_shape,
     frozen,
     needs,
@@ -299,7 +302,7 @@ def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
     *lost : numpy.ndarray, shape (m, 4)
     """
     cloud, good = _mixed(*lost)
-    assert_rows(drop_invalid(cloud.copy()), cloud, good, view="above")
+    assert_places(drop_invalid(cloud.copy()), cloud, good, view="above")
 
 
 @once
@@ -328,7 +331,7 @@ def drops_the_origin(drop_invalid: Callable) -> None:
 
 @visible(
     "drop_invalid",
-    weight=1,
+    weight=3,
     title="Drops returns at (0, 0, 0) whatever their intensity",
     why="A lost echo may come with the brightness of the one before.",
     hint="Compare cloud[:, :3] with 0, not the whole row.",
@@ -364,7 +367,7 @@ def drops_what_is_infinite(drop_invalid: Callable) -> None:
 
 @visible(
     "drop_invalid",
-    weight=2,
+    weight=5,
     title="Keeps good points with a 0 among their coordinates",
     why="A car exactly to the left has x = 0. It must not vanish for that.",
     hint="One coordinate of 0 is fine; all three are not. Their sum says little: "
@@ -383,7 +386,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
         ]
     )
     answer = drop_invalid(crossing.copy())
-    assert_rows(answer, crossing, np.ones(len(crossing), dtype=bool), view="above")
+    assert_places(answer, crossing, np.ones(len(crossing), dtype=bool), view="above")
 
 
 @visible(
@@ -397,7 +400,7 @@ def keeps_near_points(drop_invalid: Callable) -> None:
     assert_works(drop_invalid)
     near = frozen(_GOOD * [0.01, 0.01, 0.01, 1])
     answer = drop_invalid(near.copy())
-    assert_rows(answer, near, np.ones(len(near), dtype=bool), view="above")
+    assert_places(answer, near, np.ones(len(near), dtype=bool), view="above")
 
 
 @visible(
@@ -411,7 +414,32 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     assert_works(drop_invalid)
     cloud = _GOOD.copy()
     cloud[:3, 3] = _NAN, _INF, 0.0
-    assert_rows(drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above")
+    assert_places(drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above")
+
+
+@visible(
+    "drop_invalid",
+    weight=5,
+    title="Keeps all columns: the intensity stays with its point",
+    why="Intensity tells a number plate from a bush, and later steps cannot get it back.",
+    hint="Make the masks from cloud[:, :3], and index the whole cloud with them, cloud[mask].",
+)
+def keeps_the_intensity(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    assert_all_columns(drop_invalid(_GOOD.copy()), _GOOD, np.ones(len(_GOOD), dtype=bool))
+
+
+@visible(
+    "drop_invalid",
+    weight=1,
+    title="Keeps every good row in its place, one that is there twice, too",
+    why="Whoever knows the true object of each return finds it by its place among the rows.",
+    hint="A mask keeps order and number by itself: sort nothing, and collect nothing.",
+)
+def keeps_the_order(drop_invalid: Callable) -> None:
+    assert_works(drop_invalid)
+    twice = _GOOD[[0, 1, 1, 2, 0, 3, 4]]
+    assert_order(drop_invalid(twice.copy()), twice, np.ones(len(twice), dtype=bool))
 
 
 @visible(
@@ -425,9 +453,9 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
 def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
     assert_works(drop_invalid)
     cloud, _ = _mixed(_ORIGIN, _NANS)
-    four = as_array(drop_invalid(cloud.copy()), columns=4)
+    four = as_array(drop_invalid(cloud.copy()))[:, :3]
     three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
-    if not np.array_equal(three, four[:, :3], equal_nan=True):
+    if not np.array_equal(three, four, equal_nan=True):
         raise CheckFailed(
             "Of the same rows without their intensity, others are left.",
             yours=f"{len(three)} of {len(cloud)} rows",
@@ -444,13 +472,14 @@ def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
 )
 def takes_an_empty_scan(drop_invalid: Callable) -> None:
     assert_works(drop_invalid)
+    columns = as_array(drop_invalid(_GOOD.copy())).shape[1]
     for rows in (_ORIGIN[:0], _ORIGIN):
-        assert_rows(drop_invalid(rows.copy()), rows, np.zeros(len(rows), dtype=bool), view="above")
+        assert_nothing_left(drop_invalid(rows.copy()), rows, columns)
 
 
 _SCAN, _GOOD_OF_SCAN = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
 row_promises.untouched(
-    Case(__name__, "drop_invalid", {"cloud": _SCAN}, _GOOD_OF_SCAN, assert_rows, assert_works),
+    Case(__name__, "drop_invalid", {"cloud": _SCAN}, _GOOD_OF_SCAN, assert_places, assert_works),
     "leaves_the_scan",
     why="Whoever looks for a broken beam needs the lost returns.",
 )
@@ -532,6 +561,7 @@ mistakes(
     Mistake(
         "Nothing is dropped: the rows come back as they went in.",
         lambda right, cloud: cloud,
+        "Index the cloud with both masks. A good row fulfils both, `&`; with `|` one is enough.",
     ),
     Mistake(
         "Returns at (0, 0, 0) stay.",
@@ -590,6 +620,21 @@ mistakes(
         "A row that is not finite goes only if all three coordinates are not.",
         lambda right, cloud: _where(cloud, lambda xyz, _: any(map(_number, xyz)) and any(xyz)),
         "A good row is finite in all three coordinates: .all(axis=1), not .any(axis=1).",
+    ),
+    Mistake(
+        "It is the lost returns that come back, and the good ones that go.",
+        lambda right, cloud: _where(
+            cloud, lambda xyz, _: not (all(map(_number, xyz)) and any(xyz))
+        ),
+        "~ turns a mask around.",
+    ),
+    Mistake(
+        "A row with NaN goes only if all three coordinates are NaN; those at (0, 0, 0) go.",
+        lambda right, cloud: _where(
+            cloud, lambda xyz, _: any(xyz) and not all(map(math.isnan, xyz))
+        ),
+        "~ turns around what stands behind it, `.all(axis=1)` included: "
+        "np.isfinite(xyz).all(axis=1) says it without.",
     ),
     Mistake(
         "It is the returns at (0, 0, 0) that stay, and the points that go.",

@@ -260,10 +260,10 @@ mistakes(
         "Of the direction (dx, dy) the normal is (-dy, dx).",
     ),
     Mistake(
-        "dx and dy are swapped, and no sign is changed: that mirrors the direction instead of "
-        "turning it.",
+        "(a, b) comes out as (dy, dx), swapped and with no sign changed: that mirrors the "
+        "direction instead of turning it.",
         lambda right, p, q: np.array([-right[0], right[1], right[0] * p[0] - right[1] * p[1]]),
-        "Of the direction (dx, dy) the normal is (-dy, dx).",
+        "Of the direction (dx, dy), both of them from p to q, the normal is (-dy, dx).",
     ),
     Mistake(
         "a and b are right, and c has the wrong sign.",

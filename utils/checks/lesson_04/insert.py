@@ -88,10 +88,12 @@ def first_is_root(KdTree: Callable) -> None:
 
 @visible(
     "insert",
-    weight=3,
+    weight=2,
     title="At the root, smaller x goes left and greater x right",
     why="A search trusts this order when it leaves half of the street out.",
     hint="The root has depth 0, and number 0 of a point is x.",
+    slow="does the walk end once the point is hung into the tree? `return`, or `break`, ends a "
+    "`while True:` loop.",
 )
 def compares_x_first(KdTree: Callable) -> None:
     assert_tree(_inserted(KdTree, _SIDEWAYS), _SIDEWAYS)
@@ -99,7 +101,7 @@ def compares_x_first(KdTree: Callable) -> None:
 
 @visible(
     "insert",
-    weight=3,
+    weight=10,
     title="One level below the root, y decides",
     why="Cuts along x alone are strips, and a strip crosses the whole street.",
     hint="Compare only one coordinate at each node: number depth % len(point), with depth 0 "
@@ -112,7 +114,7 @@ def axes_alternate(KdTree: Callable) -> None:
 
 @visible(
     "insert",
-    weight=3,
+    weight=6,
     title="Grows a tree of ten points, eight levels deep",
     why="Every node must end up in the one place where a search will look for it.",
     hint="Follow the point that is named, with a pencil: which coordinate is compared at each "
@@ -127,7 +129,7 @@ def grows_the_quiz(KdTree: Callable) -> None:
 
 @visible(
     "insert",
-    weight=2,
+    weight=5,
     title="Equal goes right",
     why="Walls and kerbs have many points with the very same coordinate. They need one rule, "
     "and search relies on the same one.",
@@ -140,7 +142,7 @@ def equal_goes_right(KdTree: Callable) -> None:
 
 @visible(
     "insert",
-    weight=2,
+    weight=4,
     title="Takes points with three coordinates: x, y, z and x again",
     why="A street is three-dimensional.",
     hint="Count the coordinates with len(point) and do not write 2 into the function.",
@@ -160,7 +162,7 @@ def takes_three(KdTree: Callable) -> None:
 
 @visible(
     "insert",
-    weight=1,
+    weight=4,
     title="Keeps the index that comes with each point",
     why="The index says which row of the cloud was found; points may arrive in any order.",
     hint="Pass index on to Node as it is.",
@@ -197,7 +199,8 @@ def takes_any_notation(KdTree: Callable) -> None:
     hint="All that is known about a tree hangs on its root: keep nothing outside.",
 )
 def keeps_trees_apart(KdTree: Callable) -> None:
-    assert_root(KdTree)
+    with needs("every point is where it belongs"):
+        assert_tree(_inserted(KdTree, _DIAGONAL), _DIAGONAL, either_way=True)
     trees = KdTree(), KdTree()
     for row, point in enumerate(_DIAGONAL.copy()):
         trees[row % 2].insert(point, row)

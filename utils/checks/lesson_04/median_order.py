@@ -22,6 +22,10 @@ from utils.checks.vocabulary import (
 )
 from utils.geometry import grown, in_turn, places_of
 
+_IS_SHORT = (
+    "All rows before the median and all rows after it wait as parts, and each part that waits has "
+    "its turn: one without rows is skipped, and ends nothing."
+)
 # Of 7 and 15 points every part has one in the middle.
 _SEVEN = frozen(distinct(np.random.default_rng(51), 7, 2))
 
@@ -52,10 +56,12 @@ def as_order(answer: object, n: int) -> np.ndarray:
     if strange or missing or len(order) != n:
         odd = f"{strange[0]} is no row number" if strange else "some rows are there more than once"
         text = f"row {missing[0]} is missing" if missing else odd
+        is_short = not strange and len(order) == n - len(missing)
         raise CheckFailed(
             f"Each row number from 0 to n - 1 must occur exactly once; {text}.",
             yours=brief(order),
             expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
+            hint=_IS_SHORT if is_short else "",
         )
     return order
 
@@ -119,11 +125,13 @@ def _not_on_top(
     order: np.ndarray,
     axis_at: Callable[[int, int], int] = in_turn,
     place: Callable[[int], int] = lambda m: (m - 1) // 2,
+    deeper: tuple[int, int] = (1, 1),
 ) -> Iterator[tuple]:
     """Each part whose first point is not the one at a place (of how many) along an axis.
 
     As its coordinates along the axis in the order of the rows, depth, axis, and the coordinate
-    that should come first.
+    that should come first. `deeper` says by how much the depth grows for the smaller ones and for
+    the others.
     """
     waiting = [(order, 0)] if len(order) else []
     for rows, depth in waiting:  # grows while it is walked
@@ -133,8 +141,9 @@ def _not_on_top(
         if values[0] != wanted:
             yield values, depth, axis, wanted
         smaller = values[1:] < values[0]
+        parts = rows[1:][smaller], rows[1:][~smaller]
         waiting += [
-            (part, depth + 1) for part in (rows[1:][smaller], rows[1:][~smaller]) if len(part)
+            (part, depth + more) for part, more in zip(parts, deeper, strict=True) if len(part)
         ]
 
 
@@ -356,7 +365,8 @@ mistakes(
     Mistake(
         "Of two points in the middle, the upper one comes first.",
         _each_on_top(place=lambda m: m // 2),
-        "The lower one stands at place (number of rows - 1) // 2.",
+        "The lower one stands at place (number of rows - 1) // 2 of the rows from the smallest to "
+        "the largest.",
     ),
     Mistake(
         "x decides in every part: the axis does not change from level to level.",
@@ -371,6 +381,18 @@ mistakes(
     Mistake(
         "x and y take turns and z is left out: 2 is written where points.shape[1] is needed.",
         _each_on_top(axis_at=lambda depth, k: depth % 2),
+    ),
+    Mistake(
+        "The rows before a median are sorted along the axis of the median itself: their depth "
+        "does not grow.",
+        _each_on_top(deeper=(0, 1)),
+        "Both parts wait with depth + 1.",
+    ),
+    Mistake(
+        "The rows after a median are sorted along the axis of the median itself: their depth does "
+        "not grow.",
+        _each_on_top(deeper=(1, 0)),
+        "Both parts wait with depth + 1.",
     ),
     Mistake(
         "The rows are sorted by x, and that is all.",

@@ -22,7 +22,7 @@ from utils.checks.lesson_04.finding import as_indices, assert_found, assert_prun
 from utils.checks.lesson_04.trees import planted
 from utils.checks.remembering import once
 from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs
-from utils.geometry import grown, in_turn, places_of
+from utils.geometry import SIDES, Node, grown, in_turn, places_of
 
 # How far from the target each node cuts: from a tree far larger than the circle down to a tenth.
 _FROM_AFAR = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
@@ -87,7 +87,7 @@ def measures_a_circle(KdTree: Callable) -> None:
 
 @visible(
     "search",
-    weight=3,
+    weight=6,
     title="The tolerance is the radius itself, whether small or large",
     why="Half a metre for a pedestrian, five metres for a lorry: a distance is compared with a "
     "distance.",
@@ -136,7 +136,7 @@ def reaches_the_split(KdTree: Callable) -> None:
 
 @visible(
     "search",
-    weight=2,
+    weight=6,
     title="Takes three coordinates",
     why="Scans are three-dimensional: the axes go x, y, z, x, y, z, ... down the tree.",
     hint="The axis is depth % len(target), as in insert.",
@@ -268,19 +268,23 @@ def _entered(
     tolerance: float,
     rule: Callable[[_Split], bool],
     axis_at: Callable[[int, int], int] = in_turn,
+    depth_of: Callable[[str], int] = len,
 ) -> set[int]:
     """Indices of the nodes to which a rule lets a search come, whatever it thinks of them."""
     places = places_of(grown(points))
 
     def passes(way: str, depth: int) -> bool:
-        node, axis = places[way[:depth]], axis_at(depth, len(target))
-        at, is_near = target[axis], math.dist(node.point, target) <= tolerance
-        ends = at - tolerance, at, at + tolerance
-        return rule(_Split(*ends, node.point[axis], is_near, way[depth] == "l"))
+        axis = axis_at(depth_of(way[:depth]), len(target))
+        return rule(_split(places[way[:depth]], axis, way[depth] == "l", target, tolerance))
 
     return {
         places[way].index for way in places if all(passes(way, depth) for depth in range(len(way)))
     }
+
+
+def _split(node: Node, axis: int, is_left: bool, target: np.ndarray, tolerance: float) -> _Split:
+    at, is_near = target[axis], math.dist(node.point, target) <= tolerance
+    return _Split(at - tolerance, at, at + tolerance, node.point[axis], is_near, is_left)
 
 
 def _reached(one: _Split) -> bool:
@@ -288,11 +292,35 @@ def _reached(one: _Split) -> bool:
     return one.low < one.split if one.is_left else one.high >= one.split
 
 
-def _limited(rule: Callable, axis_at: Callable = in_turn) -> Callable:
+def _limited(rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len) -> Callable:
     """What is found of the right points where the search goes by a rule of its own."""
     return lambda right, points, target, tolerance: (
-        right & _entered(points, target, tolerance, rule, axis_at)
+        right & _entered(points, target, tolerance, rule, axis_at, depth_of)
     )
+
+
+def _until_empty(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
+    """What is found, level by level, before the search comes to a place without a node."""
+    places, seen, waiting = places_of(grown(points)), set(), [""]
+    for way in waiting:  # grows while it is walked
+        if way not in places:
+            break
+        node, axis = places[way], in_turn(len(way), len(target))
+        seen.add(node.index)
+        waiting += [
+            way + letter
+            for letter in SIDES
+            if _reached(_split(node, axis, letter == "l", target, tolerance))
+        ]
+    return right & seen
+
+
+# What leads along one path: an `else`; or, where the last place that waits is taken first, an end
+# at the first place without a node.
+_ONE_PATH = (
+    "Write two ifs, one for each child, and no `else` or `elif`. Where no node is, `continue` "
+    "with the next place: `break` and `return` end the whole search."
+)
 
 
 def _measured(is_near: Callable) -> Callable:
@@ -329,16 +357,43 @@ mistakes(
         "Where the circle crosses the split, both sides must be: two ifs, no else.",
     ),
     Mistake(
-        "The right side is searched only where the left one is not: `else` or `elif` parts two "
-        "questions that both have to be asked, or a `return` ends all at the first empty place.",
+        "The search follows a single path: where the box reaches both sides, only the left one is "
+        "searched.",
         _limited(lambda one: (one.low < one.split) == one.is_left),
-        "Write two ifs, one for each child. Where no node is, take the next place.",
+        _ONE_PATH,
     ),
     Mistake(
-        "The left side is searched only where the right one is not: `else` or `elif` parts two "
-        "questions that both have to be asked, or a `return` ends all at the first empty place.",
+        "The search follows a single path: where the box reaches both sides, only the right one "
+        "is searched.",
         _limited(lambda one: (one.high >= one.split) != one.is_left),
-        "Write two ifs, one for each child. Where no node is, take the next place.",
+        _ONE_PATH,
+    ),
+    Mistake(
+        "The search ends at the first empty place that it comes to, though others still wait.",
+        _until_empty,
+        "`break` and `return` end the whole search; `continue` takes the next place.",
+    ),
+    Mistake(
+        "The right side is asked only where the left one was taken.",
+        _limited(lambda one: _reached(one) and (one.is_left or one.low < one.split)),
+        "Is the second `if` indented under the first? Both belong on the same level.",
+    ),
+    Mistake(
+        "The left side is asked only where the right one was taken.",
+        _limited(lambda one: _reached(one) and (not one.is_left or one.high >= one.split)),
+        "Is the second `if` indented under the first? Both belong on the same level.",
+    ),
+    Mistake(
+        "The depth stays as it is on the way to a left child: it cuts along the same axis as its "
+        "parent.",
+        _limited(_reached, depth_of=lambda way: way.count("r")),
+        "Both children wait with depth + 1.",
+    ),
+    Mistake(
+        "The depth stays as it is on the way to a right child: it cuts along the same axis as its "
+        "parent.",
+        _limited(_reached, depth_of=lambda way: way.count("l")),
+        "Both children wait with depth + 1.",
     ),
     Mistake(
         "The ends of the box are swapped: plus stands where minus is asked for, so that a side is "
@@ -426,6 +481,8 @@ mistakes(
         (_scattered(13, 3), np.zeros(3), 2.0),
         (_scattered(52, 3), np.zeros(3), 3.0),
         (_scattered(49, 2), np.full(2, 2.0), 1.0),
+        (_scattered(62, 2), np.zeros(2), 2.0),
+        (_scattered(64, 2), np.zeros(2), 2.0),
     ),
     right=lambda points, target, tolerance: {
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance

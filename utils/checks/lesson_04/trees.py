@@ -154,11 +154,12 @@ def _kind_of_root(tree: object) -> object:
 def _assert_inserts(KdTree: Callable) -> None:
     """What is inserted stands where it belongs, so that a tree can be made so."""
     for points in _SAMPLES:
+        indices = list(range(len(points)))[::-1]  # not those of a count
         try:
             tree = KdTree()
-            call_each(tree.insert, zip(points.copy(), range(len(points)), strict=True))
-            assert_tree(tree, points)
-            assert_indices(tree, points, range(len(points)))
+            call_each(tree.insert, zip(points.copy(), indices, strict=True))
+            assert_tree(tree, points, indices)
+            assert_indices(tree, points, indices)
         except _of_the_student(KdTree):
             raise CheckFailed("Nothing can be inserted.") from None
 
@@ -220,7 +221,7 @@ def _odd_in(tree: object, root: Node | None) -> tuple[str, str]:
     yours = _looked_at(tree, expected)
     for way in sorted(expected, key=lambda way: expected[way].arrival):
         if way not in yours or not _same_point(yours[way][0], expected[way]):
-            return _misplaced(tree, way, expected, yours), ""
+            return _misplaced(tree, way, expected, yours)
     return _one_too_many(expected, yours)
 
 
@@ -292,24 +293,41 @@ def _same_point(point: np.ndarray, node: Node) -> bool:
     )
 
 
-def _misplaced(tree: object, way: str, expected: dict, yours: dict) -> str:
-    """What became of a point that does not stand where it belongs."""
+def _misplaced(tree: object, way: str, expected: dict, yours: dict) -> tuple[str, str]:
+    """What became of a point that does not stand where it belongs, and a hint, or nothing."""
     node = expected[way]
     if not yours:
-        return f"the tree is empty: tree.root is None after {_name(node)} was inserted."
+        return f"the tree is empty: tree.root is None after {_name(node)} was inserted.", ""
     landed = _way_to(tree, node, expected)
     if landed is None:
-        return f"{_name(node)} is not in the tree; it belongs {_place(way, expected)}."
+        return _missing(way, expected, yours)
     depth = next((d for d, (a, b) in enumerate(zip(way, landed, strict=False)) if a != b), None)
     if depth is None:
-        return f"{_name(node)} belongs {_place(way, expected)}, where another point stands."
+        return f"{_name(node)} belongs {_place(way, expected)}, where another point stands.", ""
     other, axis = expected[way[:depth]], depth % len(node.point)
     smaller = "is smaller than" if way[depth] == "l" else "is not smaller than"
     return (
         f"{_name(node)} went {SIDES[landed[depth]]} at {_name(other)} and should go "
         f"{SIDES[way[depth]]}: at depth {depth} {'xyz'[axis]} is compared, and "
         f"{node.point[axis]:g} {smaller} {other.point[axis]:g}."
-    )
+    ), ""
+
+
+def _missing(way: str, expected: dict, yours: dict) -> tuple[str, str]:
+    """What stands in the place of a point that stands nowhere, and a hint, or nothing."""
+    says = f"{_name(expected[way])} is not in the tree; it belongs {_place(way, expected)}"
+    if way not in yours:
+        return f"{says}, where nothing stands.", ""
+    there = next((one for one in expected if _same_point(yours[way][0], expected[one])), None)
+    if there is None:
+        return f"{says}.", ""
+    says = f"{says}, where {_name(expected[there])} stands."
+    if there and there[:-1] == way[:-1]:
+        return says, (
+            f"{_name(expected[there]).capitalize()} belongs to the {SIDES[there[-1]]}: does each "
+            "branch hang the new node on its own side, node.left or node.right?"
+        )
+    return says, "A child that is there stays there: the walk goes on from it."
 
 
 def _way_to(tree: object, node: Node, expected: dict[str, Node]) -> str | None:
@@ -334,8 +352,10 @@ def _one_too_many(expected: dict, yours: dict) -> tuple[str, str]:
     for way, node in expected.items():
         if _same_point(yours[extra][0], node):
             says = f"{_name(node)} stands {_place(way, expected)} and once more "
-            return f"{says}{_place(extra, expected)}.", "" if way else (
-                "A point that has become the root is done: `return` before the walk begins."
+            return f"{says}{_place(extra, expected)}.", (
+                "A point that has been hung into the tree is done: `return`, and the walk ends."
+                if way
+                else "A point that has become the root is done: `return` before the walk begins."
             )
     return f"a node stands {_place(extra, expected)}, where the tree should end.", ""
 

@@ -1,0 +1,120 @@
+"""Slips in lesson 04."""
+
+from tests.slips import PARTLY, SMALL, USELESS, Slip
+
+_AXIS = "axis = depth % len(point)"
+_SIDE = '"left" if point[axis] < parent.point[axis] else "right"'
+_LEFT = "target[axis] - tolerance < split"
+_RIGHT = "target[axis] + tolerance >= split"
+_THEN_RIGHT = f"\n        if {_RIGHT}:\n            waiting.append("
+_WAITS_LEFT = ":\n            waiting.append((node.left, depth + 1))\n        if "
+_NEAR = "dist(node.point, target) <= tolerance"
+_MIDDLE = "(len(rows) - 1) // 2"
+
+SLIPS = {
+    "insert": [
+        Slip("equal goes left", "point[axis] < parent", "point[axis] <= parent", PARTLY),
+        Slip("the sides are swapped", "point[axis] < parent", "point[axis] > parent", USELESS),
+        Slip("the depth is not counted", "child, depth + 1", "child, depth", USELESS),
+        Slip("the root has depth 1", "tree.root, 0", "tree.root, 1", USELESS),
+        Slip("2 for the number of axes", _AXIS, "axis = depth % 2", PARTLY),
+        Slip("x alone", _AXIS, "axis = 0", USELESS),
+        Slip("a point replaces the child", "if child is None", "if True", USELESS),
+        Slip("the wrong index", "Node(point, index)", "Node(point, 0)", PARTLY),
+        Slip("point and index exchanged", "Node(point, index)", "Node(index, point)", USELESS),
+        Slip("the root is not set", "tree.root = newcomer", "root = newcomer", USELESS),
+        Slip("right goes left", "setattr(parent, side,", 'setattr(parent, "left",', USELESS),
+        Slip(
+            "the first point twice",
+            "tree.root = newcomer\n        return",
+            "tree.root = newcomer",
+            USELESS,
+        ),
+    ],
+    "search": [
+        Slip("> for >=", _RIGHT, "target[axis] + tolerance > split", SMALL),
+        Slip("< for <= at the rim", _NEAR, "dist(node.point, target) < tolerance", SMALL),
+        Slip("elif", f"if {_RIGHT}", f"elif {_RIGHT}", PARTLY),
+        Slip(
+            "the ends exchanged",
+            f"{_LEFT}{_WAITS_LEFT}target[axis] + tolerance",
+            f"target[axis] + tolerance < split{_WAITS_LEFT}target[axis] - tolerance",
+            USELESS,
+        ),
+        Slip(
+            "the children exchanged",
+            f"(node.left, depth + 1)){_THEN_RIGHT}(node.right,",
+            f"(node.right, depth + 1)){_THEN_RIGHT}(node.left,",
+            USELESS,
+        ),
+        Slip("no tolerance on the left", _LEFT, "target[axis] < split", PARTLY),
+        Slip("no tolerance on the right", _RIGHT, "target[axis] >= split", PARTLY),
+        Slip(
+            "the depth is not counted on the left",
+            "node.left, depth + 1",
+            "node.left, depth",
+            USELESS,
+        ),
+        Slip(
+            "the depth is not counted on the right",
+            "node.right, depth + 1",
+            "node.right, depth",
+            USELESS,
+        ),
+        Slip("break for continue", "continue", "break", USELESS),
+        Slip("the squared distance", _NEAR, "dist(node.point, target) ** 2 <= tolerance", PARTLY),
+        Slip("nothing is pruned", f"if {_LEFT}", "if True", PARTLY),
+        Slip(
+            "below near nodes alone",
+            "        axis = depth % len(target)",
+            "        else:\n            continue\n        axis = depth % len(target)",
+            USELESS,
+        ),
+        Slip(
+            "one if under the other",
+            f"        if {_RIGHT}:\n            waiting.append((node.right, depth + 1))",
+            f"            if {_RIGHT}:\n                waiting.append((node.right, depth + 1))",
+            USELESS,
+        ),
+        Slip("2 for the number of axes", "% len(target)", "% 2", PARTLY),
+        Slip("points for indices", "found.append(node.index)", "found.append(node.point)", USELESS),
+        Slip("None is not asked for", "node is None", "False", USELESS),
+    ],
+    "median_order": [
+        Slip("the upper median", _MIDDLE, "len(rows) // 2", SMALL),
+        Slip(
+            "begins with y", "(np.arange(len(points)), 0)", "(np.arange(len(points)), 1)", USELESS
+        ),
+        Slip("x alone", "points[rows, depth % points.shape[1]]", "points[rows, 0]", USELESS),
+        Slip("2 for the number of axes", "% points.shape[1]", "% 2", PARTLY),
+        Slip(
+            "places for rows",
+            'rows = rows[np.argsort(along, kind="stable")]',
+            'rows = np.argsort(along, kind="stable")',
+            USELESS,
+        ),
+        Slip("not sorted", 'rows = rows[np.argsort(along, kind="stable")]', "", USELESS),
+        Slip(
+            "the median comes again",
+            "rows[middle + 1:]",
+            "rows[middle:] if middle else rows[1:]",
+            USELESS,
+        ),
+        Slip("a row is lost", "rows[middle + 1:]", "rows[middle + 2:]", USELESS),
+        Slip(
+            "the depth is not counted",
+            "rows[middle + 1:], depth + 1",
+            "rows[middle + 1:], depth",
+            USELESS,
+        ),
+        Slip(
+            "the largest first",
+            'rows[np.argsort(along, kind="stable")]',
+            'rows[np.argsort(-along, kind="stable")]',
+            SMALL,
+        ),
+        Slip("the points, not their rows", "int(rows[middle])", "points[rows[middle]]", USELESS),
+        Slip("no part may be empty", "len(rows) == 0", "False", USELESS),
+        Slip("break for continue", "continue", "break", USELESS),
+    ],
+}
