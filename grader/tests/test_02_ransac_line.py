@@ -168,7 +168,7 @@ def test_distances_from_lines(student, seed):
 
 @hidden(
     "point_line_distance",
-    weight=2,
+    weight=3,
     title="Right for lines anywhere",
     hint="c belongs to the sum, with its sign.",
 )
@@ -181,7 +181,7 @@ def test_distances_from_lines_anywhere(student, seed):
 
 @hidden(
     "point_line_distance",
-    weight=2,
+    weight=3,
     title="Right on both sides of a line",
     hint="No distance is negative: np.abs takes the absolute value of a whole array.",
 )
@@ -194,7 +194,7 @@ def test_distances_on_both_sides(student, seed):
 
 @hidden(
     "point_line_distance",
-    weight=2,
+    weight=7,
     title="Right for a slice of the course's own scan",
     hint="The same two lines serve twenty points and twenty thousand.",
 )
@@ -250,14 +250,19 @@ def most_inliers(points, tolerance):
     return _most_inliers(np.ascontiguousarray(points, dtype=float).tobytes(), tolerance)
 
 
-def successes(student, clouds, max_iterations, tolerance):
-    """Yield for each cloud whether a line with 80 % of the possible inliers is found."""
+def successes(student, clouds, max_iterations, tolerance, marked=False):
+    """Yield for each cloud whether a line with 80 % of the possible inliers is found.
+
+    With ``marked``, whether the mask also holds 80 % of what it should, and little else.
+    """
     for number, points in enumerate(clouds):
         rng = np.random.default_rng(1000 + number)
         answer = student.ransac_line(points.copy(), max_iterations, tolerance, rng)
-        line, _ = as_result(answer, len(points))
-        inliers = 0 if line is None else np.sum(distances_from(line, points) <= tolerance)
-        yield line is not None and bool(inliers >= 0.8 * most_inliers(points, tolerance))
+        line, mask = as_result(answer, len(points))
+        near = line is not None and distances_from(line, points) <= tolerance
+        is_found = np.sum(near) >= 0.8 * most_inliers(points, tolerance)
+        is_marked = np.sum(mask & near) >= 0.8 * max(np.sum(near), np.sum(mask))
+        yield line is not None and bool(is_found and (is_marked or not marked))
 
 
 def are_at_least(needed, flags):
@@ -266,8 +271,16 @@ def are_at_least(needed, flags):
 
 
 def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
-    if not are_at_least(needed, successes(student, clouds, max_iterations, tolerance)):
-        raise CheckFailed("A line with most of the points that lie on one is found too seldom.")
+    asked = student, clouds, max_iterations, tolerance
+    if are_at_least(needed, successes(*asked, marked=True)):
+        return
+    if are_at_least(needed, successes(*asked)):
+        raise CheckFailed(
+            "The line is found, and the mask marks other points than those near it.",
+            hint="The mask of a line is point_line_distance(points, line) <= distance_tolerance: "
+            "keep it together with its line.",
+        )
+    raise CheckFailed("A line with most of the points that lie on one is found too seldom.")
 
 
 # The chances below are those of a single run to miss, where no early stop is made; they were
@@ -287,7 +300,7 @@ def test_fresh_lines(student, seed):
 
 @hidden(
     "ransac_line",
-    weight=3,
+    weight=10,
     title="The mask belongs to the line, also of a rough wall",
     hint="Replace line and mask together. What is compared with distance_tolerance are metres: "
     "from a unit normal, and not squared.",

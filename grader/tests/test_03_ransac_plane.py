@@ -48,6 +48,7 @@ from utils.checks.lesson_03.results import (
     assert_mask_belongs,
     assert_mask_follows,
     assert_nothing_found,
+    mask_of,
     model_of,
 )
 from utils.checks.vocabulary import CheckFailed, needs
@@ -84,7 +85,7 @@ def test_random_triangles(student, seed):
 
 @hidden(
     "plane_through",
-    weight=2,
+    weight=14,
     title="Triangles you have not seen lie on their planes, near and far",
     hint="d makes the plane pass through p; it is computed from the a, b, c that are returned.",
 )
@@ -98,7 +99,7 @@ def test_offsets(student, seed):
 
 @hidden(
     "plane_through",
-    weight=2,
+    weight=5,
     title="The normal has length 1, however large the triangle",
     hint="Divide the cross product by its length.",
 )
@@ -127,7 +128,7 @@ def test_order(student, seed):
 
 @hidden(
     "plane_through",
-    weight=2,
+    weight=4,
     title="None for points of one line, however they lie on it",
     hint="The cross product is zero, or as good as zero: compare its length with 1e-9.",
 )
@@ -192,7 +193,25 @@ def test_both_sides(student, seed):
 
 @hidden(
     "point_plane_distance",
-    weight=2,
+    weight=15,
+    title="Right on both sides of planes anywhere, in the course's own scan",
+    hint="First the whole sum, d included; then its absolute value.",
+)
+def test_both_sides_anywhere(student, seed):
+    rng = np.random.default_rng(seed)
+    with needs("d counts, and no distance has a sign"):
+        test_offset_planes(student, seed)
+        test_both_sides(student, seed)
+    cloud = samples.patch_of_course_cloud(seed, 500)[:, :3]
+    for _ in range(2):
+        plane = random_plane(rng)
+        plane[3] = -np.median(cloud @ plane[:3])  # half of the points on either side
+        assert_distances(student.point_plane_distance(cloud.copy(), plane.copy()), cloud, plane)
+
+
+@hidden(
+    "point_plane_distance",
+    weight=5,
     title="Clouds of four columns have the distances of their first three",
     hint="points[:, :3] for the product with the normal.",
 )
@@ -257,6 +276,17 @@ def street_and_its_best(name, street, run, tolerance):
     return points, int(counts.max()), min(900, math.ceil(23 / chance))
 
 
+def assert_marks(answer, points, tolerance):
+    """The mask holds most of the points near the model, and little else."""
+    near, mask = gaps_from(points, model_of(answer)) <= tolerance, mask_of(answer, len(points))
+    if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
+        raise CheckFailed(
+            "The plane is found, and the mask marks other points than those near it.",
+            hint="The mask of a plane is point_plane_distance(points, plane) <= "
+            "distance_tolerance: keep it together with its plane.",
+        )
+
+
 @hidden(
     "ransac_plane",
     weight=4,
@@ -275,6 +305,7 @@ def test_streets(student, seed, name):
                 yours=f"{found} points",
                 expected=f"about {most} points",
             )
+        assert_marks(answer, points, 0.2)
 
 
 @hidden(
@@ -290,6 +321,7 @@ def test_any_direction(student, seed):
         # One sample in five is good and lies well: 0.81^120 < 1e-10.
         answer = student.ransac_plane(points.copy(), 120, 0.2, np.random.default_rng(run))
         assert_finds(answer, points, 0.2, belongs)
+        assert_marks(answer, points, 0.2)
 
 
 @hidden(
@@ -304,11 +336,12 @@ def test_many_outliers(student, seed):
         # One sample in 36 is good and lies well: 0.972^850 < 1e-10.
         answer = student.ransac_plane(points.copy(), 850, 0.2, np.random.default_rng(run))
         assert_finds(answer, points, 0.2, belongs, share=0.85)
+        assert_marks(answer, points, 0.2)
 
 
 @hidden(
     "ransac_plane",
-    weight=2,
+    weight=8,
     title="The mask belongs to the model, run after run",
     hint="Keep the plane and its mask together. Whoever fits a new plane in the end needs a new "
     "mask, too.",
@@ -443,7 +476,7 @@ def test_fit_any_direction(student, seed):
 
 @hidden(
     "fit_plane",
-    weight=2,
+    weight=10,
     title="The mean lies on the plane, wherever the points are",
     hint="d is minus the product of the normal and the mean.",
 )
@@ -458,7 +491,7 @@ def test_fit_offset(student, seed):
 
 @hidden(
     "fit_plane",
-    weight=2,
+    weight=4,
     title="Right for pieces of the course's own scan",
     hint="Any cloud has a best plane, flat or not.",
 )
@@ -513,7 +546,7 @@ def test_iterations(student, seed):
 
 @hidden(
     "iterations_needed",
-    weight=1,
+    weight=2,
     title="Right for samples of other sizes",
     hint="w is taken to the power of sample_size.",
 )

@@ -42,11 +42,11 @@ def fit_plane(points):
     normal = vectors[:, np.argmin(values)]
     return np.array([*normal, -(normal * centre).sum()])
 
-# %% right: SVD with the full matrix, upward normal
+# %% right: SVD of the table turned over, upward normal
 def fit_plane(points):
     xyz = points[:, :3].astype(float)
     mean = np.average(xyz, axis=0)
-    u, s, vt = np.linalg.svd((xyz - mean).T)
+    u, s, vt = np.linalg.svd((xyz - mean).T, full_matrices=False)
     n = u[:, np.argmin(s)]
     n = n if n[2] > 0 else -n
     return (n[0], n[1], n[2], -np.inner(n, mean))
@@ -211,3 +211,11 @@ def fit_plane(cloud):
     centre = cloud[:, :3].mean(axis=0)
     normal = np.linalg.svd(cloud[:, :3] - centre, full_matrices=False)[2][-1]
     return np.append(normal, -normal @ centre)
+
+# %% wrong: full matrices
+# loses only: fits_many_points
+# says: not enough memory for the plane
+def fit_plane(points):
+    centre = points[:, :3].mean(axis=0)
+    normal = np.linalg.svd(points[:, :3] - centre)[2][2]
+    return (*normal, -normal @ centre)

@@ -861,3 +861,22 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
         if mask.sum() > best_mask.sum():
             best, best_mask = (*normal, -normal @ p), mask
     return best, best_mask
+
+# %% wrong: outliers for inliers
+# loses: finds_the_line, test_fresh_lines
+# says: farther from the line than the threshold
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        p, q = points[rng.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) >= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask

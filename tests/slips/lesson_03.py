@@ -25,7 +25,7 @@ SLIPS = {
         Slip("one side twice", "r - p)", "q - p)", USELESS),
         Slip("no None", "length < 1e-9", "False", PARTLY),
         Slip("exactly 0", "length < 1e-9", "length == 0", SMALL),
-        Slip("small triangles are none", "length < 1e-9", "length < 0.1", PARTLY),
+        Slip("small triangles are none", "length < 1e-9", "length < 0.1", SMALL),
         Slip(
             "a product for the cross product",
             "np.cross(q - p, r - p)",
@@ -70,8 +70,8 @@ SLIPS = {
         Slip("outliers for inliers", "candidate) <= distance", "candidate) >= distance", USELESS),
         Slip(
             "the mask is turned around",
-            "    return model, inliers\n    ###",
-            "    return model, ~inliers\n    ###",
+            "\n    return model, inliers",
+            "\n    return model, ~inliers",
             USELESS,
         ),
         Slip("< for <=", "candidate) <= distance", "candidate) < distance", SMALL),
@@ -80,7 +80,9 @@ SLIPS = {
         Slip("None is not asked for", "candidate is None", "False", SMALL),
         Slip("a round is missing", "range(max_iterations)", "range(1, max_iterations)", SMALL),
         Slip("fifty rounds", "range(max_iterations)", "range(50)", SMALL),
-        Slip("a seed of its own", "default_rng(rng)", "default_rng(0)", SMALL),
+        Slip(
+            "a seed of its own", "= np.random.default_rng(rng)", "= np.random.default_rng(0)", SMALL
+        ),
         Slip("no generator", "rng = np.random.default_rng(rng)", "", SMALL),
         Slip("too few points are not asked for", "len(points) < 3", "False", SMALL),
         Slip("three points are too few", "len(points) < 3", "len(points) <= 3", SMALL),
@@ -88,14 +90,14 @@ SLIPS = {
         Slip("a tolerance of its own", "<= distance_tolerance", "<= 0.3", PARTLY),
         Slip(
             "the mask first",
-            "    return model, inliers\n    ###",
-            "    return inliers, model\n    ###",
+            "\n    return model, inliers",
+            "\n    return inliers, model",
             USELESS,
         ),
         Slip(
             "the last mask",
-            "    return model, inliers\n    ###",
-            "    return model, close\n    ###",
+            "\n    return model, inliers",
+            "\n    return model, close",
             USELESS,
         ),
     ],
@@ -116,12 +118,6 @@ SLIPS = {
         Slip("one mean for all", "mean(axis=0)", "mean() * np.ones(3)", USELESS),
         Slip("the first result", "full_matrices=False)[2]", "full_matrices=False)[0]", USELESS),
         Slip("full matrices", ", full_matrices=False", "", SMALL),
-        Slip(
-            "moves the cloud",
-            "by_spread = np.linalg",
-            "points[:, :3] -= centre; points[:, :3] += centre + 1e-6\n    by_spread = np.linalg",
-            SMALL,
-        ),
     ],
     "iterations_needed": [
         Slip("rounded down", "math.ceil", "math.floor", SMALL),
@@ -142,8 +138,8 @@ SLIPS = {
             USELESS,
         ),
         Slip("log of w^s", "math.log1p(-good_sample)", "math.log(good_sample)", USELESS),
-        Slip("no end at 0", "if good_sample <= 0:\n        return math.inf\n", "", SMALL),
-        Slip("no end at 1", "if good_sample >= 1:\n        return 1\n", "", SMALL),
+        Slip("no end at 0", "    if good_sample <= 0:\n        return math.inf\n", "", SMALL),
+        Slip("no end at 1", "    if good_sample >= 1:\n        return 1\n", "", SMALL),
         Slip("0 without inliers", "return math.inf", "return 0", SMALL),
         Slip(
             "outliers for inliers",

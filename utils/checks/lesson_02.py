@@ -375,7 +375,7 @@ def measures_square_to_the_line(point_line_distance: Callable) -> None:
 
 @visible(
     "point_line_distance",
-    weight=3,
+    weight=5,
     title="Never negative, on whichever side a point lies",
     why="Without that, a whole half of the street is within any threshold.",
     hint="np.abs takes the absolute value of a whole array.",
@@ -389,7 +389,7 @@ def takes_both_sides(point_line_distance: Callable) -> None:
 
 @visible(
     "point_line_distance",
-    weight=3,
+    weight=5,
     title="c counts: lines need not run through (0, 0)",
     why="A wall through the scanner is rare.",
     hint="Add c, with its sign, before you take the absolute value: |a x + b y + c|.",
@@ -403,6 +403,26 @@ def counts_c(point_line_distance: Callable) -> None:
         points, line = np.array(points, dtype=float), np.array([0.6, -0.8, c])
         answer = point_line_distance(points.copy(), line.copy())
         assert_line_distances(answer, points, line, np.array(expected))
+
+
+@visible(
+    "point_line_distance",
+    weight=7,
+    title="Both at once: points on either side of a line that misses (0, 0)",
+    why="Such are nearly all walls: |a x + b y + c| and nothing else is right for them.",
+    hint="First the whole sum, c included; then its absolute value.",
+)
+def takes_both_sides_anywhere(point_line_distance: Callable) -> None:
+    with needs("c counts, and no distance is negative"):
+        counts_c(point_line_distance)
+        takes_both_sides(point_line_distance)
+    points = np.vstack([-_BESIDE, _BESIDE])
+    for c in (2.5, -2.5):
+        line = np.array([*_SLANTED[:2], c])
+        expected = np.abs(np.append(-_DISTANCES, _DISTANCES) + c)
+        assert_line_distances(
+            point_line_distance(points.copy(), line.copy()), points, line, expected
+        )
 
 
 @visible(
@@ -788,6 +808,11 @@ def _noticed(
         return ""
     if not any(mask.any() for _, mask in answers):
         return " Each run returned a line, and not one inlier."
+    if all(
+        np.array_equal(mask, distances_from(line, points) > tolerance)
+        for (line, mask), (points, _) in zip(answers, runs, strict=False)
+    ):
+        return " Each mask holds the points that are farther from the line than the threshold."
 
     def after(rounds: int) -> list[tuple]:
         return [
@@ -852,7 +877,7 @@ promises.untouched(
 
 @visible(
     "ransac_line",
-    weight=3,
+    weight=6,
     title="The mask belongs to the line, for any threshold",
     why="The inliers go into the map, and the line to the steering: they must say the same.",
     hint="Replace line and mask together. What is compared with distance_tolerance are metres: "
@@ -1096,7 +1121,7 @@ def _written(line: np.ndarray | None) -> str:
 
 @visible(
     "ransac_line",
-    weight=1,
+    weight=2,
     title="Another seed draws other samples",
     why="A run that missed the wall can be tried again with another seed.",
     hint="Which samples are drawn must depend on rng: draw with what np.random.default_rng(rng) "
@@ -1208,7 +1233,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
 
 @visible(
     "ransac_line",
-    weight=1,
+    weight=2,
     title="rng may be a whole number, too: a seed",
     why="A seed fits into a log file; a generator does not.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator of a whole number, "

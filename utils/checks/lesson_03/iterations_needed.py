@@ -144,7 +144,7 @@ def smallest_that_suffices(iterations_needed: Callable) -> None:
 
 @visible(
     "iterations_needed",
-    weight=1,
+    weight=2,
     title="Follows sample_size",
     why="A line needs two points, a plane three: the same inliers, another number.",
     hint="s is sample_size: w is taken to that power.",

@@ -154,7 +154,7 @@ def stands_upright(plane_through: Callable) -> None:
 
 @visible(
     "plane_through",
-    weight=2,
+    weight=18,
     title="The three points lie on the plane",
     why="Everything else, distances and inliers, is measured from this plane.",
     hint="Choose d so that a x + b y + c z + d is 0 at p, with the same a, b, c that you return.",
@@ -167,7 +167,7 @@ def holds_its_points(plane_through: Callable) -> None:
 
 @visible(
     "plane_through",
-    weight=2,
+    weight=5,
     title="The normal has length 1",
     why="Only then is a x + b y + c z + d a distance in metres, and 0.2 means 20 cm.",
     hint="Divide the cross product by np.linalg.norm of it, and compute d afterwards.",
@@ -180,7 +180,7 @@ def has_a_unit_normal(plane_through: Callable) -> None:
 
 @visible(
     "plane_through",
-    weight=2,
+    weight=4,
     title="Returns None for points on one line",
     why="Three such points fix no plane, and 0 / 0 would spread through all distances. On a "
     "drive with ten scans a second even what is rare comes up.",
@@ -194,7 +194,7 @@ def refuses_a_line(plane_through: Callable) -> None:
 
 @visible(
     "plane_through",
-    weight=1,
+    weight=2,
     title="Sees a line through rounding errors",
     why="Measured points are never whole numbers: the cross product of a line is hardly ever "
     "exactly 0.",
@@ -213,7 +213,7 @@ def sees_through_rounding(plane_through: Callable) -> None:
 
 @visible(
     "plane_through",
-    weight=1,
+    weight=2,
     title="A small triangle has a plane, too",
     why="Neighbouring returns are centimetres apart: their cross product is short, but not 0.",
     hint="Refuse only what is as good as 0, such as a length below 1e-9.",

@@ -180,7 +180,7 @@ def forgets_the_sign(point_plane_distance: Callable) -> None:
 
 @visible(
     "point_plane_distance",
-    weight=1,
+    weight=18,
     title="The absolute value is that of the whole sum, d included",
     why="A road is below the sensor: there a x + b y + c z and d have opposite signs.",
     hint="np.abs around everything: first the sum with d, then its absolute value.",
@@ -197,7 +197,7 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
 
 @visible(
     "point_plane_distance",
-    weight=2,
+    weight=5,
     title="The fourth column does not count",
     why="(n, 4) times (4,) works without an error, and multiplies brightness with d.",
     hint="Take points[:, :3] and the first three numbers of the plane; add the last one.",
@@ -210,7 +210,7 @@ def ignores_intensity(point_plane_distance: Callable) -> None:
 
 @visible(
     "point_plane_distance",
-    weight=1,
+    weight=2,
     title="The plane may be a tuple",
     why="plane_through may return one.",
     hint="A tuple does not calculate: take its numbers one by one, or np.asarray(plane).",

@@ -124,7 +124,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
 
 @visible(
     "ransac_plane",
-    weight=3,
+    weight=14,
     title="Returns the model and the mask that belongs to it",
     why="Who gets the plane of one sample and the inliers of another removes the wrong points.",
     hint="When a sample is better than the best so far, keep both, plane and mask.",
@@ -136,7 +136,7 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
 
 @visible(
     "ransac_plane",
-    weight=2,
+    weight=3,
     title="Inliers are the points within distance_tolerance",
     why="The pavement lies a hand above the road. The threshold decides whether it is an inlier.",
     hint="Compare the distances with distance_tolerance, not with a number of your own.",
@@ -374,7 +374,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
 
 @visible(
     "ransac_plane",
-    weight=1,
+    weight=2,
     title="A point at exactly distance_tolerance is an inlier",
     why="The docstring calls it the largest distance of an inlier: up to it, and including it.",
     hint="Compare the distances with <=.",
@@ -414,7 +414,7 @@ def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
 
 @visible(
     "ransac_plane",
-    weight=2,
+    weight=3,
     title="The fourth column does not count",
     why="The intensity is no coordinate.",
     hint="Use points[:, :3] for the sample and for the distances.",
@@ -456,7 +456,7 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
 
 @visible(
     "ransac_plane",
-    weight=2,
+    weight=3,
     title="Follows rng: one seed one answer, other seeds others",
     why="A result that nobody can repeat cannot be debugged.",
     hint="rng = np.random.default_rng(rng), then draw with rng.choice, never with "
@@ -504,7 +504,7 @@ def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
 
 @visible(
     "ransac_plane",
-    weight=1,
+    weight=3,
     title="rng may be a whole number, too: a seed",
     why="A seed fits into a log file; a generator does not.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator of a whole number, "
