@@ -79,6 +79,28 @@ def test_an_exception_in_a_comprehension_is_placed_in_the_function_around_it():
     assert name == "measure" and place.endswith("of the cell of measure")
 
 
+def finished(line):
+    a, b = line
+    return a + b
+
+
+def under_check(point):
+    total = sum(finished([value]) for value in point)
+    return total
+
+
+def test_an_exception_in_a_finished_function_is_placed_where_that_was_called():
+    with pytest.raises(ValueError) as caught:
+        under_check([1])
+    name, place, line = place_in(caught.value, under_check)
+    own, _, inner = place.partition(", which calls ")
+    assert (name, line) == ("finished", "a, b = line")
+    assert own.endswith(
+        "of the cell of under_check, `total = sum(finished([value]) for value in point)`"
+    )
+    assert inner.endswith("of the cell of finished")
+
+
 def test_check_of_a_stub_says_so(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         raise NotImplementedError

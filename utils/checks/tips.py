@@ -405,21 +405,27 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
     name : str
         The function that it happened in; empty where it was in none of the student's.
     place : str
-        Such as "line 3 of its cell".
+        Such as "line 3 of the cell of ransac_line"; where it happened in another function that
+        this one calls, that line after its own.
     line : str
-        What stands there.
+        What stands where it happened.
     """
     methods = getattr(function, "__dict__", {}).values()  # of a class
     homes = [one.__globals__ for one in (function, *methods) if hasattr(one, "__globals__")]
-    found, trace = ("", "", ""), error.__traceback__
+    own, found, trace = None, ("", "", ""), error.__traceback__
     while trace is not None:
         if any(trace.tb_frame.f_globals is home for home in homes):
             code = trace.tb_frame.f_code
             line = linecache.getline(code.co_filename, trace.tb_lineno).strip()
             name = _written_name(code)
             found = name, f"line {trace.tb_lineno} of the cell of {name}", line
+            if name == getattr(function, "__name__", ""):
+                own = found
         trace = trace.tb_next
-    return found
+    if own is None or own[0] == found[0]:
+        return found
+    # Whoever looks at the other function alone may break one that is right.
+    return found[0], f"{own[1]}, `{own[2]}`, which calls {found[1]}", found[2]
 
 
 def _written_name(code: CodeType) -> str:
