@@ -1,4 +1,4 @@
-"""What may be told of a failure: of a shown check everything, of a hidden one its kind."""
+"""What may be told of a failure: its kind, and what stands in the notebook anyway."""
 
 import pytest
 
@@ -11,6 +11,7 @@ from grader.judging.messages import (
     without_numbers,
 )
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.quoting import LONGEST_LINE, sentence_on, sentence_on_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -49,15 +50,6 @@ WRONG = CheckFailed(
 )
 
 
-def test_of_a_shown_check_everything_is_told():
-    assert words(SHOWN, WRONG) == [
-        "3 of 17 rows are wrong, for example (1.5, -2): row 4",
-        "A tip.",
-        "Given: (1, 2); yours: 3; expected: 4",
-        "Hint: Look at it.",
-    ]
-
-
 @pytest.mark.parametrize("check, open_to_all", [(HIDDEN, True), (HIDDEN, False), (SHOWN, False)])
 def test_of_a_hidden_one_and_where_it_had_company_no_number_and_no_answer(check, open_to_all):
     assert words(check, WRONG, open_to_all) == [
@@ -66,22 +58,39 @@ def test_of_a_hidden_one_and_where_it_had_company_no_number_and_no_answer(check,
     ]
 
 
+def test_of_a_shown_one_counts_and_no_answer():
+    """A neighbour's question may be in the answer to one that everybody knows."""
+    assert words(SHOWN, WRONG) == ["3 of 17 rows are wrong: row 4", "Hint: Look at it."]
+    secret = CheckFailed("2 of 5 are wrong, by 0.6763 and 67, 8; then 6, 7 and 63", yours="6763")
+    said = "2 of 5 are wrong, by … and 67, 8; then …, … and …"
+    assert words(SHOWN, secret) == [said, "Hint: Look at it."]
+    assert words(SHOWN, CheckFailed("676 of -3 are 1e5"))[0] == "… of … are …"
+
+
+SEE_ANSWER = "The check in the notebook shows your answer beside the right one."
+SEE_PYTHON = "The check in the notebook shows what Python says about it."
+
+
 @pytest.mark.parametrize(
-    ("given", "yours", "expected", "line"),
+    ("failure", "says"),
     [
-        (None, None, None, None),
-        ("1", None, None, "Given: 1"),
-        ("1", None, "3", "Given: 1"),
-        (None, "2", None, "Yours: 2"),
-        (None, "2", "3", "Yours: 2; expected: 3"),
-        ("1", "2", None, "Given: 1; yours: 2"),
-        ("", "", "", "Given: ; yours: ; expected: "),
+        (CheckFailed("no"), SEE_ANSWER),
+        (WrongForm("no array"), SEE_ANSWER),
+        (FarTooMuch("too much"), SEE_ANSWER),
+        (Raised("no", kind="ValueError", place=None), SEE_PYTHON),
+        (Stopped("no"), None),
+        (NotStarted("f", "f"), None),
+        (NotYet("First"), None),
     ],
 )
-def test_what_stands_side_by_side(given, yours, expected, line):
-    failure = CheckFailed("It is wrong.", given=given, yours=yours, expected=expected)
-    said = words(SHOWN, failure)
-    assert said == ["It is wrong.", *([line] if line else []), "Hint: Look at it."]
+def test_where_there_is_more_to_see_is_said_once(failure, says):
+    others = [CheckFailed("another"), CheckFailed("a third")]
+    outcomes = [Outcome(SHOWN, one) for one in (failure, *others)]
+    messages = messages_of(resolve(outcomes))
+    ends = [message.rsplit("\n", 1)[-1] for message in messages.values()]
+    assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [says or SEE_ANSWER]
+    hidden = messages_of(resolve([Outcome(HIDDEN, failure)]))
+    assert "in the notebook" not in "".join(hidden.values())
 
 
 def test_the_kind_of_a_failure_is_told_and_its_own_hint():
@@ -93,7 +102,7 @@ def test_the_kind_of_a_failure_is_told_and_its_own_hint():
     assert type(failure_of(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
     waits = NotYet("It is sorted")
     assert failure_of(Outcome(HIDDEN, waits), False) is waits
-    assert failure_of(Outcome(SHOWN, WRONG), True) is WRONG
+    assert failure_of(Outcome(SHOWN, WRONG), True).yours is None
 
 
 def raised(kind="ValueError", message="a secret 17", **more):
@@ -101,9 +110,10 @@ def raised(kind="ValueError", message="a secret 17", **more):
     return StudentError("f", kind, message, **about)
 
 
-def test_of_an_exception_a_hidden_question_shows_no_word_of_the_student():
+def test_of_an_exception_is_told_what_stands_in_the_notebook_anyway():
     shown = failure_of(Outcome(SHOWN, raised()), True)
-    assert isinstance(shown, Raised) and "a secret 17" in shown.message
+    assert isinstance(shown, Raised)
+    assert shown.message == "f raised ValueError (code cell 3, line 2: `x = y[0]`)."
     assert (shown.kind, shown.place) == ("ValueError", "code cell 3, line 2")
     hidden = failure_of(Outcome(HIDDEN, raised()), False)
     assert hidden.message == "f raised ValueError (code cell 3, line 2)."
@@ -111,6 +121,94 @@ def test_of_an_exception_a_hidden_question_shows_no_word_of_the_student():
     own = failure_of(Outcome(HIDDEN, raised("Secret17", is_one_of_few=False)), False)
     assert own.message == "f raised another exception."
     assert (own.kind, own.place) == ("another exception", None)
+
+
+MISSING = "name 'clod' is not defined"
+REFUSED = "is not allowed in this lesson: it does the exercise for you"
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "line", "says"),
+    [
+        ("NameError", MISSING, "return clod[mask]", f"NameError: {MISSING}"),
+        ("NameError", MISSING, "return cloddy[mask]", "NameError"),
+        ("NameError", f"{MISSING} 17", "return clod", f"NameError: {MISSING}"),
+        ("KeyError", MISSING, "return clod", "KeyError"),
+        (
+            "UnboundLocalError",
+            "cannot access local variable 'best' where it is not associated with a value",
+            "return best",
+            "UnboundLocalError: variable 'best' has no value yet",
+        ),
+        (
+            "AttributeError",
+            "'numpy.ndarray' object has no attribute 'append'",
+            "rows.append(row)",
+            "AttributeError: no attribute 'append'",
+        ),
+        (
+            "AttributeError",
+            "'numpy.ndarray' object has no attribute 'secret17'",
+            "getattr(rows, word)",
+            "AttributeError",
+        ),
+        (
+            "TypeError",
+            "f() got an unexpected keyword argument 'size'",
+            "f(cloud, size=2)",
+            "TypeError: no parameter 'size'",
+        ),
+        (
+            "ModuleNotFoundError",
+            "No module named 'open3d'",
+            "import open3d as o3d",
+            "ModuleNotFoundError: no module named 'open3d' where notebooks are judged: only the "
+            "packages that the lesson needs are there",
+        ),
+        ("ModuleNotFoundError", "No module named 'secret17'", "import_(x)", "ModuleNotFoundError"),
+        (
+            "ImportError",
+            f"scipy.cluster {REFUSED}",
+            "DBSCAN()",
+            f"ImportError: scipy.cluster {REFUSED}",
+        ),
+        (
+            "ImportError",
+            f"scipy.cluster.x17 {REFUSED}",
+            "",
+            f"ImportError: scipy.cluster {REFUSED}",
+        ),
+        ("ImportError", f"secret17 {REFUSED}", "", "ImportError"),
+        ("ImportError", f"scipy.cluster {REFUSED} 17", "", "ImportError"),
+        ("ValueError", "give me rows", 'raise ValueError("give me rows")', "ValueError"),
+        ("EmptyCloud", "17", "raise lab.EmptyCloud(17)", "EmptyCloud"),
+        ("EmptyCloud", "17", "check_cloud(EmptyCloud)", "another exception"),
+        ("Secret17", "17", "raise kind()", "another exception"),
+        ("SystemExit", "17", "exit(17)", "SystemExit"),
+        ("StopIteration", "17", "next(rows)", "StopIteration"),
+    ],
+)
+def test_a_word_is_told_if_it_stands_in_the_line(kind, message, line, says):
+    error = raised(kind, message, line=line, forbidden=("sklearn.cluster", "scipy.cluster"))
+    shown = f": `{line}`" if line else ""
+    assert sentence_on(error) == f"f raised {says} (code cell 3, line 2{shown})."
+
+
+def test_a_line_is_told_no_further_than_a_person_writes():
+    line = "x = " + "1 + " * 100 + "clod"
+    said = sentence_on(raised("NameError", MISSING, line=line))
+    assert said == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
+
+
+def test_where_no_place_is_known_none_is_told():
+    error = raised("NameError", MISSING, line="", place=None)
+    assert sentence_on(error) == "f raised NameError."
+    assert sentence_on_cell(error) == "A cell failed: NameError."
+    error = raised("NameError", MISSING, line="x = clod")
+    assert (
+        sentence_on_cell(error)
+        == f"Code cell 3, line 2, failed: NameError: {MISSING} (`x = clod`)."
+    )
 
 
 @pytest.mark.parametrize("visible", [True, False])

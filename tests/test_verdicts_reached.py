@@ -248,9 +248,10 @@ def test_a_verdict_says_of_each_check_what_came_of_it():
     exercise = FILTER.machine_graded[0]
     result = result_of(exercise, asked, None)
     half, said = exercise.points / 2, "It is upside down.\nno"
+    more = f"{said}\nThe check in the notebook shows your answer beside the right one."
     assert result.tests == (
         CheckResult("filter_ground 0", "title 0", True, half, half, "", True),
-        CheckResult("filter_ground 1", "title 1", False, 0.0, half, said, True),
+        CheckResult("filter_ground 1", "title 1", False, 0.0, half, more, True),
     )
     assert (result.name, result.score, result.max_score) == ("filter_ground", half, 2 * half)
     assert (result.cause, result.first) == (said, "filter_ground 1")
@@ -274,4 +275,4 @@ def test_what_was_said_beside_a_right_helper_is_not_told():
     result = result_of(FILTER.machine_graded[0], asked, better)
     assert result.score == FILTER.machine_graded[0].points / 2
     assert result.cause == "A helper is wrong.\n… of … rows\nHint: a hint"
-    assert result.tests[1].message == "… of … rows\nHint: a hint"
+    assert result.tests[1].message.startswith("… of … rows\nHint: a hint\n")

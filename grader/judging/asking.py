@@ -192,8 +192,8 @@ def run_tests(
 ) -> list[Outcome]:
     """Ask the checks of a lesson.
 
-    Those that students may see come first: their words are shown there, and by then the student's
-    code has met no hidden question.
+    Those that students may see come first: more is told of them, and by then the student's code
+    has met no hidden question.
 
     Parameters
     ----------

@@ -1,20 +1,25 @@
 """What a person reads about a failed test, and about an exercise as a whole.
 
-About a visible test everything: it is in the notebook. About a hidden one nothing that holds a
-part of its question, or a word that student code chose: what kind of thing is wrong, where in
-the student's own code, and our hint.
+Nothing that holds a part of a question, or a word that student code chose: what kind of thing is
+wrong, where in the student's own code, and our hint. Of a visible test the question is in the
+notebook; but a neighbour's may be in the answer. There the student's own `check()` shows all.
 """
 
+import functools
 import re
 
 from grader.judging.asking import JudgeTimeout
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.quoting import sentence_on
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
 from utils.checks.outcomes import Outcome
 from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
+
+# Counts, as "2 of 5 rows", are told of what students see: so many, and below a hundred.
+FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
 
 
 def told(outcome: Outcome, open_to_all: bool) -> Outcome:
@@ -25,7 +30,7 @@ def told(outcome: Outcome, open_to_all: bool) -> Outcome:
     outcome : Outcome
         As the judge saw it.
     open_to_all : bool
-        False where the student's code had company that no word may be told of: then the checks
+        False where the student's code had company that no line may be told of: then the checks
         that students see are told like hidden ones.
     """
     if outcome.failure is None:
@@ -42,12 +47,16 @@ def messages_of(story: Story) -> dict[Outcome, str]:
     """
     if story.first is None:
         return {}
-    same = f"For the same reason as “{story.first.check.title}”."
-    return {
+    in_full = {
         story.first: text_of(story.first, story.mistake),
-        **dict.fromkeys(story.same, same),
         **{one: text_of(one, hinted=False) for one in (*story.others, *story.waiting)},
     }
+    for one in in_full:
+        if pointer := _where_to_see_more(one):
+            in_full[one] += f"\n{pointer}"
+            break
+    same = f"For the same reason as “{story.first.check.title}”."
+    return in_full | dict.fromkeys(story.same, same)
 
 
 def text_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> str:
@@ -58,7 +67,6 @@ def text_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = Tru
         mistake.says if mistake else "",
         failure.message,
         failure.tip,
-        _side_by_side(failure),
         hint and f"Hint: {hint}",
     ]
     return "\n".join(line for line in lines if line)
@@ -72,17 +80,16 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
-        said = str(error) if visible else error.without_words
+        said = sentence_on(error) if visible else error.without_words
         tip = tip_for(error.type_name, error.message, error.line)
-        kind, place = error.type_name, error.place
-        if not visible:
-            kind, place = error.told_type, error.told_place
-        return Raised(said, kind=kind, place=place, tip=tip)
-    if isinstance(error, NotYet) or (isinstance(error, CheckFailed) and visible):
+        place = error.place if visible else error.told_place
+        return Raised(said, kind=error.told_type, place=place, tip=tip)
+    if isinstance(error, NotYet):
         return error
     if isinstance(error, CheckFailed):
         kind = type(error) if isinstance(error, WrongForm) else CheckFailed
-        return kind(without_numbers(error.message), hint=error.hint)
+        words = with_few_numbers if visible else without_numbers
+        return kind(words(error.message), hint=error.hint)
     if isinstance(error, JudgeTimeout):
         return WrongForm(
             "Comparing the answer took longer than any right answer needs: is it much larger "
@@ -94,16 +101,29 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     )
 
 
-def without_numbers(message: str) -> str:
-    """A message without what differs from cloud to cloud: what is left is the kind of mistake."""
+def without_numbers(message: str, few: int = 0) -> str:
+    """A message without what differs from cloud to cloud: what is left is the kind of mistake.
+
+    Of small whole numbers a few may stay: an answer that is a secret says little by these.
+    """
+    whole = iter(range(few))
+
+    def told(number: re.Match) -> str:
+        is_small = re.fullmatch(SMALL_NUMBER, number[0])
+        return number[0] if is_small and next(whole, None) is not None else "…"
+
     message = re.sub(r",? for example \([^)]*\)", "", message)
-    message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(e[+-]?\d+)?(?!\w)", "…", message)
+    message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(e[+-]?\d+)?(?!\w)", told, message)
     return re.sub(r"\(…(, …)*,?\)", "(…)", message).replace("… row ", "… rows ")
 
 
-def _side_by_side(error: CheckFailed) -> str:
-    given = f"Given: {error.given}; " if error.given is not None else ""
-    if error.yours is None:
-        return given.removesuffix("; ")
-    expected = f"; expected: {error.expected}" if error.expected is not None else ""
-    return f"{given}{'yours' if given else 'Yours'}: {error.yours}{expected}"
+with_few_numbers = functools.partial(without_numbers, few=FEW_NUMBERS)
+
+
+def _where_to_see_more(outcome: Outcome) -> str:
+    """What a student's own notebook shows of a failure beside this; empty where nothing."""
+    if outcome.check.is_shown and outcome.failure.is_about_an_answer:
+        return "The check in the notebook shows your answer beside the right one."
+    if outcome.check.is_shown and isinstance(outcome.failure, Raised):
+        return "The check in the notebook shows what Python says about it."
+    return ""

@@ -17,18 +17,22 @@ MOST_LINES = 64
 
 
 class StudentError(RemoteError):
-    """A student's function raised; `str()` is the sentence to show.
+    """A student's function raised; `str()` is what the judge was told.
 
     Attributes
     ----------
+    function : str
+        What was called.
     type_name, message : str
-        The student's words: not for the messages of hidden tests.
+        The student's words: not to be told. What may be is in `grader.sandbox.quoting`.
     place : str or None
         Where in the notebook, in our words.
     line : str
         What stands there, in the student's.
     inside : str
         The exercise that it happened in; empty where it was in none.
+    forbidden : tuple of str
+        Modules that the lesson does not allow.
     told_type, told_place : str, str or None
         What may be told of a hidden question: a type of Python's or NumPy's that is among few,
         and the place if it is.
@@ -45,7 +49,9 @@ class StudentError(RemoteError):
         line: str = "",
         inside: str = "",
         is_one_of_few: bool = False,
+        forbidden: tuple[str, ...] = (),
     ) -> None:
+        self.function, self.forbidden = function, forbidden
         self.type_name, self.message = type_name, message
         self.place, self.line, self.inside = place, line, inside
         where = f" ({place})" if place else ""

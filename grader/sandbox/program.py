@@ -9,6 +9,10 @@ from dataclasses import dataclass, field, replace
 PACKAGES = ("numpy", "scipy", "matplotlib")
 
 
+# More than any lesson has, solved: which line it was is told of no longer notebook.
+MOST_LINES_OF_ALL = 4096
+
+
 def cell_and_line(place: str) -> tuple[int, int] | None:
     """Both numbers of a place such as ``code cell 3, line 12``; None if it is none."""
     found = re.fullmatch(r"code cell (\d{1,4}), line (\d{1,6})", place)
@@ -75,9 +79,12 @@ class Program:
         return replace(self, cells=(*self.cells[: cell - 1], changed, *self.cells[cell:]))
 
     def line_at(self, place: str) -> str | None:
-        """What stands at a place such as ``code cell 3, line 12``; None if there is no such one."""
+        """What stands at a place such as ``code cell 3, line 12``; None if there is no such one.
+
+        None, too, where there are so many lines that which of them it is says too much.
+        """
         found = cell_and_line(place)
-        if not found:
+        if not found or sum(1 + cell.count("\n") for cell in self.cells) > MOST_LINES_OF_ALL:
             return None
         cell, line = found
         lines = self.cells[cell - 1].split("\n") if 0 < cell <= len(self.cells) else []

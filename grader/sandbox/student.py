@@ -17,6 +17,7 @@ from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.patience import Budget, Patience, stopwatch
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
+from grader.sandbox.quoting import sentence_on_cell
 from grader.sandbox.untrusted import changes, names_a_number, positions, readable, rows, texts
 from utils.remote import Observed, Remote
 
@@ -25,6 +26,8 @@ _NEEDED, _ALL = "the cells that are needed", "all cells"
 # What a step may take of its limit once as much was lost on steps that had to be stopped, or that
 # raised: an endless loop costs the class little more than that once.
 ONCE_MORE = 1 / 8
+# What fails after these, fails for their sake.
+MOST_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
@@ -285,7 +288,18 @@ class Student:
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
         few = place is not None and self._is_one_of_few(place)
-        return StudentError(name, kind or "Exception", message, place, line, inside, few)
+        return StudentError(
+            name, kind or "Exception", message, place, line, inside, few, self._program.forbidden
+        )
+
+    def _failed_cells(self, failures: object) -> list[str]:
+        """A sentence for each of the first cells that failed."""
+        failures = failures if isinstance(failures, list) else []
+        said = [
+            sentence_on_cell(self._error("", failure)) for failure in failures[:MOST_FAILED_CELLS]
+        ]
+        more = len(failures) > MOST_FAILED_CELLS
+        return [*said, *["More of the notebook failed after that."] * more]
 
     def _is_one_of_few(self, place: str) -> bool:
         """Whether a place is a line of the exercise as it was handed in, and that is short.
@@ -329,7 +343,10 @@ class Student:
         failed = self._start()
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._told:
-            self.problems += texts(found.get("problems")) + texts(failed.get("problems"))
+            # No line of the student had run when the first of these were found.
+            self.problems += texts(found.get("problems")) + self._failed_cells(
+                failed.get("problems")
+            )
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
             self._lines = found["lines"]
             self.edits = changes(found.get("edits"))

@@ -135,7 +135,7 @@ def crop_region(cloud, minimum, maximum):
 
 # %% wrong: adds to the corners as tuples
 # loses only: takes_any_corners, test_crop_input
-# says: can only concatenate
+# says: raised TypeError
 def crop_region(cloud, minimum, maximum):
     more = cloud.shape[1] - 3
     low, high = minimum + (-np.inf,) * more, maximum + (np.inf,) * more

@@ -90,7 +90,7 @@ def drop_invalid(cloud):
 
 # %% wrong: any zero coordinate counts as lost
 # loses only: keeps_points_with_a_zero, test_points_with_a_zero_stay
-# says: missing, for example (0.00, 5.00
+# says: rows missing
 # told: as soon as one of its coordinates is 0
 def drop_invalid(cloud):
     good = np.isfinite(cloud[:, :3]).all(axis=1) & (cloud[:, :3] != 0).all(axis=1)
@@ -98,7 +98,7 @@ def drop_invalid(cloud):
 
 # %% wrong: all columns must be zero
 # loses only: drops_bright_ones, test_bright_returns_go
-# says: too many, for example (0.00, 0.00, 0.00)
+# says: rows too many
 # told: only if its intensity is 0
 def drop_invalid(cloud):
     return cloud[np.isfinite(cloud[:, :3]).all(axis=1) & ~(cloud == 0).all(axis=1)]
@@ -216,7 +216,7 @@ def drop_invalid(cloud):
 
 # %% wrong: needs four columns
 # loses only: takes_three_columns, test_three_columns_cleaned
-# says: not enough values to unpack
+# says: more or fewer names than
 def drop_invalid(cloud):
     x, y, z, intensity = cloud.T
     finite = np.isfinite(x) & np.isfinite(y) & np.isfinite(z)

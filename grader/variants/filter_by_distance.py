@@ -64,7 +64,7 @@ def filter_by_distance(cloud, distance=10.0):
 
 # %% wrong: a square instead of a circle
 # loses only: draws_a_circle, test_turned, test_course_cloud, test_fresh_street
-# says: (8, 8, -0.5)
+# says: rows too many
 # told: that is a square, not a circle
 def filter_by_distance(cloud, distance=10.0):
     return cloud[(np.abs(cloud[:, 0]) <= distance) & (np.abs(cloud[:, 1]) <= distance)]

@@ -164,7 +164,7 @@ def horizontal_distance(cloud):
 
 # %% wrong: needs four columns
 # loses only: takes_three_columns, test_distances_of_three_columns
-# says: not enough values to unpack
+# says: more or fewer names than
 def horizontal_distance(cloud):
     x, y, z, intensity = cloud.T
     return np.sqrt(x ** 2 + y ** 2)
@@ -191,7 +191,7 @@ def horizontal_distance(cloud):
 
 # %% wrong: a column instead of a flat array
 # loses: measures_distance
-# says: shape (5, 1)
+# says: A column (n, 1) is a table
 def horizontal_distance(cloud):
     return np.sqrt((cloud[:, :2] ** 2).sum(axis=1, keepdims=True))
 

@@ -160,7 +160,7 @@ def point_plane_distance(points, plane):
 
 # %% wrong: takes no tuple
 # loses only: takes_a_tuple
-# says: has no attribute
+# says: no attribute 'dot'
 def point_plane_distance(points, plane):
     return np.abs(plane[:3].dot(points[:, :3].T) + plane[3])
 

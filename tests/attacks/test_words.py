@@ -10,10 +10,14 @@ import pytest
 from grader.classroom.report import write_report
 from grader.classroom.submissions import Submission
 from grader.console import print_class, print_verdict
-from grader.course.lessons import find_lesson
+from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT, Course
+from grader.judging.messages import FEW_NUMBERS
 from grader.lms.autograded import score_output
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
+from grader.sandbox.program import MOST_LINES_OF_ALL
+from grader.sandbox.quoting import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES
+from grader.sandbox.student import MOST_FAILED_CELLS
 from tests.attacks.attacking import attack, function, tried
 from utils.checks import tips
 
@@ -40,7 +44,7 @@ def hidden_words(verdict):
 
 @pytest.fixture
 def shown(tmp_path, capsys):
-    """Everything that people see of a verdict, but for what is said about visible checks."""
+    """Everything that people see of a verdict."""
 
     def shown(verdict):
         lesson = find_lesson(verdict.lesson)
@@ -108,14 +112,77 @@ def test_tells_a_hidden_question(body, hand_in, filtering, shown, tmp_path):
     assert verdict.status == "judged" and len(hidden_words(verdict)) == 17
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
-    # About visible checks the student's words may be shown: their questions are in the notebook.
-    visible = [
-        test.message for exercise in verdict.exercises for test in exercise.tests if test.visible
-    ]
-    told = {word for words in visible for word in re.findall("leak[a-j]+", words)}
+    # Nor are they told about visible checks: a neighbour could have told them.
     for text in shown(verdict):
-        assert {word for word in re.findall("leak[a-j]+", text)} <= told
+        assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)
+
+
+CELL_THAT_TELLS = """
+import sys
+number = 6763
+word = "leak" + "".join(chr(97 + int(digit)) for digit in str(number))
+def tell():
+    {body}
+f = tell()
+"""
+
+
+@tried(
+    "body",
+    {
+        "in the words of an exception": "raise ValueError(word)",
+        "in the name of an exception": "raise type(word, (Exception,), {})()",
+        "in the name of a well-known exception": "raise type('NameError', (NameError,), {})(word)",
+        "in a name that is missing": "return eval(word)",
+        "in an attribute that is missing": "return getattr(sys, word)",
+        "in a module that is missing": "__import__(word)",
+        "in a parameter that is missing": "print(**{word: 1})",
+        "in a key that is missing": "return {}[number]",
+        "in a module that is forbidden": (
+            "raise ImportError(f'sklearn.cluster.{word} is not allowed in this lesson: it does "
+            "the exercise for you')"
+        ),
+        "in a place": "exec(compile('1/0', f'code cell {number}', 'exec'))",
+        "in a line": "exec(compile('\\n' * number + '1/0', 'code cell 1', 'exec'))",
+    },
+)
+def test_tells_a_neighbours_secret_by_a_cell_that_fails(body):
+    """It has met no hidden question, and may have heard of one."""
+    source = CELL_THAT_TELLS.format(body=body) + "def f(): return 1\n"
+    with attack(source, forbidden=("sklearn.cluster",)) as student:
+        student.f()
+        said = " ".join(student.problems)
+    assert "failed: " in said and not LEAK.search(said) and "6763" not in said
+
+
+def test_tells_a_neighbours_secret_by_many_cells_that_fail():
+    source = "def f(): return 1\n" + "".join(f"f.x{n} = 1 / 0\n" for n in range(100))
+    with attack(source) as student:
+        student.f()
+        *told, last = student.problems
+    assert len(told) == MOST_FAILED_CELLS and last == "More of the notebook failed after that."
+
+
+@tried(
+    "name, body",
+    {
+        "in values": ("filter_ground", "return cloud + 6763.6763"),
+        "in a number of rows": ("filter_ground", "return np.zeros((6763, cloud.shape[1]))"),
+        "in a number of columns": ("filter_ground", "return np.zeros((1, 6763))"),
+        "in dimensions": ("filter_ground", "return np.zeros((6, 7, 6, 3, 1))"),
+        "in whole numbers": ("voxel_grid", "return np.full_like(cloud, 6763)"),
+        "in a number": ("voxel_grid", "return 6763.6763"),
+        "in a type": ("voxel_grid", "return np.zeros(cloud.shape, 'S6763')"),
+    },
+)
+def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
+    """Whoever wrote it sees it at home, where nobody else's is near."""
+    source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
+    verdict = hand_in({name: source})
+    said = [test.message for one in verdict.exercises for test in one.tests]
+    said = "\n".join(re.sub("Hint: .*", "", words) for words in said)
+    assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
 
 
 def test_tells_by_its_exit_code(hand_in):
@@ -206,12 +273,20 @@ def {name}(cloud, *arguments, **keywords):
 )
 def test_tells_a_hidden_question_by_the_line_that_fails(where, hand_in):
     """A cell may have thousands of lines; what is told is one of the function's own, or none."""
-    here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 5000
+    here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LINE_THAT_TELLS.format(name="filter_ground", where=where) + here
     verdict = hand_in({"filter_ground": source})
-    said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
+    said = [words for words in hidden_words(verdict) if words]
     lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
-    assert said and all(line < 100 for line in lines)
+    assert len(said) == 17 and all(line < 100 for line in lines)
+
+
+def test_tells_a_hidden_question_by_a_line_of_a_notebook_that_has_too_many(hand_in):
+    source = LINE_THAT_TELLS.format(name="filter_ground", where="__file__") + "\n" * 5000
+    verdict = hand_in({"filter_ground": source.replace("__file__", "'code cell 9'")})
+    said = [test.message for one in verdict.exercises for test in one.tests]
+    assert any("ZeroDivisionError" in words for words in said)
+    assert not any(re.search(r"line \d", words) for words in said)
 
 
 def test_tells_a_hidden_question_by_one_of_many_lines_of_the_function(hand_in):
@@ -238,6 +313,26 @@ def test_how_much_a_failure_can_tell_is_what_the_threat_model_says():
     assert f"up to {bits} bits about its question" in threats
     assert f"at most {MOST_LINES} lines" in threats
     assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
+
+
+def test_how_much_all_else_can_tell_is_what_the_threat_model_says():
+    """Of what has met no hidden question: a visible check, or a cell."""
+    tips_for = {kind: {""} for kind in (*NAMED_EXCEPTIONS, "one that the line raises", "another")}
+    for kinds, _, _, tip in tips._TIPS:
+        for kind in kinds.split("|"):
+            tips_for[kind].add(tip)
+    names = (LONGEST_LINE + 1) // 2
+    most_forbidden = max(len(lesson.header.forbidden) for lesson in all_lessons())
+    words = sum(map(len, tips_for.values())) + most_forbidden
+    for kinds, pattern, _ in SENTENCES:
+        words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
+    raised = words * (MOST_LINES_OF_ALL + 1)
+    sentences = 16  # about one check, and no more
+    is_wrong = sentences * (101**FEW_NUMBERS)
+    of_check, of_cell = (math.ceil(math.log2(n)) for n in (raised + is_wrong, raised))
+    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    assert f"up to {of_check} bits about each visible check" in threats
+    assert f"{of_cell} about each of the first {MOST_FAILED_CELLS} cells" in threats
 
 
 INJECTION = (

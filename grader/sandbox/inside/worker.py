@@ -292,19 +292,19 @@ class _Agreeable:
         return lambda *values, **options: None
 
 
-def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[str]:
-    """Execute statements one by one; return a sentence for each that failed."""
+def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
+    """Execute statements one by one; describe each failure, by its own line where that is known."""
     failures = []
     for statement in statements:
         try:
             code = slicing.compile_statement(statement, f"code cell {statement.cell}")
             exec(code, namespace)
         except BaseException as error:  # SystemExit too: nothing a cell does ends the judging
-            text = describe(error)
-            failures.append(
-                f"Code cell {statement.cell}, line {statement.node.lineno}, failed: "
-                f"{text['type']}: {text['message']}"
+            failure = describe(error)
+            failure["place"] = (
+                failure["place"] or f"code cell {statement.cell}, line {statement.node.lineno}"
             )
+            failures.append(failure)
     return failures
 
 
@@ -431,8 +431,6 @@ def describe(error: BaseException) -> dict:
     if isinstance(error, NameError) and error.name in _REFUSED:
         error = refusal(_REFUSED[error.name])
         message = str(error)
-    if isinstance(error, ModuleNotFoundError) and "." not in str(error.name):
-        message += ", where notebooks are judged: only the packages that the lesson needs are there"
     return {
         "type": type(error).__name__[:100],
         "message": message[:LONGEST_TEXT],
