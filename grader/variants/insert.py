@@ -225,7 +225,7 @@ def insert(tree, point, index):
 
 # %% wrong: the first axis is y
 # loses: compares_x_first, axes_alternate, grows_the_quiz, test_plane
-# says: at depth 0 x is compared
+# says: x is compared
 # told: The turns begin with y
 def insert(tree, point, index):
     node = Node(point, index)
