@@ -1,6 +1,7 @@
 """What is handed in is read once, and whatever else was handed in has another fingerprint."""
 
 import dataclasses
+import errno
 import itertools
 import os
 
@@ -126,3 +127,13 @@ def test_only_a_file_of_its_own_is_opened(tmp_path):
     (tmp_path / "folder.ipynb").mkdir()
     folder = "folder.ipynb cannot be opened: Is a directory."
     assert refusal(tmp_path / "folder.ipynb") == folder
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.ESTALE])
+def test_why_a_file_cannot_be_opened_is_what_the_system_says(tmp_path, monkeypatch, number):
+    def fail(*about):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "open", fail)
+    said = f"06.ipynb cannot be opened: {os.strerror(number)}."
+    assert refusal(tmp_path / "06.ipynb") == said

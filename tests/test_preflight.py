@@ -12,6 +12,7 @@ from nbconvert.exporters import HTMLExporter
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
+from grader.intake import preflight
 from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import Answer, Prepared, ToJudge, prepare, prepare_to_show
 from grader.judging.judge import judge_handed_in
@@ -364,6 +365,7 @@ def test_what_is_prepared_stays_as_it_is():
     for kind in (Answer, Prepared, ToJudge):
         assert kind.__dataclass_params__.frozen
     assert Answer("a").certain
+    assert preflight._given_cells(LESSON) is preflight._given_cells(LESSON)  # read once
 
 
 @pytest.mark.parametrize(
