@@ -365,7 +365,7 @@ def test_a_notebook_that_kills_is_tried_once_more_alone(seen, monkeypatch):
     assert [(one.score, one.tests) for one in failed.exercises] == [(0.0, ()), (0.0, ())]
     assert "died (signal 9)" in failed.faults[0] and failed.problems == (judging.UNFAIR,)
     assert (failed.lesson, failed.student, failed.key) == (LESSON.name, "poison", "")
-    assert not failed.starved
+    assert not failed.starved and failed.seconds == 0.0
 
 
 @pytest.mark.parametrize("error", [SandboxUnavailable("no"), ExecutorLost("gone")])

@@ -61,6 +61,14 @@ def test_what_is_remembered_has_an_end(counted, monkeypatch):
     assert len(asked) == 5
 
 
+def test_every_slow_oracle_remembers():
+    cloud = np.random.default_rng(7).uniform(0, 2, (30, 4))
+    for oracle in (samples.cluster_labels, samples.without_ties, samples.voxel_centroids):
+        answer = oracle(cloud, 0.5)
+        assert oracle(cloud.copy(), 0.5) is answer and not answer.flags.writeable
+    assert samples.course_cloud() is samples.course_cloud()
+
+
 def test_a_generator_for_students_is_drawn_from_a_digest():
     state = samples.generator_for_students(20_170_405, "steps").bit_generator.state
     digest = hashlib.sha256(b"for students: 20170405 steps").hexdigest()
