@@ -11,7 +11,7 @@
 #
 # ![A street from above. A dashed circle of 10 m around the sensor holds strong dots of cars and people; outside it, pale crosses. A long solid box reaches 30 m ahead, and a small box covers our own car.](pictures/07_preview.png)
 #
-# A scan reaches 80 m in every direction, behind the houses and into the next street. Before a computer compares points with points, it should ask of each one: can you matter to me within the next second?
+# A scan reaches 80 m in every direction, behind the houses and into the next street. Before a computer compares points with points, it should ask of each one: can you matter to me before I can stop?
 #
 # **After this lesson you can**
 # - keep what is near, with the right kind of distance, and say what a metre more costs,
@@ -103,7 +103,7 @@ draw_yard(seen, slanted <= 6, "3-D distance up to 6 m: the child is not seen")
 print(f"of {is_child.sum()} returns of the child, {(slanted[is_child] <= 6).sum()} are kept")
 
 # %% [markdown]
-# The straight line to the child starts 3.4 m above the road, so it is longer than the distance left for the bumper. A ball around the sensor is the wrong shape: it gets narrower towards the road, where people stand.
+# The straight line to the child starts 3.4 m above the road: even to the top of its head it is longer than 6 m, though along the road only 5.7 m are left. A ball around the sensor is the wrong shape: it gets narrower towards the road, where people stand.
 #
 # ## The idea: distance along the road
 #
@@ -249,7 +249,7 @@ print("share of the obstacles' returns:",
 #
 # The next step of the pipeline looks for neighbours, and the plainest way compares each point with all others: twice the points, four times the work. So we count what a radius leaves of the points above the ground, and square it.
 #
-# And what is lost? We count the cars, lorries, cyclists and pedestrians of which your filter leaves at least 20 returns. The dotted lines say how far a car must see: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, measured from its bumper. The line is the theory for points that are spread evenly over the area; the markers are what your function finds.
+# And what is lost? We count the cars, lorries, cyclists and pedestrians of which your filter leaves at least 20 returns. The dotted lines say how far a car must see: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, measured from its bumper: 2.5 s from 50 km/h. That holds for what stands. What drives towards us takes part of the way itself: in these 2.5 s the car 55 m ahead comes 13 m nearer. The line is the theory for points that are spread evenly over the area; the markers are what your function finds.
 
 # %% tags=["folded"]
 # @title What a radius saves and what it loses (you need not read this)
@@ -278,14 +278,16 @@ points = np.array(points_within([*radii, *stops])) / upright.sum()
 road_users = np.array(users_within([*radii, *stops]))
 road_users = road_users / road_users[12]
 evenly = np.arange(4, 81)
-axes = plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
-                    {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2),
-                     "road users": (radii, road_users[:13])},
-                    across="radius (m)", up="share that is left",
-                    title="What a radius saves, and what it loses")
+figure, (cost, loss) = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed", sharey=True)
+plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
+             {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2)},
+             across="radius (m)", up="share that is left", title="What is to be done", axes=cost)
+plots.curves({}, {"road users": (radii, road_users[:13])},
+             across="radius (m)", title="Who is seen", axes=loss)
 for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
-    axes.axvline(stop, color="black", linestyle=":", linewidth=1)
-    axes.text(stop + 0.6, 0.22, f"stops from\n{speed} km/h")
+    for axes in (cost, loss):
+        axes.axvline(stop, color="black", linestyle=":", linewidth=1)
+    loss.text(stop + 0.8, 0.1 if speed == 30 else 0.25, f"stops from {speed} km/h")
     print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie\n"
           f"         {1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
           f"and {1 - some:.0%} of the road users")

@@ -13,7 +13,7 @@
 #
 # ![A street seen from above: every car, person, pole and wall has an orange box around its points. One car stands diagonally, its true outline is dashed, and the box leaves much of its own floor empty.](pictures/08_preview.png)
 #
-# A [cluster](#Words-of-the-course) is a thousand points. A car that has to brake has no time to ask a thousand points whether they are in its way. It asks a box.
+# A [cluster](#Words-of-the-course) is hundreds of points, or thousands. A car that has to brake has no time to ask each of them whether it is in its way. It asks a box.
 #
 # **After this lesson you can**
 # - put a box around every obstacle, from six numbers to eight corners,

@@ -111,6 +111,15 @@ def test_the_far_points_cost_little_and_the_far_users_are_many():
     assert 10 < stops[30] < 12 < stops[50], "10 m are not enough for 30 km/h"
 
 
+def test_who_drives_towards_us_takes_part_of_the_way():
+    seconds = 0.5 + 50 / 3.6 / 7
+    assert seconds == pytest.approx(2.5, abs=0.05)
+    car = np.flatnonzero(TRUTH["box_identities"] == 119)[0]
+    place, velocity = TRUTH["box_centres"][car, :2], TRUTH["box_velocities"][car]
+    assert np.hypot(*place) == pytest.approx(55, abs=0.5)
+    assert -(velocity @ place) / np.hypot(*place) * seconds == pytest.approx(13, abs=0.5)
+
+
 def test_the_box_sees_far_with_fewer_points_than_the_small_circle_and_no_wall():
     box = crop_region(CLOUD[UPRIGHT], *REGION)
     assert len(box) < len(filter_by_distance(CLOUD[UPRIGHT], 10))

@@ -11,6 +11,7 @@ from grader.pictures import lesson_08
 from tests.lessons.taught import FOLLOWED, source_of, taught
 from utils import load_cloud
 from utils.datasets import DATA
+from utils.plots import corners
 
 LOOPS = "the corners from three nested loops, as the text offers"
 
@@ -49,6 +50,30 @@ def test_the_promised_length_is_that_of_the_hints():
     )
     lines = source_of("get_bounding_boxes").replace(",\n", ", ").strip().splitlines()[1:]
     assert len(lines) == promise
+
+
+def test_a_cluster_is_hundreds_of_points_or_thousands():
+    sizes = np.unique(LABELS[LABELS > 0], return_counts=True)[1]
+    assert np.median(sizes) > 100 and sizes.max() > 1000
+
+
+def distance_from_edges(corner, drawn):
+    """How far a corner is drawn from the edges that do not end in it, in units of the drawing."""
+    far = []
+    for start in range(8):
+        for axis in (1, 2, 4):
+            end = start | axis
+            if end != start and corner not in (start, end):
+                along = drawn[end] - drawn[start]
+                share = np.clip((drawn[corner] - drawn[start]) @ along / (along @ along), 0, 1)
+                far.append(np.linalg.norm(drawn[corner] - drawn[start] - share * along))
+    return min(far) / np.ptp(drawn, axis=0).max()
+
+
+@pytest.mark.parametrize("low, high", [((0, 0, 0), (4, 2, 1.5)), ((-2, -1.5, -1.2), (3, 2.5, 0.8))])
+def test_no_number_of_a_corner_is_drawn_on_another_edge(low, high):
+    drawn = corners._oblique(get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0])
+    assert min(distance_from_edges(corner, drawn) for corner in range(8)) > 0.1
 
 
 def test_one_box_is_as_the_text_says():

@@ -191,7 +191,7 @@ def _around(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
     """Look at points from behind, right and above: to the drawing (n, 2), or their depth (n,)."""
-    turn, tilt = np.radians([-62.0, 24.0])
+    turn, tilt = np.radians([-54.0, 42.0])
     right = np.array([-np.sin(turn), np.cos(turn), 0])
     away = -np.array([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)])
     if depth:
