@@ -298,6 +298,30 @@ for minimum, axes in zip((10, 100, 500), rows):
 reach_of_100 = predict("How far away may a person in plain view be, to have 100 points?",
                        between=(0, 60), unit="m")
 
+# %% tags=["folded"]
+# @title Who stands in plain view (you need not read this)
+def plain_view(frame):
+    """For each cluster of a frame, whether it is a person with nothing nearer in the way."""
+    points, classes = frame.cloud, frame.scan.classes
+    use = (points[:, 2] >= -1.2) & ~np.isin(classes, [names.index("invalid"), names.index("ego")])
+    x, y, z = points[use, :3].T
+    angle, away, objects_there = np.arctan2(y, x), np.hypot(x, y), frame.scan.objects[use]
+    free = []
+    for box in frame.boxes:
+        if box.kind == "pedestrian":
+            middle = np.arctan2(box.centre[1], box.centre[0])
+            far = np.hypot(box.centre[0], box.centre[1])
+            corners = np.arctan2(box.corners[:, 1], box.corners[:, 0])
+            wide = np.abs((corners - middle + np.pi) % (2 * np.pi) - np.pi).max()
+            beside = np.abs((angle - middle + np.pi) % (2 * np.pi) - np.pi)
+            low, high = -1.2 / far, box.corners[:, 2].max() / far  # the slopes of rays that hit it
+            blocked = ((beside < wide) & (away < far - 0.6) & (z / away > low) & (z / away < high)
+                       & (objects_there != box.identity)).any()
+            if not blocked:
+                free.append(box.identity)
+    labels = labels_from_truth(points[use], objects_there)
+    return np.isin(objects_there[np.unique(labels, return_index=True)[1]], free)
+
 # %%
 def clusters_of(frame):
     """Labels of a simulated frame, with kind and distance of each cluster."""
@@ -308,10 +332,14 @@ def clusters_of(frame):
     return labels, np.array(names)[classes[use][first]], np.hypot(*points[use][first, :2].T)
 
 
-streets = [clusters_of(scenes.random_street(seed, difficulty=0.9)) for seed in range(10)]
+frames = [scenes.random_street(seed, difficulty=0.9) for seed in range(10)]
+streets = [clusters_of(frame) for frame in frames]
 kind = np.concatenate([kinds for _, kinds, _ in streets])
 distance = np.concatenate([distances for _, _, distances in streets])
 size = np.concatenate([np.bincount(labels)[1:] for labels, _, _ in streets])
+
+
+in_view = np.concatenate([plain_view(frame) for frame in frames])
 
 
 def theory(distance, area=0.4):
@@ -321,23 +349,27 @@ def theory(distance, area=0.4):
 
 r = np.array([4.0, 80.0])
 axes = plots.curves({"a person, in theory": (r, theory(r))},
-                    {name: (distance[kind == name], size[kind == name])
-                     for name in ("ground", "car", "pedestrian")},
+                    {name: (distance[group], size[group]) for name, group in (
+                        ("ground", kind == "ground"), ("car", kind == "car"),
+                        ("person, hidden in part", (kind == "pedestrian") & ~in_view),
+                        ("person in plain view", (kind == "pedestrian") & in_view))},
                     across="distance (m)", up="points", title="Points on a thing against its distance")
 axes.axhline(100, color="black", linestyle=":")
 axes.set_xscale("log"); axes.set_yscale("log"); axes.set_xlim(4, 80)
 axes.set_xticks([5, 10, 20, 40, 80], ["5", "10", "20", "40", "80"]); axes.minorticks_off()
 plt.setp(axes.lines, markersize=4)
 middling = (kind == "pedestrian") & (distance > 5) & (distance < 25)
-over = size[middling] / theory(distance[middling])
-print(f"of {middling.sum()} people 5 to 25 m away, {np.mean(over > 1):.0%} have more points than the "
-      f"line says, the highest {over.max():.1f} times as many; {np.mean(over < 0.5):.0%} have less than half")
+over = size / theory(distance)  # times the line
+for what, group in (("in plain view", middling & in_view), ("hidden in part", middling & ~in_view)):
+    low, mid, high = np.quantile(over[group], [0.1, 0.5, 0.9])
+    print(f"{group.sum():3} people 5 to 25 m away, {what}: {mid:.2f} times the points of the line, "
+          f"most of them {low:.2f} to {high:.2f} times")
 reach_of_100.compare(np.sqrt(theory(1.0) / 100), "That is where the line crosses the dotted one. In "
                      f"theory a person has {theory(1.0):,.0f} points at 1 m, and a hundredth of "
                      "that ten times as far away.")
 
 # %% [markdown]
-# People in plain view lie near the line, some a little above it. Those far below it are hidden in part, mostly by parked cars. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
+# People in plain view lie along the line, some a little above it. They are few: most people of a street are hidden in part by something nearer, and have half of the points that the line says, or far fewer. So read the line as what a person has *at best*. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
 #
 # A person farther away than the crossing has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far is far enough? As in lesson 07, a car drives on for half a second while it thinks, then brakes with 7 m/s². Its bumper is 2.6 m ahead of the scanner, from which we measure.
 
@@ -347,8 +379,10 @@ stopping = 2.6 + 0.5 * speed + speed ** 2 / 14
 print(f"from 50 km/h, a car comes to stand {stopping:.1f} m from where its scanner was")
 for minimum in (5, 10, 30, 100, 300):
     reach = np.sqrt(theory(1.0) / minimum)
-    print(f"min_num_points = {minimum:3d}: people seen up to {reach:4.1f} m"
-          f"{'' if reach > stopping else '   too late'}")
+    nearer = (kind == "pedestrian") & (distance < reach)
+    print(f"min_num_points = {minimum:3d}: people in plain view up to {reach:4.1f} m"
+          f"{'' if reach > stopping else ', too late'}; of all people nearer than that, "
+          f"{np.mean(size[nearer] < minimum):.0%} have fewer points")
 
 # %% [markdown]
 # ## Practice: what does it cost?

@@ -5,12 +5,14 @@ import pytest
 
 from grader.course.lessons import find_lesson, load_reference
 from utils import check, load_cloud
+from utils.checks.core import notes_of, run_check
 from utils.datasets import DATA
 
 NAME = "09_filter_clusters"
 
 
-LESSON = load_reference(NAME, "ten", "size_of_puff", "theory", "minima", "moved_up_in_the_loop")
+NAMES = ("ten", "size_of_puff", "theory", "minima", "moved_up_in_the_loop")
+LESSON = load_reference(NAME, *NAMES, "in_view", "kind", "distance", "size")
 
 
 def test_ten_points():
@@ -36,6 +38,25 @@ def test_people_and_their_distance():
     assert reach == pytest.approx(15, abs=0.5)
     slow, fast = (2.6 + 0.5 * speed + speed**2 / 14 for speed in (30 / 3.6, 50 / 3.6))
     assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "a car that drives slowly"
+
+
+def test_the_line_is_for_people_in_plain_view():
+    away, size = LESSON.distance, LESSON.size
+    person = (LESSON.kind == "pedestrian") & (away > 5) & (away < 25)
+    times = size / LESSON.theory(away)
+    free, hidden = times[person & LESSON.in_view], times[person & ~LESSON.in_view]
+    assert np.median(free) == pytest.approx(1, abs=0.1) and np.quantile(free, 0.9) < 1.5
+    assert len(free) < len(hidden) / 4 and np.median(hidden) < 0.5
+
+
+def test_a_list_is_noted():
+    def filter_clusters(cluster_labels, min_num_points=100):
+        return LESSON.filter_clusters(cluster_labels, min_num_points).tolist()
+
+    failed = [
+        one.name for one in notes_of("filter_clusters") if run_check(one, filter_clusters).failure
+    ]
+    assert failed == ["returns_an_array"]
 
 
 def test_a_car_brakes_as_in_lesson_07():
