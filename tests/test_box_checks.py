@@ -84,3 +84,15 @@ def test_messages_count_in_words_that_fit():
         assert_box_corners(np.stack([box, box]), box[None], np.zeros((3, 3)), one)
     with pytest.raises(CheckFailed, match="^1 box for 2 clusters.$"):
         assert_box_corners(box[None], np.stack([box, box]), np.zeros((3, 3)), np.array([1, 1, 2]))
+
+
+def test_the_picture_shows_the_axis_that_the_words_are_about():
+    """One maximum for x, y and z: y is told first, which no view from the side shows."""
+    points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
+    right = corners_between(*points)
+    wrong = corners_between(points[0], np.full(3, 3.0))
+    with pytest.raises(CheckFailed, match="along y") as caught:
+        assert_box_corners(wrong[None], right[None], points, np.ones(2, dtype=int))
+    caught.value.draw()
+    assert "y" in plt.gca().get_ylabel()
+    plt.close("all")

@@ -1,0 +1,68 @@
+"""What costs no points and is noted all the same, in lessons 05 to 07."""
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import lesson_of, load_reference
+from utils.checks.core import checks_of, notes_of, run_check
+
+
+def right_answer(exercise):
+    return getattr(load_reference(lesson_of(exercise).name), exercise)
+
+
+def noted(exercise, function):
+    """Names of the notes that a function gets, which passes all checks."""
+    function.__name__ = exercise
+    assert not any(run_check(one, function).failure for one in checks_of(exercise))
+    return {one.name for one in notes_of(exercise) if run_check(one, function).failure}
+
+
+@pytest.mark.parametrize(
+    "exercise, note",
+    [
+        ("euclidean_clustering", "returns_an_array"),
+        ("filter_ground", "returns_an_array"),
+        ("filter_by_distance", "returns_an_array"),
+        ("crop_region", "gives_an_array"),
+        ("remove_ego_returns", "leaves_an_array"),
+    ],
+)
+def test_a_list_is_a_note(exercise, note):
+    right = right_answer(exercise)
+    assert noted(exercise, lambda *given, **named: right(*given, **named)) == set()
+    assert noted(exercise, lambda *given, **named: list(right(*given, **named))) == {note}
+
+
+def test_a_list_of_centroids_and_another_side_of_a_border_are_notes():
+    right = right_answer("voxel_grid")
+
+    def a_list(cloud, voxel_size=0.2):
+        return list(right(cloud, voxel_size)) if len(cloud) else cloud
+
+    def rounded_up(cloud, voxel_size=0.2):
+        return (
+            right(cloud * [-1, -1, -1, 1][: cloud.shape[1]], voxel_size)
+            * ([-1, -1, -1, 1][: cloud.shape[1]])
+        )
+
+    assert noted("voxel_grid", a_list) == {"gives_an_array"}
+    assert noted("voxel_grid", rounded_up) == {"rounds_down"}
+
+
+def test_clusters_in_another_order_are_a_note():
+    right = right_answer("euclidean_clustering")
+
+    def backwards(cloud, threshold=0.5):
+        labels = right(cloud, threshold)
+        return labels.max(initial=0) + 1 - labels
+
+    def from_the_second_point_on(cloud, threshold=0.5):
+        """As if the loop began at the second point, and came to the first at last."""
+        order = np.roll(np.arange(len(cloud)), -1)
+        labels = np.empty(len(cloud), dtype=int)
+        labels[order] = right(cloud[order], threshold)
+        return labels
+
+    assert noted("euclidean_clustering", backwards) == {"numbers_by_appearance"}
+    assert noted("euclidean_clustering", from_the_second_point_on) == {"numbers_by_appearance"}
