@@ -160,6 +160,7 @@ def test_a_patch_of_the_course_cloud():
 
 def test_obstacles_of_a_street():
     street = samples.fresh_street(8)
+    assert samples.fresh_street(8) is street
     assert street.ndim == 2 and street.shape[1] == 4 and not street.flags.writeable
     wanted = (np.sqrt(street[:, 0] ** 2 + street[:, 1] ** 2) < 20) & (street[:, 2] > -1)
     assert (street[:, 2] < -1).any() and wanted.sum() > 500
