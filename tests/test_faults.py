@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from importlib import metadata
@@ -399,6 +400,7 @@ def test_a_time_limit_is_believed_of_who_had_the_machine_to_itself(course, monke
     verdict = grade.judge_one("a file", LESSON.name, "ada", SEED, "process", alone)
     assert verdict.starved != alone
     assert asked == [("a file", SEED, SANDBOXES["process"], LESSON, "ada")]
+    assert grade.judge_one("a file", LESSON.name, "ada", SEED, "process").starved
     walls = SANDBOXES["process"]
     assert not grade.current_verdict(course, submission, SEED, walls).starved
     assert grade.judge_and_store(course, submission, SEED, walls).starved
@@ -415,6 +417,27 @@ def test_who_has_a_verdict_keeps_it(seen, monkeypatch):
     monkeypatch.setattr(grade, "judge_one", anew.judge_one)
     grade.current_verdict(seen, submission, SEED + 1, walls)
     assert anew.asked == [("ada", True)]
+
+
+class Hesitant(Inline):
+    """Rehearses at once, and judges after some seconds, unless it is called off before."""
+
+    def submit(self, function, *arguments):
+        if function is rehearsals.rehearse_one:
+            return super().submit(function, *arguments)
+        future = Future()
+        timer = threading.Timer(5, lambda: future.set_result(function(*arguments)))
+        future.add_done_callback(lambda _: timer.cancel())
+        timer.start()
+        return future
+
+
+def test_who_waits_is_called_off_when_a_rehearsal_fails(three_lessons, sandbox):
+    course, asked, complaints = three_lessons
+    complaints.update({"07": ("one",)})
+    with pytest.raises(rehearsals.RehearsalFailed):
+        judge_three(course, sandbox, Hesitant, workers=9)
+    assert asked == ["06", "07", "08"] and not list(course.verdicts.glob("*/stage*/*.json"))
 
 
 class Dying(ThreadPoolExecutor):

@@ -208,6 +208,7 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     assert late and list(better) == [names[1], *names[3:]]  # the second of the four broke
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
     assert about == [{name} for name in names[1:] for _ in range(2)]
+    assert [one.program for one in better.values()] == [programs[0], *programs[2:]]
     for number, program in enumerate(programs, start=1):
         assert program.names == (names[number], "KdTree")
         assert program.given.names == ("KdTree", *names[:number])
