@@ -11,6 +11,7 @@ from grader.judging.verdict import (
     CheckResult,
     ExerciseResult,
     Slip,
+    Slip,
     Verdict,
     read_verdict,
     write_atomically,
@@ -83,6 +84,25 @@ def test_a_verdict_is_believed_when_nothing_else_was_at_work():
     for made in (verdict, *verdict.exercises, *verdict.exercises[0].tests):
         with pytest.raises(dataclasses.FrozenInstanceError):
             made.score = 100.0
+
+
+@pytest.mark.parametrize(
+    ("before", "shown"),
+    [
+        ("    keep = z < level", "keep = z < level"),
+        ("keep = (\n    z < level)", "keep = ("),
+        ("  " + "x" * 130, "x" * 100),
+    ],
+)
+@pytest.mark.parametrize("score", [0.0, 1.5])
+def test_of_a_slip_a_student_reads_where_it_is_and_what_it_keeps(before, shown, score):
+    slip = Slip(3, 7, before, "keep = z >= level", score)
+    kept = " An answer that is wrong in one place keeps this for the rest."
+    assert slip.sentence == (
+        f"One change in code cell 3, line 7 (`{shown}`) makes everything here right."
+        + kept * (score > 0)
+    )
+    assert slip.__dataclass_params__.frozen
 
 
 def change_of(*way, to):
