@@ -11,7 +11,6 @@ from grader.judging.verdict import (
     CheckResult,
     ExerciseResult,
     Slip,
-    Slip,
     Verdict,
     read_verdict,
     write_atomically,
