@@ -109,6 +109,25 @@ def test_what_is_not_asked_for_is_left_out(made):
     assert run_tests(made(TWO), student, SEED, lambda check: False) == []
 
 
+def test_some_checks_are_questions_that_can_be_asked_again(made):
+    student, lesson = Nobody(), made(TWO)
+    checks = [
+        shown("holds", "g", lambda function: function("shown")),
+        *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
+    ]
+    (hidden,) = asking.hidden_questions(lesson, student, SEED, checks)
+    assert student.asked == []  # they are kept, and not asked
+    for _ in range(2):
+        with pytest.raises(CheckFailed):
+            hidden()
+    assert [asked for _, *asked in student.asked] == [["f", "first"]] * 2
+    (question,) = asking.shown_questions(student, checks)
+    question()
+    assert student.asked[-1][1:] == ("g", "shown")
+    assert asking.hidden_questions(None, student, SEED, checks[:1]) == ()  # nothing is collected
+    assert asking.shown_questions(student, checks[1:]) == ()
+
+
 @pytest.mark.parametrize(
     ("hidden", "says"),
     [
