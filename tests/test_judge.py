@@ -15,6 +15,7 @@ from grader.course.paths import PROJECT
 from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
+from grader.judging import repair
 from grader.judging.asking import run_tests
 from grader.judging.judge import UnknownLesson, judge, program_for
 from grader.judging.key import verdict_key
@@ -195,7 +196,8 @@ def notebook_of(lesson, variants, folder):
 
 
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
-def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path):
+def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
+    monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # what the checks say by themselves
     verdict = judge(notebook_of(chosen, variants, tmp_path), 7, sandbox, limits=SHORT)
     results = {result.name: result for result in verdict.exercises}
     for variant in variants:

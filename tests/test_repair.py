@@ -113,6 +113,31 @@ def test_an_edit_is_looked_for_in_what_calls_a_wrong_function(sandbox):
     assert "max_iterations - 1" in exercises["ransac_line"].slip.before
 
 
+LOST_ROWS_STAY = """
+def drop_invalid(cloud):
+    finite = np.isfinite(cloud)
+    rows = finite[:, 0] & finite[:, 1] & finite[:, 2]
+    return cloud[rows]
+"""
+# The same, and a row is lost where several are alike.
+AND_MORE = LOST_ROWS_STAY.replace("return cloud[rows]", "return np.unique(cloud[rows], axis=0)")
+NOTHING_IS_DROPPED = "def drop_invalid(cloud):\n    return cloud.copy()"
+
+
+def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
+    """Half of the rule is missing, which no edit adds."""
+    lesson = find_lesson("01_point_clouds")
+    _, exercises = judged(sandbox, lesson, drop_invalid=LOST_ROWS_STAY)
+    drop = exercises["drop_invalid"]
+    assert drop.cause.startswith("Returns at (0, 0, 0) stay.")
+    assert drop.slip.cell == 0 and drop.score >= 3.0
+    assert drop.slip.sentence.startswith("The mistake that is named here explains every answer.")
+    assert drop.slip.sentence in score_output(drop)["data"]["text/html"]
+    for answer in (AND_MORE, NOTHING_IS_DROPPED):
+        _, exercises = judged(sandbox, lesson, drop_invalid=answer)
+        assert exercises["drop_invalid"].slip is None
+
+
 def test_nothing_is_looked_for_in_a_stub(sandbox, monkeypatch):
     asked = []
     monkeypatch.setattr(repair, "repair_of", lambda *about: asked.append(about[2]))
@@ -164,23 +189,23 @@ SETTING = Setting(LINE, 1, None)
 
 def test_what_lost_something_is_tried_with_what_it_lost(tried):
     asked = Asked((*outcomes_of("line_through", None, NO, NO), *outcomes_of("ransac_line", None)))
-    repair.repairs_in(SETTING, HANDED_IN, asked, {})
+    repair.slips_in(SETTING, HANDED_IN, asked, {})
     assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
 
 
 def test_what_calls_a_wrong_function_is_tried_with_a_right_one(tried):
     asked = Asked(outcomes_of("ransac_line", NO, NO, NO))
     better = {"ransac_line": Followed(outcomes_of("ransac_line", None, NO, None), "", MENDED)}
-    repair.repairs_in(SETTING, HANDED_IN, asked, better)
+    repair.slips_in(SETTING, HANDED_IN, asked, better)
     assert tried == [(MENDED, "ransac_line", ["ransac_line 1"])]
     right = {"ransac_line": Followed(outcomes_of("ransac_line", None, None, None), "", MENDED)}
-    repair.repairs_in(SETTING, HANDED_IN, asked, right)
+    repair.slips_in(SETTING, HANDED_IN, asked, right)
     assert len(tried) == 1
 
 
 def test_neither_a_stub_is_tried_nor_the_task_itself(tried):
     stub = StudentError("line_through", "NotImplementedError")
-    repair.repairs_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", None, stub, NO)), {})
+    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", None, stub, NO)), {})
     asked = Asked(
         (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO)),
         mistakes={
@@ -188,5 +213,5 @@ def test_neither_a_stub_is_tried_nor_the_task_itself(tried):
             "ransac_line": Mistake("This is a slip.", print),
         },
     )
-    repair.repairs_in(SETTING, HANDED_IN, asked, {})
+    repair.slips_in(SETTING, HANDED_IN, asked, {})
     assert [exercise for _, exercise, _ in tried] == ["ransac_line"]

@@ -18,6 +18,7 @@ from utils.checks import check, core, diagnosis, display
 from utils.checks.core import ChecksFailed, noted, visible
 from utils.checks.diagnosis import Mistake, diagnose, mistakes
 from utils.checks.limits import TimeUp, limited
+from utils.checks.one_change import Line
 from utils.checks.outcomes import Outcome
 from utils.checks.story import resolve
 from utils.checks.using import functions_used, refused_modules
@@ -458,3 +459,15 @@ def test_a_story_in_a_notebook_folds_and_colours():
     html = display.as_html(resolve([Outcome(failed, failure), Outcome(same, failure)]))
     assert "<details><summary>1 more check fails for the same reason" in html
     assert "&lt;b&gt;None" in html and "<b>None" not in html
+
+
+def test_what_one_change_mends_has_one_cause():
+    """And so it is told once: the rest is folded under it."""
+    outcomes = [
+        Outcome(core.Check(name, "double", name, "hint", run=print), CheckFailed(f"{name} fails"))
+        for name in ("first", "second", "third")
+    ]
+    assert resolve(outcomes).others == tuple(outcomes[1:])
+    for about in ({"place": Line(3, "return x")}, {"alone": True}):
+        story = resolve(outcomes, **about)
+        assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())

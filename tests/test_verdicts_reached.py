@@ -70,7 +70,7 @@ def judge_made_of(monkeypatch):
         monkeypatch.setattr(judging, "ask", ask)
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "follow_through", lambda *about: (better or {}, late))
-        monkeypatch.setattr(judging, "repairs_in", lambda *about: {})
+        monkeypatch.setattr(judging, "slips_in", lambda *about: {})
         data = (text or fill_in(FILTER, {})).encode()
         verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting

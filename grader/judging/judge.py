@@ -16,7 +16,7 @@ from grader.judging.asking import JudgeTimeout
 from grader.judging.followed import follow_through
 from grader.judging.key import verdict_key
 from grader.judging.points import total
-from grader.judging.repair import repairs_in
+from grader.judging.repair import slips_in
 from grader.judging.results import result_of, untried
 from grader.judging.trial import Asked, Setting, ask
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
@@ -143,9 +143,9 @@ def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Rea
     if faults := _faults(setting, asked):
         return _Reached(untried(lesson), (UNFAIR,), faults, asked.starved)
     followed, starved = follow_through(setting, program, asked)
-    repairs = repairs_in(setting, program, asked, followed)
+    slips = slips_in(setting, program, asked, followed)
     exercises = tuple(
-        result_of(exercise, asked, followed.get(exercise.name), repairs.get(exercise.name))
+        result_of(exercise, asked, followed.get(exercise.name), slips.get(exercise.name))
         for exercise in lesson.machine_graded
     )
     lost = [result.name for result in exercises if result.score < result.max_score]

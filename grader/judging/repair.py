@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 from grader.course.rules import ONE_SLIP_KEEPS
 from grader.judging.asking import hidden_questions, shown_questions
+from grader.judging.explained import explains
 from grader.judging.followed import Followed
 from grader.judging.trial import Asked, Setting, ask
 from grader.sandbox import Limits
@@ -27,13 +28,14 @@ from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
 from utils.checks import Check
+from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.remembering import one_run
 
 # Of the processor, here and behind the walls, for the edits of one exercise.
-SECONDS = 1.0
+SECONDS = 1.5
 # With all that starting and stopping takes, by whatever clock.
-MOST_SECONDS = 10.0
+MOST_SECONDS = 60.0
 # A right answer takes less for the first questions, and an edit may well make an endless loop.
 SECONDS_OF_A_CALL = 0.25
 # Edits that pass what the answer failed, of which none passes everything: then there is none.
@@ -61,10 +63,13 @@ class Repair:
     after: str
 
 
-def repairs_in(
+def slips_in(
     setting: Setting, program: Program, asked: Asked, followed: dict[str, Followed]
-) -> dict[str, Repair]:
-    """The repairs of all exercises that lost something, by name; see `repair_of`."""
+) -> dict[str, Repair | Mistake]:
+    """What alone is wrong in each exercise that lost something, by name, where it is proven.
+
+    The edit that mends it; or the named mistake that explains all its answers.
+    """
     found = {}
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
         mistake = asked.mistakes.get(exercise.name)
@@ -78,6 +83,12 @@ def repairs_in(
             its = better.program if better else program
             if repair := repair_of(setting, its, exercise.name, checks):
                 found[exercise.name] = repair
+            elif (
+                mistake
+                and not better
+                and explains(setting, program, exercise.name, mistake, frozenset(checks))
+            ):
+                found[exercise.name] = mistake
     return found
 
 

@@ -10,6 +10,7 @@ from grader.judging.points import shares, total
 from grader.judging.repair import Repair
 from grader.judging.trial import Asked
 from grader.judging.verdict import CheckResult, ExerciseResult, Slip
+from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.story import resolve
 
@@ -23,7 +24,10 @@ def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
 
 
 def result_of(
-    exercise: Exercise, asked: Asked, followed: Followed | None, repair: Repair | None = None
+    exercise: Exercise,
+    asked: Asked,
+    followed: Followed | None,
+    proven: Repair | Mistake | None = None,
 ) -> ExerciseResult:
     """What a verdict says about an exercise.
 
@@ -34,15 +38,15 @@ def result_of(
         What came of asking the notebook.
     followed : grader.judging.followed.Followed or None
         How the exercise fared with right helpers, if better.
-    repair : grader.judging.repair.Repair or None
-        The one edit with which it is right.
+    proven : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
+        What alone is wrong.
     """
     said, mistake = [], asked.mistakes.get(exercise.name)
     outcomes = asked.about(exercise.name)
     if followed:
         said, mistake, outcomes = [followed.sentence], None, followed.outcomes
     tellable = [told(outcome, open_to_all=followed is None) for outcome in outcomes]
-    story = resolve(tellable, mistake=mistake)
+    story = resolve(tellable, mistake=mistake, alone=proven is not None)
     messages = messages_of(story)
     most = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
     checks = tuple(
@@ -52,16 +56,18 @@ def result_of(
     said += [text_of(story.first, story.mistake)] if story.first else []
     first = story.first.check.name if story.first and not story.not_started else ""
     score = total([result.score for result in checks])
-    slip = _slip(repair, exercise.points, score) if repair else None
+    slip = _slip(proven, exercise.points, score) if proven else None
     score = total([score, slip.score]) if slip else score
     cause = "\n".join(said)
     return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip)
 
 
-def _slip(repair: Repair, points: float, score: float) -> Slip:
+def _slip(proven: Repair | Mistake, points: float, score: float) -> Slip:
     """What a slip leaves, beside what the checks have earned."""
     kept = max(round(100 * ONE_SLIP_KEEPS * points) - round(100 * score), 0) / 100
-    return Slip(repair.cell, repair.line, repair.before, repair.after, kept)
+    if isinstance(proven, Mistake):
+        return Slip(0, 0, "", "", kept)
+    return Slip(proven.cell, proven.line, proven.before, proven.after, kept)
 
 
 def _result(outcome: Outcome, points: float, message: str) -> CheckResult:

@@ -33,14 +33,14 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Slip:
-    """The one edit with which an answer is right.
+    """What alone is wrong in an answer: the edit with which it is right, or a named mistake.
 
     Attributes
     ----------
     cell, line : int
-        Where it is in the notebook's code cells.
+        Where the edit is in the notebook's code cells; 0 for a mistake.
     before, after : str
-        The lines that change, and what they become.
+        The lines that change, and what they become; empty for a mistake.
     score : float
         Points that the answer keeps for it, beside those of its checks.
     """
@@ -54,11 +54,13 @@ class Slip:
     @property
     def sentence(self) -> str:
         """What a student may read: where, and not what."""
+        kept = (
+            " An answer that is wrong in one thing keeps this for the rest." if self.score else ""
+        )
+        if not self.cell:
+            return f"The mistake that is named here explains every answer.{kept}"
         line = self.before.split("\n")[0].strip()[:LONGEST_LINE]
         place = f"code cell {self.cell}, line {self.line} (`{line}`)"
-        kept = (
-            " An answer that is wrong in one place keeps this for the rest." if self.score else ""
-        )
         return f"One change in {place} makes everything here right.{kept}"
 
 

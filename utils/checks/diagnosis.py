@@ -6,6 +6,7 @@ mistake of the exercise predicts the same.
 """
 
 import copy
+import inspect
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -143,3 +144,47 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
         telling.update(mistake for mistake in fitting if not known.same(right, predicted[mistake]))
     fitting = [mistake for mistake in fitting if telling[mistake] >= _TELLING_CASES]
     return fitting[0] if len(fitting) == 1 else None
+
+
+@dataclass(frozen=True)
+class Player:
+    """A function that makes one mistake and no other.
+
+    Attributes
+    ----------
+    plays : callable
+        Takes what the exercise takes.
+    same : callable
+        Takes an answer and one of its own: whether they are the same.
+    """
+
+    plays: Callable
+    same: Callable
+
+
+def player_of(exercise: str, mistake: Mistake, right: Callable) -> Player | None:
+    """Whoever makes a mistake of an exercise, made of a right function.
+
+    Parameters
+    ----------
+    exercise : str
+    mistake : Mistake
+    right : callable
+        The lesson's own function, with the parameters of the exercise.
+
+    Returns
+    -------
+    Player or None
+        None for what is more than a function of its arguments, such as a method of a tree.
+    """
+    known = _KNOWN.get(exercise)
+    if known is None or known.ask is not _called or known.through:
+        return None
+    signature = inspect.signature(right)
+
+    def plays(*arguments: object, **keywords: object) -> object:
+        bound = signature.bind(*copy.deepcopy(arguments), **copy.deepcopy(keywords))
+        bound.apply_defaults()
+        return mistake.predicts(right(*copy.deepcopy(bound.args)), *bound.args)
+
+    return Player(plays, known.same)

@@ -203,16 +203,19 @@ mistakes(
         "These are |x| + |y|, the way around the corner.",
         lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
         "Square both, add, and take the root of the sum.",
+        is_the_task=True,
     ),
     Mistake(
         "This is the larger of |x| and |y|.",
         lambda right, cloud: np.abs(cloud[:, :2]).max(axis=1),
         "Square both, add, and take the root of the sum.",
+        is_the_task=True,
     ),
     Mistake(
         "This is |x| alone; a point to the side is far away, too.",
         lambda right, cloud: np.abs(cloud[:, 0]),
         "Square x and y, add, and take the root.",
+        is_the_task=True,
     ),
     Mistake(
         "These are lengths of y and z. Columns are counted from 0: x is cloud[:, 0].",
@@ -548,8 +551,9 @@ _POINTS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
 
 
 def _where(cloud: np.ndarray, keep: Callable) -> np.ndarray:
-    """The rows for which `keep` holds, of x, y, z as a list and of the intensity."""
-    return cloud[[bool(keep(row[:3], row[3])) for row in cloud.tolist()]]
+    """The rows for which `keep` holds, of x, y, z as a list and of the intensity, if there is one."""
+    kept = [bool(keep(row[:3], row[3] if row[3:] else 1.0)) for row in cloud.tolist()]
+    return cloud[np.array(kept, dtype=bool)]
 
 
 def _number(value: float) -> bool:
@@ -562,6 +566,7 @@ mistakes(
         "Nothing is dropped: the rows come back as they went in.",
         lambda right, cloud: cloud,
         "Index the cloud with both masks. A good row fulfils both, `&`; with `|` one is enough.",
+        is_the_task=True,
     ),
     Mistake(
         "Returns at (0, 0, 0) stay.",

@@ -74,6 +74,7 @@ def resolve(
     notes: Sequence[Outcome] = (),
     blamed: str | None = None,
     place: Line | None = None,
+    alone: bool = False,
 ) -> Story:
     """Find out what to tell.
 
@@ -87,6 +88,8 @@ def resolve(
     notes : sequence of Outcome
     blamed : str, optional
     place : utils.checks.one_change.Line, optional
+    alone : bool
+        Whether one thing alone is proven to be wrong, as it is where there is a place.
 
     Returns
     -------
@@ -107,7 +110,9 @@ def resolve(
     rest = [outcome for outcome in ready if outcome is not first]
     waiting += tuple(outcome for outcome in failed if outcome is not first and outcome not in ready)
     same = tuple(
-        outcome for outcome in rest if cause is not None and outcome.failure.cause == cause
+        outcome
+        for outcome in rest
+        if alone or place or (cause is not None and outcome.failure.cause == cause)
     )
     others = tuple(outcome for outcome in rest if outcome not in same)
     mistake = mistake if first.failure.is_about_an_answer else None
