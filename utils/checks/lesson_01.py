@@ -551,7 +551,7 @@ _POINTS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
 
 
 def _where(cloud: np.ndarray, keep: Callable) -> np.ndarray:
-    """The rows for which `keep` holds, of x, y, z as a list and of the intensity, if there is one."""
+    """The rows for which `keep` holds, of x, y, z as a list and of the intensity, 1 without one."""
     kept = [bool(keep(row[:3], row[3] if row[3:] else 1.0)) for row in cloud.tolist()]
     return cloud[np.array(kept, dtype=bool)]
 
