@@ -219,7 +219,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: the last line, not the best
 # loses: finds_the_line, test_fresh_lines, test_many_outliers
-# says: fewer inliers after 60 rounds than it held after 30
+# says: holds fewer inliers after
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
     line, mask = None, np.zeros(len(points), dtype=bool)
