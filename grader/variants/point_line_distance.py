@@ -71,14 +71,14 @@ def point_line_distance(points, line):
     return np.maximum(a * points[:, 0] + b * points[:, 1] + c, 0)
 
 # %% wrong: c forgotten
-# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
+# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud, takes_both_sides_anywhere
 # says: distances are wrong
 # told: c is missing
 def point_line_distance(points, line):
     return np.abs(points @ np.array(line)[:2])
 
 # %% wrong: c subtracted
-# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
+# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud, takes_both_sides_anywhere
 # says: distances are wrong
 # told: c has the wrong sign
 def point_line_distance(points, line):
@@ -86,7 +86,7 @@ def point_line_distance(points, line):
     return np.abs(a * points[:, 0] + b * points[:, 1] - c)
 
 # %% wrong: c outside the bracket
-# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud
+# loses only: counts_c, test_distances_from_lines_anywhere, test_distances_in_course_cloud, takes_both_sides_anywhere
 # says: distances are wrong
 # told: c is added after it
 def point_line_distance(points, line):

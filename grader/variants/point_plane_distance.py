@@ -45,14 +45,14 @@ def point_plane_distance(points, plane):
     return points[:, :3] @ np.asarray(plane[:3]) + plane[3]
 
 # %% wrong: d is missing
-# loses only: adds_d, takes_abs_last, test_offset_planes
+# loses only: adds_d, takes_abs_last, test_offset_planes, test_both_sides_anywhere
 # says: distances are not right
 # told: d is missing
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3]))
 
 # %% wrong: d is subtracted
-# loses only: adds_d, takes_abs_last, test_offset_planes
+# loses only: adds_d, takes_abs_last, test_offset_planes, test_both_sides_anywhere
 # says: distances are not right
 # told: d is subtracted
 def point_plane_distance(points, plane):
@@ -113,14 +113,14 @@ def point_plane_distance(points, plane):
     return np.zeros(len(points))
 
 # %% wrong: absolute value before d is added
-# loses only: takes_abs_last
+# loses only: takes_abs_last, test_both_sides_anywhere
 # says: distances are not right
 # told: and d is added after that
 def point_plane_distance(points, plane):
     return np.abs(points[:, :3] @ np.asarray(plane[:3])) + plane[3]
 
 # %% wrong: absolute value of the products and of d
-# loses only: adds_d, takes_abs_last, test_offset_planes
+# loses only: adds_d, takes_abs_last, test_offset_planes, test_both_sides_anywhere
 # says: distances are not right
 # told: are taken apart and then added
 def point_plane_distance(points, plane):
@@ -143,7 +143,7 @@ def point_plane_distance(points, plane):
     return abs(a * points[:, 0]) + abs(b * points[:, 1]) + abs(c * points[:, 2]) + abs(d)
 
 # %% wrong: divided by the length of all four numbers
-# loses only: adds_d, takes_abs_last, test_offset_planes
+# loses only: adds_d, takes_abs_last, test_offset_planes, test_both_sides_anywhere
 # says: distances are not right
 # told: the length of all four numbers
 def point_plane_distance(points, plane):

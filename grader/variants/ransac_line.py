@@ -314,7 +314,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: the mask of the last round with the line of the best
-# loses only: marks_its_own_inliers, test_own_inliers
+# loses: marks_its_own_inliers, test_own_inliers
 # says: The mask does not belong to the line.
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)
@@ -352,7 +352,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     return best, best_mask
 
 # %% wrong: the tolerance is squared
-# loses only: marks_its_own_inliers, test_own_inliers, test_moved_and_scaled
+# loses only: marks_its_own_inliers, test_own_inliers, test_moved_and_scaled, test_course_cloud_wall
 # says: and not squared
 def ransac_line(points, max_iterations, distance_tolerance, rng):
     rng = np.random.default_rng(rng)

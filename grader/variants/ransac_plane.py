@@ -250,7 +250,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: refits the plane and keeps the old mask
-# loses only: mask_belongs_to_model, follows_the_tolerance, test_masks, test_tolerances
+# loses: mask_belongs_to_model, follows_the_tolerance, test_masks, test_tolerances
 # says: The mask does not belong to the returned model
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -520,7 +520,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: indices instead of a mask
-# loses only: mask_belongs_to_model, follows_the_tolerance, finds_nothing_on_a_line, test_masks, test_tolerances
+# loses: mask_belongs_to_model, follows_the_tolerance, finds_nothing_on_a_line, test_masks, test_tolerances
 # says: must be a mask
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -601,7 +601,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return inliers, model
 
 # %% wrong: outliers for inliers
-# loses only: mask_belongs_to_model, follows_the_tolerance, finds_nothing_on_a_line, test_masks, test_tolerances
+# loses: mask_belongs_to_model, follows_the_tolerance, finds_nothing_on_a_line, test_masks, test_tolerances
 # says: mask does not belong
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -721,7 +721,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return None, np.zeros(len(points), dtype=bool)
 
 # %% wrong: the mask of the last sample
-# loses only: mask_belongs_to_model, follows_the_tolerance, test_masks, test_tolerances
+# loses: mask_belongs_to_model, follows_the_tolerance, test_masks, test_tolerances
 # says: The mask does not belong to the returned model
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
