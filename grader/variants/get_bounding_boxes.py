@@ -435,7 +435,7 @@ def get_bounding_boxes(cloud, cluster_labels):
 
 # %% wrong: empties the rows of noise
 # loses only: leaves_its_input, test_input
-# says: afterwards row 21 is
+# says: changed its input
 def get_bounding_boxes(cloud, cluster_labels):
     boxes = []
     for label in np.unique(cluster_labels[cluster_labels > 0]):

@@ -129,7 +129,7 @@ def remove_ego_returns(cloud, minimum, maximum):
 
 # %% wrong: not instead of ~
 # loses: removes_our_own, test_remove_from_streets
-# says: truth value
+# says: turn one round with ~
 def remove_ego_returns(cloud, minimum, maximum):
     inside = ((cloud[:, :3] >= minimum) & (cloud[:, :3] <= maximum)).all(axis=1)
     return cloud[not inside]
