@@ -49,6 +49,7 @@ TESTS = {
     "grader/judging/followed.py": ("test_rules.py",),
     "grader/judging/asking.py": ("test_asking.py",),
     "grader/judging/repair.py": ("test_repair.py",),
+    "grader/judging/explained.py": ("test_repair.py",),
     "grader/judging/trial.py": ("test_asking.py", "test_verdicts_reached.py"),
     "grader/judging/judge.py": ("test_verdicts_reached.py",),
     "grader/judging/key.py": ("test_key.py",),

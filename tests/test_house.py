@@ -134,7 +134,8 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
 def test_every_module_that_decides_is_changed_and_its_nearest_tests_are_there():
     rooms = (PROJECT / "grader" / room for room in ("judging", "intake"))
     modules = {path.relative_to(PROJECT).as_posix() for room in rooms for path in room.glob("*.py")}
-    assert {name for name in modules if not name.endswith("__init__.py")} <= set(mutants.TESTS)
+    decide = {name for name in modules if not name.endswith("__init__.py")}
+    assert not decide - set(mutants.TESTS), "name its nearest tests in TESTS of tests/mutants.py"
     for tests in mutants.TESTS.values():
         assert all((PROJECT / "tests" / name).is_file() for name in tests)
 
