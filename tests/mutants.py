@@ -45,7 +45,7 @@ EQUIVALENT = PROJECT / "tests" / "mutants.txt"
 TESTS = {
     "grader/judging/points.py": ("test_points.py",),
     "grader/judging/marks.py": ("test_asking.py",),
-    "grader/judging/results.py": ("test_verdicts_reached.py",),
+    "grader/judging/results.py": ("test_verdicts_reached.py", "test_repair.py"),
     "grader/judging/followed.py": ("test_rules.py",),
     "grader/judging/asking.py": ("test_asking.py",),
     "grader/judging/repair.py": ("test_repair.py",),

@@ -622,6 +622,7 @@ def test_an_answer_below_its_cell_is_carried_over_up_to_what_is_not_the_students
         *(prompt()["source"], "YOUR ANSWER HERE", " ", "x = 1", footer["source"], "Third.")
     ]
     assert len(notes) == 1 and "but in 2 cells of its own below" in notes[0]
+    assert written_in(OWN, text("First."), OWN)[0] == "First."
     stopped = written_in(OWN, text("First."), marked(text("Other."), "test_x"), text("Second."))
     assert stopped[0] == "First." and "in one of its own below" in stopped[4][0]
     assert written_in(OWN, code("x = 1"), text(" "))[:3] == (
