@@ -57,7 +57,7 @@ def test_fresh_streets(student, seed):
 
 @hidden(
     NAME,
-    weight=6,
+    weight=32,
     title="Right at thresholds you have not seen, small and large",
     hint="Side, neighbours and distances all follow the parameter threshold.",
 )
