@@ -60,6 +60,7 @@ A_FEW_OF_MANY = {
     "test_no_cheap_answer_earns_more_than_a_tenth": ("01",),
     "test_what_is_right_in_part_earns_its_part": (),
     "test_no_cheap_answer_is_one_edit_from_a_right_one": ("line_through",),
+    "test_a_teacher_would_sign_what_a_slip_earns": ("line_through", "filter_ground", "match_boxes"),
     "test_a_cell_is_looked_at_once": ("brackets-", "blank lines", "imports-", "values"),
     "test_a_file_is_looked_at_once": ("brackets", "blank lines", "quotation"),
     "test_hands_in_everything_that_is_shown_as_the_answer_to_everything": ("08",),
