@@ -629,7 +629,7 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
         if not outcome.check.is_shown:
             assert isinstance(outcome.failure, CheckFailed), outcome
             assert SECRET not in outcome.failure.message
-            assert SECRET not in text_of(told(outcome))
+            assert SECRET not in text_of(told(outcome, open_to_all=True))
 
 
 # ---- exercises of one class ----------------------------------------------------------------------

@@ -371,7 +371,7 @@ def test_command_line_prints_one_json_object(sandbox):
         "seconds",
     }
     assert verdict["score"] == verdict["max_score"] == 30
-    assert set(verdict["exercises"][0]) == {"name", "score", "max_score", "tests"}
+    assert set(verdict["exercises"][0]) == {"name", "score", "max_score", "tests", "slip"}
     assert set(verdict["exercises"][0]["tests"][0]) == {
         "name",
         "title",

@@ -7,15 +7,28 @@ the checks ask, shown and hidden, on the course's own scenes and on those drawn 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 
-from grader.course.lessons import load_reference
+from grader.course.lessons import Lesson
+from grader.intake.notebook import read_notebook
 from grader.judging.asking import run_tests
 from grader.judging.trial import Setting
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake, player_of
+from utils.notebooks import slicing
+
+
+@functools.cache
+def _solution(lesson: Lesson, exercise: str) -> Callable:
+    """The lesson's own function, as its rehearsal has judged it."""
+    statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
+    space = {"__name__": lesson.name}
+    for statement in slicing.slice_for((exercise,), statements):
+        exec(slicing.compile_statement(statement, str(lesson.solved)), space)
+    return space[exercise]
 
 
 class _Beside:
@@ -54,7 +67,7 @@ def explains(
     mistake : utils.checks.diagnosis.Mistake
     lost : frozenset of utils.checks.Check
     """
-    player = player_of(exercise, mistake, getattr(load_reference(setting.lesson.name), exercise))
+    player = player_of(exercise, mistake, _solution(setting.lesson, exercise))
     if player is None:
         return False
     with Student(program, setting.sandbox, setting.limits, setting.budget) as student:

@@ -40,6 +40,7 @@ MOST_SECONDS = 60.0
 SECONDS_OF_A_CALL = 0.25
 # Edits that pass what the answer failed, of which none passes everything: then there is none.
 MOST_JUDGED = 3
+NO_SLIPS = ("NotImplementedError", "ImportError", "ModuleNotFoundError")
 LOOK_AFTER = 16  # edits, as looking at the clock takes longer than most
 
 
@@ -78,7 +79,7 @@ def slips_in(
         better = followed.get(exercise.name)
         outcomes = better.outcomes if better else asked.about(exercise.name)
         failed = tuple(outcome for outcome in outcomes if outcome.failure)
-        if failed and not any(map(_is_a_stub, failed)):
+        if failed and not any(map(_is_no_slip, failed)):
             checks = tuple(outcome.check for outcome in failed)
             its = better.program if better else program
             if repair := repair_of(setting, its, exercise.name, checks):
@@ -92,10 +93,13 @@ def slips_in(
     return found
 
 
-def _is_a_stub(outcome: Outcome) -> bool:
-    """Whether a check met a function that nobody has written."""
+def _is_no_slip(outcome: Outcome) -> bool:
+    """Whether a check met a function that nobody has written, or one that is not allowed.
+
+    Of one that imports what the lesson forbids, no line is wrong that one could take away.
+    """
     failure = outcome.failure
-    return isinstance(failure, StudentError) and failure.type_name == "NotImplementedError"
+    return isinstance(failure, StudentError) and failure.type_name in NO_SLIPS
 
 
 def repair_of(

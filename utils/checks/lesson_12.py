@@ -198,7 +198,7 @@ def takes_an_empty_scan(detect_obstacles: Callable) -> None:
 
 @visible(
     "detect_obstacles",
-    weight=1,
+    weight=4,
     title="Takes scans without intensity: three columns",
     why="Not every scanner measures it, and a cloud may come from elsewhere.",
     hint="Use cloud[:, :3] from the start.",
