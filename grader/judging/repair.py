@@ -33,7 +33,7 @@ from utils.checks.outcomes import Outcome
 from utils.checks.remembering import one_run
 
 # Of the processor, here and behind the walls, for the edits of one exercise.
-SECONDS = 1.5
+SECONDS = 1.0
 # With all that starting and stopping takes, by whatever clock.
 MOST_SECONDS = 60.0
 # A right answer takes less for the first questions, and an edit may well make an endless loop.
