@@ -1,0 +1,226 @@
+"""When work is due: ``deadlines.toml`` beside the course. It need not be there.
+
+::
+
+    timezone = "Europe/Berlin"              # else this machine's
+    [stage1_ransac]
+    due = 2026-10-12T23:59:00
+    [stage1_ransac.sections]                # as the roster names them
+    B = 2026-10-13T23:59:00
+    [stage1_ransac.students]                # also before anything is handed in
+    anna = 2026-10-19T23:59:00
+    noshow = "excused"
+"""
+
+from __future__ import annotations
+
+import tomllib
+import zoneinfo
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from datetime import datetime, tzinfo
+from pathlib import Path
+
+from grader.course import lessons
+from grader.course.paths import Course
+from grader.course.roster import Person, Roster, read_roster
+
+EXCUSED = "excused"
+
+
+class DeadlinesTrouble(Exception):
+    """The dates cannot be read; `str()` is the sentence to show, with file, place and remedy."""
+
+
+@dataclass(frozen=True)
+class Dates:
+    """When one stage is due.
+
+    Attributes
+    ----------
+    due : datetime or None
+        For everybody who is not named; aware, like the others.
+    sections : dict of str to datetime
+    students : dict of str to datetime
+    excused : frozenset of str
+        Students from whom nothing is expected.
+    """
+
+    due: datetime | None = None
+    sections: dict[str, datetime] = field(default_factory=dict)
+    students: dict[str, datetime] = field(default_factory=dict)
+    excused: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Deadlines:
+    """When each stage is due, and for whom it is another time.
+
+    Attributes
+    ----------
+    stages : dict of str to Dates
+    roster : grader.course.roster.Roster or None
+        It tells who is in which section.
+    """
+
+    stages: dict[str, Dates]
+    roster: Roster | None = None
+
+    def due(self, person: Person | str, stage: str) -> datetime | None:
+        """When a stage is due for somebody; aware, or None where no date is set."""
+        dates = self.stages.get(stage, Dates())
+        id = person if isinstance(person, str) else person.id
+        return dates.students.get(id, self._due_without_extension(id, dates))
+
+    def excused(self, id: str, stage: str) -> bool:
+        """Whether nothing is expected from somebody in a stage."""
+        return id in self.stages.get(stage, Dates()).excused
+
+    def extended(self, stage: str) -> dict[str, datetime]:
+        """Who may hand in later than their section, or everybody, has to; and until when."""
+        dates = self.stages.get(stage, Dates())
+        return {
+            id: due
+            for id, due in dates.students.items()
+            if due > self._due_without_extension(id, dates)
+        }
+
+    def _due_without_extension(self, id: str, dates: Dates) -> datetime | None:
+        person = self.roster.person(id) if self.roster else None
+        return dates.sections.get(person.section, dates.due) if person else dates.due
+
+
+def deadlines_path(course: Course) -> Path:
+    """Where the dates lie, if there are any."""
+    return course.root / "deadlines.toml"
+
+
+def read_deadlines(course: Course) -> Deadlines | None:
+    """Read the dates of a course.
+
+    Returns
+    -------
+    Deadlines or None
+        None where there is no file.
+
+    Raises
+    ------
+    DeadlinesTrouble
+    grader.course.roster.RosterTrouble
+        The roster is asked who is in which section.
+    """
+    path = deadlines_path(course)
+    if not path.is_file():
+        return None
+    try:
+        table = tomllib.loads(path.read_text("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise DeadlinesTrouble(f"{path.name} is not in UTF-8. Save it again so.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise DeadlinesTrouble(
+            f"{path.name}: {error}. A name with other than plain letters, digits, - and _ stands "
+            f'between quotation marks, such as "mary jane"; dates stand without.'
+        ) from error
+    zone = _zone(path.name, table.pop("timezone", None))
+    _expect(path.name, table, lessons.stages(), "stage")
+    roster = read_roster(course)
+    read = {stage: _dates(f"{path.name}, [{stage}", value, zone) for stage, value in table.items()}
+    for stage, dates in read.items():
+        _check_names(f"{path.name}, [{stage}", dates, roster)
+    return Deadlines(read, roster)
+
+
+def _zone(file: str, name: object) -> tzinfo | None:
+    if name is None:
+        return None
+    try:
+        return zoneinfo.ZoneInfo(name)
+    except (zoneinfo.ZoneInfoNotFoundError, ValueError, TypeError, OSError) as error:
+        raise DeadlinesTrouble(
+            f'{file}: this machine knows no timezone {name!r}. Write one such as "Europe/Berlin", '
+            f'or "UTC"; without the line it is this machine\'s.'
+        ) from error
+
+
+def _dates(where: str, table: object, zone: tzinfo | None) -> Dates:
+    """The dates of a stage; `where` is the beginning of its heading."""
+    if not isinstance(table, dict):
+        raise DeadlinesTrouble(f"{where}]: write this heading, and below it due = {_EXAMPLE}.")
+    _expect(f"{where}]", table, ("due", "sections", "students"), "entry")
+    groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
+    for kind, group in groups.items():
+        if not isinstance(group, dict):
+            raise DeadlinesTrouble(
+                f"{where}]: {kind} is a heading of its own, {where.partition(', ')[2]}.{kind}], "
+                f"with a line for each below it."
+            )
+    excused = frozenset(id for id, value in groups["students"].items() if value == EXCUSED)
+    due = table.get("due")
+    read = Dates(
+        None if due is None else _date(f"{where}], due", due, zone),
+        {
+            name: _date(f"{where}.sections], {name}", value, zone)
+            for name, value in groups["sections"].items()
+        },
+        {
+            id: _date(f"{where}.students], {id}", value, zone, or_excused=True)
+            for id, value in groups["students"].items()
+            if id not in excused
+        },
+        excused,
+    )
+    if read.due is None and (read.sections or read.students):
+        raise DeadlinesTrouble(
+            f"{where}]: it has dates for some, and none for the others. Add a line "
+            f"due = {_EXAMPLE} below this heading."
+        )
+    return read
+
+
+_EXAMPLE = "2026-10-12T23:59:00"
+
+
+def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
+    """A date of the file with its time zone."""
+    if not isinstance(value, datetime):
+        other = f', or "{EXCUSED}"' if or_excused else ""
+        raise DeadlinesTrouble(
+            f"{where}: {value!s} is not a date with a time. Write it as {_EXAMPLE}, without "
+            f"quotation marks{other}."
+        )
+    if value.tzinfo:
+        return value
+    return value.replace(tzinfo=zone) if zone else value.astimezone()
+
+
+def _expect(where: str, table: dict, known: Iterable[str], what: str) -> None:
+    for name in table:
+        if name not in known:
+            raise DeadlinesTrouble(
+                f"{where}: there is no {what} {name}. There is: {', '.join(known)}."
+            )
+
+
+def _check_names(where: str, dates: Dates, roster: Roster | None) -> None:
+    """Say which names nobody has: their dates would count for nobody."""
+    if dates.sections and roster is None:
+        raise DeadlinesTrouble(
+            f"{where}.sections]: no roster.csv says who is in which section. Write one, with the "
+            f"columns id and section, or give dates to students."
+        )
+    if roster is None:
+        return
+    sections = {person.section for person in roster.people}
+    for name in dates.sections:
+        if name not in sections:
+            raise DeadlinesTrouble(
+                f"{where}.sections], {name}: nobody on the roster is in a section of this name. "
+                f"There is: {', '.join(sorted(sections - {''})) or 'none'}."
+            )
+    for id in (*dates.students, *dates.excused):
+        if roster.person(id) is None:
+            meant = " or ".join(person.id for person in roster.like(id))
+            raise DeadlinesTrouble(
+                f"{where}.students], {id}: nobody on the roster has this id. "
+                + (f"Write {meant}." if meant else "Correct it, or add a line to roster.csv.")
+            )

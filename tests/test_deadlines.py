@@ -1,0 +1,171 @@
+"""When work is due, for everybody, a section or one student; who may be late, who is excused."""
+
+import os
+import time
+from datetime import UTC, datetime
+
+import pytest
+
+from grader.course.deadlines import DeadlinesTrouble, read_deadlines
+from grader.course.paths import Course
+from grader.course.roster import Person, RosterTrouble
+
+ROSTER = "id,section\nanna,A\nben,B\ncleo,B\ndora,\nnoshow,A\nmary jane,\n"
+DATES = """
+timezone = "Europe/Berlin"
+[stage1_ransac]
+due = 2026-10-12T23:59:00
+[stage1_ransac.sections]
+B = 2026-10-13T23:59:00
+[stage1_ransac.students]
+anna = 2026-10-19T23:59:00
+cleo = 2026-10-13T12:00:00
+noshow = "excused"
+[stage2_clustering]
+due = 2026-11-02T08:00:00+05:00
+"""
+
+
+@pytest.fixture
+def course(tmp_path):
+    (tmp_path / "roster.csv").write_text(ROSTER)
+    return Course(tmp_path)
+
+
+def read(course, text):
+    (course.root / "deadlines.toml").write_text(text, "utf-8")
+    return read_deadlines(course)
+
+
+def utc(*numbers):
+    return datetime(*numbers, tzinfo=UTC)
+
+
+def test_without_a_file_there_are_no_dates(course):
+    assert read_deadlines(course) is None
+
+
+def test_a_student_goes_before_a_section_and_a_section_before_everybody(course):
+    found = read(course, DATES)
+    due = {name: found.due(name, "stage1_ransac") for name in ("anna", "ben", "cleo", "dora")}
+    assert due == {  # summer time: two hours before
+        "anna": utc(2026, 10, 19, 21, 59),
+        "ben": utc(2026, 10, 13, 21, 59),
+        "cleo": utc(2026, 10, 13, 10, 0),
+        "dora": utc(2026, 10, 12, 21, 59),
+    }
+    assert found.due(Person("ben", section="B"), "stage1_ransac") == due["ben"]
+    assert found.due("somebody else", "stage1_ransac") == due["dora"]
+
+
+def test_a_date_may_say_its_own_zone_and_a_stage_may_have_none(course):
+    found = read(course, DATES)
+    assert found.due("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
+    assert found.due("anna", "stage3_obstacles") is None
+    assert not found.excused("noshow", "stage2_clustering")
+
+
+def test_who_may_be_later_and_who_is_excused(course):
+    found = read(course, DATES)
+    assert found.extended("stage1_ransac") == {"anna": utc(2026, 10, 19, 21, 59)}
+    assert found.extended("stage2_clustering") == found.extended("stage3_obstacles") == {}
+    assert found.excused("noshow", "stage1_ransac") and not found.excused("anna", "stage1_ransac")
+
+
+def test_who_may_be_later_than_their_own_section(course):
+    text = DATES.replace("cleo = 2026-10-13T12:00:00", "cleo = 2026-10-14T00:00:00")
+    assert set(read(course, text).extended("stage1_ransac")) == {"anna", "cleo"}
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="the zone of the machine cannot be set")
+def test_without_a_zone_it_is_this_machines(course, monkeypatch):
+    monkeypatch.setenv("TZ", "America/New_York")
+    time.tzset()
+    try:
+        found = read(course, "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n")
+        assert found.due("x", "stage1_ransac") == utc(2026, 10, 13, 3, 59)
+        later = read(course, "[stage1_ransac]\ndue = 2026-12-12T23:59:00\n")
+        assert later.due("x", "stage1_ransac") == utc(2026, 12, 13, 4, 59)
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+    assert os.environ.get("TZ") != "America/New_York"
+
+
+def test_without_a_roster_students_may_still_have_their_own_dates(course):
+    (course.root / "roster.csv").unlink()
+    found = read(
+        course,
+        '[stage1_ransac]\ndue = 2026-10-12T12:00:00Z\n[stage1_ransac.students]\n"mary jane" = '
+        '2026-10-13T12:00:00Z\nghost = "excused"\n',
+    )
+    assert found.due("mary jane", "stage1_ransac") == utc(2026, 10, 13, 12)
+    assert found.excused("ghost", "stage1_ransac")
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("[stage1_ransac", "stands between quotation marks"),
+        (
+            "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n[stage1_ransac.students]\nmary jane = 1",
+            "mary",
+        ),
+        ("[stage1]\n", "there is no stage stage1. There is: stage1_ransac, stage2_clustering"),
+        ("stage1_ransac = 2026-10-12T23:59:00", "write this heading, and below it due ="),
+        ("[stage1_ransac]\ndeu = 2026-10-12T23:59:00", "there is no entry deu. There is: due,"),
+        ("[stage1_ransac]\ndue = 2026-10-12", "due: 2026-10-12 is not a date with a time."),
+        ('[stage1_ransac]\ndue = "2026-10-12T23:59:00"', "without quotation marks."),
+        ('[stage1_ransac]\ndue = "excused"', "excused is not a date"),
+        (
+            '[stage1_ransac.students]\nanna = "excussed"',
+            "students], anna: excussed is not a date with a time. Write it as 2026-10-12T23:59:00, "
+            'without quotation marks, or "excused".',
+        ),
+        (
+            "[stage1_ransac]\nstudents = 3",
+            "students is a heading of its own, [stage1_ransac.students]",
+        ),
+        (
+            "[stage1_ransac.students]\nanna = 2026-10-12T23:59:00",
+            "[stage1_ransac]: it has dates for some, and none for the others.",
+        ),
+        (
+            "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n[stage1_ransac.sections]\nC = "
+            "2026-10-12T23:59:00",
+            "[stage1_ransac.sections], C: nobody on the roster is in a section of this name. "
+            "There is: A, B.",
+        ),
+        (
+            '[stage1_ransac.students]\nAnna = "excused"',
+            "[stage1_ransac.students], Anna: nobody on the roster has this id. Write anna.",
+        ),
+        ('[stage1_ransac.students]\nzoe = "excused"', "Correct it, or add a line to roster.csv."),
+        ('timezone = "Europe/Berlyn"', "this machine knows no timezone 'Europe/Berlyn'."),
+        ('timezone = "../../etc/passwd"', "knows no timezone"),
+        ("timezone = 2", "knows no timezone 2."),
+    ],
+)
+def test_what_cannot_be_read_is_a_sentence_with_the_place_and_what_to_do(course, written, says):
+    with pytest.raises(DeadlinesTrouble) as trouble:
+        read(course, written)
+    assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
+
+
+def test_only_excuses_need_no_date(course):
+    assert (
+        read(course, '[stage1_ransac.students]\nnoshow = "excused"').due("x", "stage1_ransac")
+        is None
+    )
+
+
+def test_sections_need_a_roster(course):
+    (course.root / "roster.csv").unlink()
+    with pytest.raises(DeadlinesTrouble, match="no roster.csv says who is in which section"):
+        read(course, DATES)
+
+
+def test_a_roster_that_cannot_be_read_is_named_as_such(course):
+    (course.root / "roster.csv").write_text("name\nx\n")
+    with pytest.raises(RosterTrouble):
+        read(course, DATES)

@@ -1,0 +1,147 @@
+"""Who takes the course, read from one file; and whom a folder, a login or a name may mean."""
+
+import unicodedata
+
+import pytest
+
+from grader.course.paths import Course
+from grader.course.roster import Person, Roster, RosterTrouble, read_roster
+
+CLASS = (
+    "id,first_name,last_name,email,section,lms_id,github\n"
+    "yan,Yan,Yip,yan@x.edu,A,126,yanyip\n"
+    '"mary jane",Mary Jane,"O\'Neil, Jr",mj@x.edu,B,131,\n'
+    "björn,Björn,Müller,bm@x.edu,A,140,bm-42\n"
+    "anna,Anna,Schmidt,as@x.edu,,141,\n"
+    "anna2,Anna,Schmidt,as2@x.edu,,142,\n"
+    "126,Zoe,,z@x.edu,,150,\n"
+)
+
+
+@pytest.fixture
+def course(tmp_path):
+    return Course(tmp_path)
+
+
+def read(course, text):
+    content = text if isinstance(text, bytes) else text.encode()
+    (course.root / "roster.csv").write_bytes(content)
+    return read_roster(course)
+
+
+def test_without_a_file_there_is_no_roster(course):
+    assert read_roster(course) is None
+
+
+def test_each_person_is_read_in_the_order_of_the_file(course):
+    people = read(course, CLASS).people
+    assert [person.id for person in people] == [
+        "yan",
+        "mary jane",
+        "björn",
+        "anna",
+        "anna2",
+        "126",
+    ]
+    assert people[0] == Person("yan", "Yan", "Yip", "yan@x.edu", "A", "126", "yanyip")
+    assert (people[1].last_name, people[1].name) == ("O'Neil, Jr", "Mary Jane O'Neil, Jr")
+    assert people[5].name == "Zoe"
+    assert Person("solo").name == "solo"
+
+
+@pytest.mark.parametrize(
+    ("written", "people"),
+    [
+        ("id\nb\na\n", [Person("b"), Person("a")]),
+        ("email;ID;Last Name\nq@x;b;Yip, Jr\n", [Person("b", "", "Yip, Jr", "q@x")]),
+        ("id\tsection\nb\tB 2\n", [Person("b", section="B 2")]),
+        ("\ufeffid,lms_user_id\r\nb,77\r\n", [Person("b", lms_id="77")]),
+        ("id,notes,github\n b ,late?,gh\n\n,,\nc\n", [Person("b", github="gh"), Person("c")]),
+        ('id,first_name\nb,"Two\nlines"\nc,C\n', [Person("b", "Two\nlines"), Person("c", "C")]),
+        (unicodedata.normalize("NFD", "id\nbjörn\n"), [Person("björn")]),
+    ],
+)
+def test_what_spreadsheets_and_nbgrader_write_is_understood(course, written, people):
+    assert list(read(course, written).people) == people
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("", "its first line should name the columns, each once, such as id,first_name,"),
+        ("name,email\nb,c\n", "Only id has to be there."),
+        ("id,lms_id,lms_user_id\n", "each once"),
+        ("id,last_name\nb,O'Neil, Jr\n", "line 2: 3 values for 2 columns. Put a value that holds"),
+        ("id,email\nb,c\n,d\n", "line 3: it has no id."),
+        ("id\nb\nc\nb\n", "line 4: line 2 has the same id, b. Marks could reach the wrong one"),
+        ("id,email\nb,q@x\nc,Q@X\n", "line 3: line 2 has the same email, Q@X."),
+        ("id,lms_id\nb,7\nc,\nd,7\n", "line 4: line 2 has the same lms_id, 7."),
+        ("id\n../b\n", "line 2: '../b' cannot be the name of a folder."),
+        ("id\n.b\n", "cannot be the name of a folder"),
+        ("id\na\0b\n", "line 2"),
+        ("id,first_name\nb," + "x" * 129 + "\n", "first_name is longer than 128 characters"),
+        ('id,first_name\nb,"Yan\nc,C\n', "Is a quotation mark missing?"),
+        ("id,last_name\nb,Müller\n".encode("cp1252"), "is not in UTF-8. Save it again as CSV"),
+        ("id,last_name\nb,Müller\n".encode("utf-16"), "is not in UTF-8"),
+    ],
+)
+def test_what_cannot_be_read_is_a_sentence_with_the_place_and_what_to_do(course, written, says):
+    with pytest.raises(RosterTrouble) as trouble:
+        read(course, written)
+    assert says in str(trouble.value) and str(trouble.value).startswith("roster.csv")
+
+
+def test_two_ids_may_differ_in_case_alone(course):
+    roster = read(course, "id\nyan\nYan\n")
+    assert roster.person("Yan").id == roster.owner("Yan").id == "Yan"
+    assert roster.owner("YAN") is None and len(roster.like("YAN")) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "ids"),
+    [
+        ("yan", ["yan"]),
+        ("yan ", ["yan"]),
+        ("YAN", ["yan"]),
+        ("Mary  Jane", ["mary jane"]),
+        (unicodedata.normalize("NFD", "björn"), ["björn"]),
+        ("Yan@X.edu", ["yan"]),
+        ("YanYip", ["yan"]),
+        ("yan yip", ["yan"]),
+        ("Yip, Yan", ["yan"]),
+        ("yipyan", ["yan"]),
+        ("O'Neil, Jr, Mary Jane", ["mary jane"]),
+        ("oneiljrmaryjane", ["mary jane"]),
+        ("müllerbjörn", ["björn"]),
+        ("131", ["mary jane"]),
+        ("126", ["126"]),  # somebody's id goes before another's number
+        ("Schmidt, Anna", ["anna", "anna2"]),
+        ("bm42", []),  # a login is a login
+        ("ghost", []),
+        ("", []),
+        (" ", []),
+        (",", []),
+    ],
+)
+def test_whom_a_text_may_mean(course, text, ids):
+    assert [person.id for person in read(course, CLASS).like(text)] == ids
+
+
+@pytest.mark.parametrize(
+    ("folder", "id"),
+    [
+        ("yan", "yan"),
+        ("yan ", "yan"),
+        ("YAN", "yan"),
+        ("131", None),
+        ("Yan Yip", None),
+        ("x", None),
+    ],
+)
+def test_only_an_id_says_whose_a_folder_is(course, folder, id):
+    owner = read(course, CLASS).owner(folder)
+    assert (owner and owner.id) == id
+
+
+def test_nobody_is_meant_where_nobody_is():
+    assert Roster(()).like("") == () and Roster(()).person("a") is None
