@@ -251,6 +251,7 @@ def _grade_alone(
     path = write_report(course, judged, seconds, warning or sandbox.warning, left)
     console.print_class(judged)
     console.print_unaccounted(left)
+    console.print_notes(_notes(course))
     _print_end(course, len(judged), before, seconds)
     print(f"Report: {path}")
     return status
@@ -293,6 +294,14 @@ def _enter(course: Course, judged: Judged, wanted: Sequence[str]) -> int:
             print(console.plain(error), file=sys.stderr)
             return FAULT
     return GOOD
+
+
+def _notes(course: Course) -> list[str]:
+    """What there is to know about the marks, after they were entered."""
+    from grader.lms.gradebook import class_results
+    from grader.lms.notes import notes
+
+    return list(notes(class_results(course)))
 
 
 def _print_end(course: Course, count: int, before: int, seconds: float) -> None:

@@ -133,6 +133,12 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], most: int = 20) -> None
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
+def print_notes(sentences: Sequence[str]) -> None:
+    """Print what a person should know or decide."""
+    for sentence in sentences:
+        Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
+
+
 def _score(verdict: Verdict | None) -> str:
     if verdict is None:
         return "-"

@@ -3,27 +3,29 @@
 import csv
 import io
 
+from grader.course.roster import Person
 from grader.lms.exporters import EXPORTERS
-from grader.lms.results import ClassResults, NotebookResult
+from grader.lms.results import MARKED, MISSING, WAITING, ClassResults, NotebookResult
 
 SIX, SEVEN = "06_filter_ground", "07_filter_by_distance"
 
 
-def rows(*notebooks, penalties=None):
-    results = ClassResults(tuple(notebooks), penalties or {})
+def rows(*notebooks):
+    people = tuple(Person(student) for student in dict.fromkeys(one.student for one in notebooks))
+    results = ClassResults(people, notebooks, ())
     return list(csv.reader(io.StringIO(EXPORTERS["csv"](results))))
 
 
-def notebook(student, lesson, score, most=30.0, waiting=False):
-    return NotebookResult(student, "stage3_obstacles", lesson, score, most, waiting)
+def notebook(student, lesson, score, standing=MARKED, penalty=0.0):
+    return NotebookResult(student, "stage3_obstacles", lesson, standing, score, 30.0, penalty)
 
 
 def test_a_row_for_each_student_and_a_column_for_each_lesson():
     found = rows(
         notebook("ada", SIX, 30.0),
-        notebook("ada", SEVEN, 12.345678, waiting=True),
+        notebook("ada", SEVEN, 12.345678, WAITING, penalty=2.5),
+        notebook("bo", SIX, None, MISSING),
         notebook("bo", SEVEN, 0.0),
-        penalties={("ada", "stage3_obstacles"): 2.5},
     )
     assert found == [
         ["Student", SIX, SEVEN, "Late penalty", "Total", "Waiting for a person"],
@@ -42,5 +44,5 @@ def test_names_shift_no_column_and_run_no_formula():
 
 
 def test_penalties_take_no_more_than_there_is():
-    (_, _, row) = rows(notebook("a", SIX, 3.0), penalties={("a", "stage3_obstacles"): 9.0})
+    (_, _, row) = rows(notebook("a", SIX, 3.0, penalty=9.0))
     assert row[-2] == "0"

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson, all_lessons, find_lesson, stages
 from grader.course.paths import Course
+from grader.course.roster import read_roster
 from grader.intake.handed_in import HandedIn, read_handed_in
 
 
@@ -25,6 +26,7 @@ class Submission:
     Attributes
     ----------
     student : str
+        Id, as the roster has it; without a roster, or for who is not on it, the folder's name.
     lesson : grader.course.lessons.Lesson
     path : pathlib.Path
         The file that counts.
@@ -41,16 +43,21 @@ class Submission:
         """Where its verdict is kept."""
         return course.verdicts / self.student / self.lesson.stage / f"{self.lesson.name}.json"
 
+    def place(self, course: Course) -> Path:
+        """The folder ``submitted/<student>/<stage>/`` in which it lies, however that is spelt."""
+        folder = self.path.relative_to(course.submitted).parts[0]
+        return course.submitted / folder / self.lesson.stage
+
     def read(self, course: Course) -> HandedIn:
         """What lies there; not what lies elsewhere, in another student's folder."""
-        place = course.submitted.resolve() / self.student / self.lesson.stage
+        place = course.submitted.resolve() / self.place(course).relative_to(course.submitted)
         if not self.path.parent.resolve().is_relative_to(place):
             return HandedIn(
                 self.path.name,
                 b"",
                 f"{self.path.name} lies behind a link to another folder. Hand in the file itself.",
             )
-        return dataclasses.replace(read_handed_in(self.path), notes=tuple(self._notes()))
+        return dataclasses.replace(read_handed_in(self.path), notes=tuple(self._notes(course)))
 
     def read_again(self, course: Course, fingerprint: str) -> HandedIn:
         """What lies there, if it is what was judged.
@@ -74,13 +81,15 @@ class Submission:
             )
         return handed_in
 
-    def _notes(self) -> Iterator[str]:
+    def _notes(self, course: Course) -> Iterator[str]:
         name = f"{self.lesson.name}.ipynb"
         if self.older:
-            left = ", ".join(path.name for path in self.older)
+            files = [path.relative_to(course.submitted) for path in (self.path, *self.older)]
+            several = len({file.parts[0] for file in files}) > 1  # folders of one student
+            newest, *left = [str(file) if several else file.name for file in files]
             yield (
-                f"Several files are for this lesson. The newest, {self.path.name}, was judged, and "
-                f"not {left}. If that is the wrong one, hand in the right one alone."
+                f"Several files are for this lesson. The newest, {newest}, was judged, and "
+                f"not {', '.join(left)}. If that is the wrong one, hand in the right one alone."
             )
         elif self.path.name != name:
             yield f"{self.path.name} was taken for {name}. Give it that name when you hand it in."
@@ -90,7 +99,8 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     """Everything under ``submitted/<student>/<stage>/`` that is a lesson of the course.
 
     Browsers and editors rename files, and put them into folders of their own: what a file is for
-    is read off its name. Of several for one lesson the newest counts.
+    is read off its name. Of several for one lesson the newest counts. Whose a folder is, the roster
+    says: where it is spelt in two ways, the files of both are one student's.
 
     Parameters
     ----------
@@ -102,16 +112,23 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     -------
     list of Submission
         In order of student and lesson.
+
+    Raises
+    ------
+    grader.course.roster.RosterTrouble
     """
+    roster = read_roster(course)
     found: dict[tuple[str, Lesson], list[Path]] = {}
     for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
         if stages and stage not in stages:
             continue
         for place in course.submitted.glob(f"*/{stage}"):
+            owner = roster.owner(place.parent.name) if roster else None
+            student = owner.id if owner else place.parent.name
             for path in _files_below(place):
                 lesson = _lesson_of_file(path)
                 if lesson and lesson.stage == stage:
-                    found.setdefault((place.parent.name, lesson), []).append(path)
+                    found.setdefault((student, lesson), []).append(path)
     submissions = []
     for (student, lesson), paths in found.items():
         *older, newest = sorted(paths, key=_age)

@@ -24,6 +24,7 @@ from alembic.config import Config as AlembicConfig
 from alembic.script import ScriptDirectory
 from nbgrader.api import (
     Assignment,
+    Grade,
     Gradebook,
     MissingEntry,
     Notebook,
@@ -32,19 +33,22 @@ from nbgrader.api import (
 )
 from nbgrader.coursedir import CourseDirectory
 from nbgrader.preprocessors import AssignLatePenalties, SaveCells
-from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solution, parse_utc
-from sqlalchemy import make_url
+from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solution
+from sqlalchemy import func, make_url, select
 from sqlalchemy.orm import Session
 
 from grader.classroom.submissions import Replaced, Submission
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
+from grader.course.roster import Person
 from grader.intake.notebook import read_file
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import graded_cells, judged_copy
-from grader.lms.results import ClassResults, NotebookResult
+from grader.lms.results import ClassResults
+from grader.lms.standings import Row, standings
+from grader.lms.times import Undecided, handed_in_at
 from utils.notebooks.reading import UnreadableNotebook
 
 CLOSE = 1e-6  # points are written with two digits
@@ -66,6 +70,11 @@ class Entry:
     def name(self) -> str:
         """What sentences call it."""
         return f"{self.student}, {self.stage}"
+
+    def places(self, course: Course) -> tuple[Path, ...]:
+        """The folders in which it lies; more than one where the student's is spelt in two ways."""
+        found = {submission.place(course) for submission, _ in self.judged}
+        return tuple(sorted(found))
 
 
 def open_gradebook(course: Course) -> Gradebook:
@@ -121,10 +130,6 @@ def enter(
         known |= {(submission.student, submission.lesson.stage) for submission, _ in judged}
         trouble += _withdraw(course, book, stages, known)
         for done, entry in enumerate(entries, start=1):
-            try:
-                _read_time(course, entry)
-            except _NoTime as error:
-                trouble.append(str(error))
             if differences(course, book, entry, late):
                 trouble += _enter_or_say_why_not(course, book, entry, late)
             progress(done, len(entries), entry.student)
@@ -204,7 +209,17 @@ def differences(
 
 
 def class_results(course: Course) -> ClassResults:
-    """Read the gradebook of a course."""
+    """How everybody stands, by the gradebook, the roster and the dates of a course.
+
+    Raises
+    ------
+    grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
+    """
+    by_hand = (
+        select(func.count(Grade.manual_score))
+        .where(Grade.notebook_id == SubmittedNotebook.id)
+        .scalar_subquery()
+    )
     # All in one question: each object by itself is three, which a server far away answers slowly.
     asked = (
         SubmittedAssignment.student_id,
@@ -212,8 +227,12 @@ def class_results(course: Course) -> ClassResults:
         Notebook.name,
         SubmittedNotebook.score,
         SubmittedNotebook.max_score,
+        func.coalesce(SubmittedNotebook.late_submission_penalty, 0.0),
         SubmittedNotebook.needs_manual_grade,
-        SubmittedAssignment.late_submission_penalty,
+        by_hand > 0,
+        SubmittedAssignment.timestamp,
+        Assignment.duedate,
+        SubmittedAssignment.extension,
     )
     with open_gradebook(course) as book:
         rows = (
@@ -224,13 +243,17 @@ def class_results(course: Course) -> ClassResults:
             .join(SubmittedNotebook.notebook)
             .all()
         )
-    rows.sort(key=lambda row: (row[0], row[2]))  # databases differ in what comes first
-    notebooks = tuple(
-        NotebookResult(student, stage, lesson, score, most, bool(by_hand))
-        for student, stage, lesson, score, most, by_hand, _ in rows
-    )
-    penalties = {(student, stage): late for student, stage, *_, late in rows if late}
-    return ClassResults(notebooks, penalties)
+        known = [
+            Person(
+                student.id,
+                student.first_name or "",
+                student.last_name or "",
+                student.email or "",
+                lms_id=student.lms_user_id or "",
+            )
+            for student in book.students
+        ]
+    return standings(course, [Row(*row) for row in rows], known)
 
 
 def _entries(
@@ -290,7 +313,8 @@ def _enter_one(
                 f"of the student's. {complaint}"
             )
         for name, source in handed_in.modules.items():
-            modules[submission.path.with_name(f"{name}.py")] = source.encode()
+            path = submission.path.with_name(f"{name}.py").relative_to(submission.place(course))
+            modules[path] = source.encode()
     folder = course.autograded / entry.student / entry.stage
     draft = folder.with_name(f".{folder.name}.part")
     _write_files(course, entry, copies, modules, draft)
@@ -433,28 +457,11 @@ def _penalty(
 
 
 def _timestamp(course: Course, entry: Entry) -> datetime | None:
-    """When it was handed in, as nbgrader's ``timestamp.txt`` says; None where it does not."""
-    with contextlib.suppress(_NoTime):
-        return _read_time(course, entry)
+    """When it was handed in, in UTC without saying so; None where that is not known."""
+    with contextlib.suppress(Undecided):
+        time = handed_in_at(entry.places(course))
+        return time and time.replace(tzinfo=None)
     return None
-
-
-class _NoTime(Exception):
-    """A ``timestamp.txt`` does not say a time."""
-
-
-def _read_time(course: Course, entry: Entry) -> datetime | None:
-    path = course.submitted / entry.student / entry.stage / "timestamp.txt"
-    if not path.is_file():
-        return None
-    try:
-        text = read_file(path).decode().strip()
-        return parse_utc(text) if text else None
-    except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
-        raise _NoTime(
-            f"{entry.name}: timestamp.txt does not say a time that can be read, such as "
-            "2026-11-22 18:30:00 UTC; the work counts as handed in on time"
-        ) from error
 
 
 def _key_of_copy(course: Course, entry: Entry, lesson_name: str) -> str | None:
@@ -471,18 +478,22 @@ def _write_files(
     """Write into a folder of their own the copies, modules as judged, and all other files."""
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)
-    place = course.submitted / entry.student / entry.stage
-    for path in {*_other_files(place), *modules}:
-        with contextlib.suppress(UnreadableNotebook):
-            content = modules[path] if path in modules else read_file(path)
-            copy = draft / path.relative_to(place)
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes(content)
+    for place in entry.places(course):
+        for path in _other_files(place):
+            with contextlib.suppress(UnreadableNotebook):
+                _put(read_file(path), draft / path.relative_to(place))
+    for path, source in modules.items():
+        _put(source, draft / path)
     for name, notebook in copies.items():
         (draft / f"{name}.ipynb").write_text(nbformat.writes(notebook) + "\n", "utf-8")
     for path in draft.rglob("*"):
         if path.is_file():
             path.chmod(0o444)  # as nbgrader leaves them
+
+
+def _put(content: bytes, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
 
 
 def _other_files(place: Path) -> Iterator[Path]:

@@ -21,6 +21,7 @@ from grader.judging.verdict import FAILED, JUDGED, read_verdict
 from grader.lms import autograded
 from grader.lms.autograded import graded_cells
 from grader.lms.gradebook import class_results
+from grader.lms.results import WAITING
 from tests.running import children
 from tests.test_faults import Inline, rehearsed
 from utils.notebooks.reading import UnreadableNotebook
@@ -229,7 +230,7 @@ def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypat
     said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
     assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
-    assert results["mallory"].waiting, "a person looks for what was written"
+    assert results["mallory"].standing == WAITING, "a person looks for what was written"
     path = course.autograded / "mallory" / LESSON.stage / f"{LESSON.name}.ipynb"
     copy = nbformat.read(path, as_version=4)
     nbformat.validate(copy)

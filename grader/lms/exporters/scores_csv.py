@@ -3,7 +3,7 @@
 import csv
 import io
 
-from grader.lms.results import ClassResults
+from grader.lms.results import WAITING, ClassResults
 
 # A cell that begins with one of these is a formula to a spreadsheet, and a command to some.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -23,27 +23,30 @@ def scores_csv(results: ClassResults) -> str:
         in each lesson (empty where nothing was handed in), points off for lateness, the total,
         and the number of notebooks that wait for a person.
     """
-    lessons = sorted({result.lesson for result in results.notebooks})
-    most = {result.lesson: result.max_score for result in results.notebooks}
-    students: dict[str, list] = {}
-    for result in results.notebooks:
-        students.setdefault(result.student, []).append(result)
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")
+    lessons = results.lessons
     table.writerow(["Student", *lessons, "Late penalty", "Total", "Waiting for a person"])
     table.writerow(
-        ["out of", *(_number(most[name]) for name in lessons), "", _number(sum(most.values())), ""]
+        [
+            "out of",
+            *(_number(most) for most in lessons.values()),
+            "",
+            _number(sum(lessons.values())),
+            "",
+        ]
     )
-    for student, mine in students.items():
-        scores = {result.lesson: result.score for result in mine}
-        penalty = sum(off for (name, _), off in results.penalties.items() if name == student)
+    for person in results.people:
+        mine = [results.notebook(person.id, lesson) for lesson in lessons]
+        scores = [result.score for result in mine if result.score is not None]
+        penalty = sum(result.penalty for result in mine)
         table.writerow(
             [
-                f"'{student}" if student.startswith(FORMULA) else student,
-                *(_number(scores[name]) if name in scores else "" for name in lessons),
+                f"'{person.id}" if person.id.startswith(FORMULA) else person.id,
+                *("" if result.score is None else _number(result.score) for result in mine),
                 _number(penalty),
-                _number(max(0.0, sum(scores.values()) - penalty)),
-                sum(result.waiting for result in mine),
+                _number(max(0.0, sum(scores) - penalty)),
+                sum(result.standing == WAITING for result in mine),
             ]
         )
     return file.getvalue()

@@ -1,0 +1,48 @@
+"""When work was handed in, as nbgrader's ``timestamp.txt`` beside it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import UTC, datetime
+from pathlib import Path
+
+from nbgrader.utils import parse_utc
+
+from grader.intake.notebook import read_file
+from utils.notebooks.reading import UnreadableNotebook
+
+
+class Undecided(Exception):
+    """A ``timestamp.txt`` does not say a time; `str()` is its path."""
+
+
+def handed_in_at(places: Iterable[Path]) -> datetime | None:
+    """When a student's work for a stage was handed in.
+
+    Parameters
+    ----------
+    places : iterable of Path
+        The folders in which it lies. Of several the latest time counts.
+
+    Returns
+    -------
+    datetime or None
+        Aware; None where no file says anything.
+
+    Raises
+    ------
+    Undecided
+        Work whose time cannot be read is neither late nor in time.
+    """
+    times = [time for place in places if (time := _time(place / "timestamp.txt"))]
+    return max(times, default=None)
+
+
+def _time(path: Path) -> datetime | None:
+    if not path.is_file():
+        return None
+    try:
+        text = read_file(path).decode().strip()
+        return parse_utc(text).replace(tzinfo=UTC) if text else None
+    except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
+        raise Undecided(str(path)) from error

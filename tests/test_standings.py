@@ -1,0 +1,207 @@
+"""Missing, 0, excused and waiting are four things; who is late, and who is on the roster."""
+
+import datetime
+import shutil
+
+import pytest
+
+from grader.course import paths
+from grader.course.paths import Course
+from grader.course.roster import Person
+from grader.lms import gradebook
+from grader.lms.gradebook import enter
+from grader.lms.results import (
+    EXCUSED,
+    MARKED,
+    MISSING,
+    WAITING,
+    NotebookResult,
+    StageResult,
+    standing_in_stage,
+)
+from tests.test_gradebook import (
+    DISTANCE,
+    GROUND,
+    LATE,
+    STAGE,
+    hand_in,
+    make_course,
+    quiet,
+    verdicts,
+)
+
+ROSTER = (
+    "id,first_name,last_name,email,section,lms_id\n"
+    "bob,Bob,Bell,bob@x.edu,B,7\n"
+    "ada,Ada,Ash,,A,8\n"
+    "eve,Eve,Elm,,B,\n"
+    "fay,Fay,Fir,,,\n"
+)
+DATES = f"""
+timezone = "UTC"
+[{STAGE}]
+due = 2026-03-01T12:00:00
+[{STAGE}.students]
+eve = "excused"
+fay = 2026-03-04T12:00:00
+"""
+ZERO = {"ada": {GROUND: (0.0, 0.0), DISTANCE: (11.75, 2.0, 4.5)}, "bob": {DISTANCE: (19.5, 0, 1)}}
+
+
+@pytest.fixture(scope="module")
+def entered_once(tmp_path_factory):
+    made = make_course(tmp_path_factory.mktemp("standing") / "course")
+    enter(made, verdicts(made, ZERO), [STAGE], quiet)
+    return made.root
+
+
+@pytest.fixture
+def course(entered_once, tmp_path):
+    """Ada handed in two lessons and earned nothing in one; Bob handed in one."""
+    shutil.copytree(entered_once, tmp_path / "course")
+    paths._folder.cache_clear()
+    return Course(tmp_path / "course")
+
+
+def standing(course):
+    """(standing, score) by student and number of the lesson."""
+    results = gradebook.class_results(course)
+    return {(one.student, one.lesson[:2]): (one.standing, one.score) for one in results.notebooks}
+
+
+def change(course, student, lesson, **values):
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_submission_notebook(lesson.name, STAGE, student)
+        for name, value in values.items():
+            setattr(notebook.grades[0], name, value)
+        book.db.commit()
+
+
+def test_without_a_roster_it_is_who_handed_in(course):
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_student("ada", first_name="Ada", last_name="Ash", lms_user_id="8")
+        book.update_or_create_student("idle", first_name="Ida")
+    results = gradebook.class_results(course)
+    assert results.people == (Person("ada", "Ada", "Ash", lms_id="8"), Person("bob"))
+    assert standing(course) == {
+        ("ada", "06"): (MARKED, 0.0),
+        ("ada", "07"): (MARKED, 18.25),
+        ("bob", "06"): (MISSING, None),
+        ("bob", "07"): (MARKED, 20.5),
+    }
+    assert results.strangers == ()
+
+
+def test_with_a_roster_it_is_who_is_on_it_in_its_order(course):
+    (course.root / "roster.csv").write_text(ROSTER)
+    (course.root / "deadlines.toml").write_text(DATES)
+    results = gradebook.class_results(course)
+    assert [person.id for person in results.people] == ["bob", "ada", "eve", "fay"]
+    assert results.people[0] == Person("bob", "Bob", "Bell", "bob@x.edu", "B", "7")
+    assert standing(course) == {
+        ("bob", "06"): (MISSING, None),
+        ("bob", "07"): (MARKED, 20.5),
+        ("ada", "06"): (MARKED, 0.0),
+        ("ada", "07"): (MARKED, 18.25),
+        ("eve", "06"): (EXCUSED, None),
+        ("eve", "07"): (EXCUSED, None),
+        ("fay", "06"): (MISSING, None),
+        ("fay", "07"): (MISSING, None),
+    }
+    assert [(one.student, one.standing, one.score, one.max_score) for one in results.stages] == [
+        ("bob", MARKED, 20.5, 60),
+        ("ada", MARKED, 18.25, 60),
+        ("eve", EXCUSED, None, 60),
+        ("fay", MISSING, None, 60),
+    ]
+    assert results.lessons == {GROUND.name: 30, DISTANCE.name: 30}
+    assert results.notebook("ada", GROUND.name).score == 0
+    assert results.notebook("nobody", GROUND.name) is results.stage("nobody", STAGE) is None
+
+
+def test_who_is_not_on_the_roster_is_named_apart(course):
+    (course.root / "roster.csv").write_text("id\nbob\n")
+    results = gradebook.class_results(course)
+    assert results.strangers == ("ada",)
+    assert {one.student for one in (*results.notebooks, *results.stages)} == {"bob"}
+
+
+def test_what_a_person_has_still_to_grade_waits(course):
+    change(course, "ada", GROUND, needs_manual_grade=True)
+    assert standing(course)["ada", "06"] == (WAITING, 0.0)
+    assert gradebook.class_results(course).stage("ada", STAGE).standing == WAITING
+
+
+def test_what_is_handed_in_and_not_entered_waits(course):
+    hand_in(course, "bob", GROUND)
+    hand_in(course, "cleo", DISTANCE)
+    assert standing(course)["bob", "06"] == (WAITING, None)
+    (course.root / "roster.csv").write_text("id\nbob\ncleo\n")
+    assert standing(course)["cleo", "06"] == (MISSING, None)
+    assert standing(course)["cleo", "07"] == (WAITING, None)
+    assert gradebook.class_results(course).stage("cleo", STAGE).points is None
+
+
+def test_a_mark_by_hand_is_a_mark_whatever_was_handed_in(course):
+    change(course, "bob", GROUND, manual_score=0.0)  # an oral exam, say
+    assert standing(course)["bob", "06"] == (MARKED, 0.0)
+    shutil.rmtree(course.autograded)
+    shutil.rmtree(course.submitted)
+    assert standing(course)["bob", "06"] == (MARKED, 0.0)
+    assert standing(course)["bob", "07"] == (MARKED, 20.5)
+
+
+def test_what_nobody_handed_in_is_not_there(course):
+    shutil.rmtree(course.submitted / "ada" / STAGE)
+    enter(course, verdicts(course, ZERO), [STAGE], quiet)
+    assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
+
+
+def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
+    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "roster.csv").write_text(ROSTER)
+    (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-02 13:30:00 CET")
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate="2026-03-01 12:00:00")
+    enter(course, verdicts(course, ZERO), [STAGE], quiet)
+    stage = gradebook.class_results(course).stage("ada", STAGE)
+    assert stage == StageResult(
+        "ada",
+        STAGE,
+        MARKED,
+        score=18.25,
+        max_score=60,
+        penalty=pytest.approx(3.65),  # 24 and a half hours: two days have begun
+        handed_in=datetime.datetime(2026, 3, 2, 12, 30, tzinfo=datetime.UTC),
+        due=datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.UTC),
+        late=datetime.timedelta(hours=24, minutes=30),
+    )
+    assert stage.points == pytest.approx(14.6)
+    on_time = gradebook.class_results(course).stage("bob", STAGE)
+    assert (on_time.handed_in, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
+
+
+def test_who_handed_in_nothing_has_a_date_too(course):
+    (course.root / "roster.csv").write_text(ROSTER)
+    (course.root / "deadlines.toml").write_text(DATES)
+    results = gradebook.class_results(course)
+    assert results.stage("fay", STAGE).due == datetime.datetime(2026, 3, 4, 12, tzinfo=datetime.UTC)
+    assert results.stage("fay", STAGE).handed_in is None
+
+
+@pytest.mark.parametrize(
+    ("standings", "stage"),
+    [
+        ((MISSING, MISSING), MISSING),
+        ((MISSING, MARKED), MARKED),
+        ((MARKED, WAITING, MISSING), WAITING),
+        ((EXCUSED, EXCUSED), EXCUSED),
+    ],
+)
+def test_what_lessons_come_to(standings, stage):
+    lessons = (NotebookResult("a", STAGE, one, one, None, 1.0) for one in standings)
+    assert standing_in_stage(lessons) == stage
+
+
+def test_a_penalty_takes_no_more_than_there_is():
+    assert NotebookResult("a", STAGE, "x", MARKED, 3.0, 30.0, 9.0).points == 0
