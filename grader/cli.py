@@ -8,6 +8,9 @@ from pathlib import Path
 
 from grader import commands
 from grader.classroom.executors import processors
+from grader.course.deadlines import DeadlinesTrouble
+from grader.course.paths import PROJECT
+from grader.course.roster import RosterTrouble
 from grader.course.seed import ShortSeed
 from grader.lms.exporters import EXPORTERS
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
@@ -29,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         return options.run(options)
-    except (SandboxUnavailable, ShortSeed) as error:
+    except (SandboxUnavailable, ShortSeed, RosterTrouble, DeadlinesTrouble) as error:
         print(error, file=sys.stderr)
         return commands.WRONG_CALL
     except KeyboardInterrupt:
@@ -71,15 +74,31 @@ def _build(kinds: argparse._SubParsersAction) -> None:
 
 
 def _release(kinds: argparse._SubParsersAction) -> None:
-    release = kinds.add_parser("release", help="write notebooks that need no file beside them")
+    release = kinds.add_parser(
+        "release", help="write what students get: a zip for each stage that runs when unzipped"
+    )
     release.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
-    release.add_argument(
+    kind = release.add_mutually_exclusive_group()
+    kind.add_argument(
         "--standalone",
         action="store_true",
-        required=True,
-        help="put the tools of the course into each notebook",
+        help="notebooks instead that need no file beside them: the tools are in each",
     )
-    release.add_argument("--to", type=Path, required=True, metavar="DIR", help="where to write")
+    kind.add_argument(
+        "--solutions",
+        action="store_true",
+        help="the solutions instead, with outputs and as pages, once nobody may hand in any more",
+    )
+    release.add_argument(
+        "--anyway", action="store_true", help="give out solutions while some may still hand in"
+    )
+    release.add_argument(
+        "--to",
+        type=Path,
+        default=PROJECT / "released",
+        metavar="DIR",
+        help="where to write (default: released/ in the course's folder)",
+    )
     release.set_defaults(run=commands.run_release)
 
 

@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from grader import console
@@ -43,17 +44,45 @@ def run_build(options: argparse.Namespace) -> int:
 
 
 def run_release(options: argparse.Namespace) -> int:
-    """Run ``release --standalone [STAGE ...] --to DIR``."""
-    from grader.course.standalone import NotStandalone, write_standalone
+    """Run ``release [--standalone | --solutions] [STAGE ...]``."""
+    from grader.course.release import write_zips
+    from grader.course.standalone import NotReleased, write_standalone
 
     if not are_stages(options.stages):
         return WRONG_CALL
     try:
-        for path in write_standalone(options.to, options.stages):
+        if options.solutions:
+            return _release_solutions(options)
+        write = write_standalone if options.standalone else write_zips
+        for path in write(options.to, options.stages):
             print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
-    except NotStandalone as error:
+    except NotReleased as error:
         print(error, file=sys.stderr)
         return FAULT
+    return GOOD
+
+
+def _release_solutions(options: argparse.Namespace) -> int:
+    from grader.classroom.executors import processors
+    from grader.course.deadlines import read_deadlines
+    from grader.course.solved import still_open, write_solutions
+
+    wanted = options.stages or stages()
+    deadlines = read_deadlines(Course())
+    now = datetime.now(UTC)
+    unknown = [stage for stage in wanted if deadlines is None or stage not in deadlines.stages]
+    if unknown:
+        print(f"deadlines.toml has no date for {', '.join(unknown)}.", file=sys.stderr)
+    early = [still_open(deadlines, stage, now) for stage in wanted if stage not in unknown]
+    if any(early):
+        print(*filter(None, early), sep="\n", file=sys.stderr)
+        if not options.anyway:
+            print("Nothing was written. --anyway gives the solutions out.", file=sys.stderr)
+            return FAULT
+    with console.progress_bar("Running the solutions") as advance:
+        written = list(write_solutions(options.to, wanted, processors(), advance))
+    for path in written:
+        print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
     return GOOD
 
 

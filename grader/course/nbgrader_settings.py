@@ -62,6 +62,9 @@ def configure(c: Config, root: Path) -> Config:
         *(f"nbgrader.preprocessors.{step}" for step in RELEASE_STEPS),
     ]
 
+    # A student fetches notebooks, and no `utils` beside them.
+    c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
+
     # A damaged file must not cost the whole submission.
     c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     c.Autograde.autograde_preprocessors = [

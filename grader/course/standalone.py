@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grader.course.build import COMMON_CELLS, leaks
-from grader.course.lessons import all_lessons
+from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
@@ -28,8 +28,8 @@ OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 400_000  # bytes
 
 
-class NotStandalone(Exception):
-    """A notebook cannot be made that way; `str()` is the sentence to show."""
+class NotReleased(Exception):
+    """Something cannot be handed out; `str()` is the sentence to show."""
 
 
 def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
@@ -44,7 +44,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 
     Raises
     ------
-    NotStandalone
+    NotReleased
         One would be too large, or give a solution away.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,15 +53,23 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
         if stages and lesson.stage not in stages:
             continue
         text = standalone(lesson.released.read_bytes())
-        others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
-        given_away = leaks(lesson.solved.read_bytes(), text, others)
-        if given_away or len(text) > LARGEST:
-            why = f"gives away {given_away[0]!r}" if given_away else f"has {len(text)} bytes"
-            raise NotStandalone(f"{lesson.name} {why}. Nothing was written for it.")
+        refuse_to_give_away(lesson, text)
+        if len(text) > LARGEST:
+            raise NotReleased(f"{lesson.name} has {len(text)} bytes. Nothing was written for it.")
         path = folder / f"{lesson.name}.ipynb"
         path.write_bytes(text)
         written.append(path)
     return written
+
+
+def refuse_to_give_away(lesson: Lesson, notebook: bytes) -> None:
+    """Raise `NotReleased` where a line of the solution stands in a student's notebook."""
+    others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
+    given_away = leaks(lesson.solved.read_bytes(), notebook, others)
+    if given_away:
+        raise NotReleased(
+            f"{lesson.name} gives away {given_away[0]!r}. Nothing was written for it."
+        )
 
 
 def standalone(notebook: bytes) -> bytes:

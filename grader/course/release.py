@@ -1,0 +1,78 @@
+"""What students get: a zip for each stage that runs wherever it is unzipped."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from grader.course.archives import zipped
+from grader.course.lessons import all_lessons, stages
+from grader.course.paths import PROJECT
+from grader.course.standalone import refuse_to_give_away
+
+FOLDER = "lidar_obstacle_lab"
+"""In every zip, so that those of several stages become one course."""
+README = PROJECT / "solutions" / "student_readme.md"
+TOOLS = {
+    "utils": (".py", ".html", ".json", ".md"),
+    "data": (".md", ".txt", ".npz", ".png"),
+}
+PROGRAMS = ("jupyterlab", "ipykernel")  # in which a student opens a notebook
+
+
+def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
+    """Write a zip for each stage; yields its path as soon as it is there.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Made where there is none.
+    wanted : iterable of str, optional
+        Only these stages; by default all.
+
+    Raises
+    ------
+    grader.course.standalone.NotReleased
+        A notebook would give a solution away.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for stage in wanted or stages():
+        path = folder / f"{stage}.zip"
+        path.write_bytes(zipped(student_files(stage)))
+        yield path
+
+
+def student_files(stage: str) -> dict[str, bytes]:
+    """Content by name of all that a student needs for a stage, and of nothing else."""
+    found = {
+        "README.md": README.read_bytes(),
+        "LICENSE": (PROJECT / "LICENSE").read_bytes(),
+        "requirements.txt": student_requirements().encode(),
+        "constraints.txt": (PROJECT / "constraints.txt").read_bytes(),
+        **course_tools(),
+    }
+    for lesson in all_lessons():
+        if lesson.stage == stage:
+            name = lesson.released.relative_to(PROJECT).as_posix()
+            found[name] = lesson.released.read_bytes()
+            refuse_to_give_away(lesson, found[name])
+    return {f"{FOLDER}/{name}": content for name, content in found.items()}
+
+
+def course_tools() -> dict[str, bytes]:
+    """``utils`` and ``data`` as they are in the course, by name."""
+    return {
+        path.relative_to(PROJECT).as_posix(): path.read_bytes()
+        for name, kinds in TOOLS.items()
+        for path in (PROJECT / name).rglob("*")
+        if path.is_file() and path.suffix in kinds
+    }
+
+
+def student_requirements() -> str:
+    """The part of ``requirements.txt`` that a notebook needs, and what opens one."""
+    text = (PROJECT / "requirements.txt").read_text("utf-8")
+    needed = re.search(r"^# What a notebook needs\n((?:\S.*\n)+)", text, re.M)[1]
+    programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
+    return f"-c constraints.txt\n\n{needed}{''.join(programs)}"

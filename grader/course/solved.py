@@ -1,0 +1,172 @@
+"""Solutions to hand out when all have handed in: run, with what they show, and as pages."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from datetime import datetime
+from pathlib import Path
+
+import jinja2
+import nbclient
+import nbformat
+from nbconvert.exporters import HTMLExporter
+from nbformat import NotebookNode
+
+from grader.course.archives import zipped
+from grader.course.deadlines import Dates, Deadlines
+from grader.course.lessons import Lesson, all_lessons, stages
+from grader.course.mathml import STYLE, markdown_page
+from grader.course.paths import PROJECT
+from grader.course.release import FOLDER, course_tools
+from grader.course.standalone import NotReleased
+
+KEPT = PROJECT / ".solved"
+"""Notebooks that were run, by what they depend on."""
+TEMPLATES = Path(__file__).parent / "templates"
+LONGEST_CELL = 300  # seconds, on a machine with other work
+MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
+WIDGET = "application/vnd.jupyter.widget-view+json"
+
+
+def still_open(deadlines: Deadlines, stage: str, now: datetime) -> str:
+    """Who may still hand in a stage, in a sentence; empty where nobody may.
+
+    Parameters
+    ----------
+    deadlines : grader.course.deadlines.Deadlines
+    stage : str
+    now : datetime.datetime
+        Aware.
+    """
+    dates = deadlines.stages.get(stage, Dates())
+    groups = {"": dates.due} | {f"section {name}": due for name, due in dates.sections.items()}
+    names = {name or "everybody": due for name, due in (groups | dates.students).items() if due}
+    late = [f"{name} until {due:%d %B %Y, %H:%M}" for name, due in names.items() if due > now]
+    return f"{stage} is open: for {', '.join(late)}." if late else ""
+
+
+def write_solutions(
+    folder: Path, wanted: Iterable[str], workers: int, progress: Callable[[int, int, object], None]
+) -> Iterator[Path]:
+    """Write a zip for each stage, with each lesson as a notebook and as a page.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Made where there is none.
+    wanted : iterable of str
+        Only these stages; all where it is empty.
+    workers : int
+        Notebooks run at a time.
+    progress : callable
+        Called with (done, total, lesson) after each notebook.
+
+    Yields
+    ------
+    pathlib.Path
+        As soon as the zip is there.
+
+    Raises
+    ------
+    NotReleased
+        A cell fails.
+    """
+    wanted = tuple(wanted) or stages()
+    lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
+    ran = {}
+    progress(0, len(lessons), "")
+    with ThreadPoolExecutor(workers) as pool:
+        running = {pool.submit(shown, lesson): lesson for lesson in lessons}
+        try:
+            for future in as_completed(running):
+                ran[running[future]] = future.result()
+                progress(len(ran), len(lessons), running[future].name)
+        finally:
+            pool.shutdown(cancel_futures=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    for stage in wanted:
+        files = {}
+        for lesson, notebook in ran.items():
+            if lesson.stage == stage:
+                name = f"{FOLDER}/solutions/{stage}/{lesson.name}"
+                files[f"{name}.ipynb"] = notebook
+                files[f"{name}.html"] = as_page(notebook, lesson)
+        path = folder / f"{stage}_solutions.zip"
+        path.write_bytes(zipped(files))
+        yield path
+
+
+def shown(lesson: Lesson) -> bytes:
+    """The solved notebook of a lesson with all that it shows; run only if something is new."""
+    path = KEPT / f"{lesson.name}-{_fingerprint(lesson)}.ipynb"
+    if not path.is_file():
+        text = _run(lesson)
+        KEPT.mkdir(exist_ok=True)
+        for old in KEPT.glob(f"{lesson.name}-*"):
+            old.unlink()
+        draft = path.with_suffix(".part")
+        draft.write_bytes(text)
+        os.replace(draft, path)
+    return path.read_bytes()
+
+
+def as_page(notebook: bytes, lesson: Lesson) -> bytes:
+    """A notebook that was run as a page that needs nothing beside it, and no network."""
+    content = nbformat.reads(notebook.decode(), as_version=4)
+    exporter = Page(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
+    resources = {"metadata": {"name": lesson.name}, "style_of_formulas": STYLE}
+    page, _ = exporter.from_notebook_node(content, resources)
+    return page.encode()
+
+
+class Page(HTMLExporter):
+    """nbconvert's pages, with formulas that no script has to draw."""
+
+    @jinja2.pass_context
+    def markdown2html(self, context: jinja2.runtime.Context, source: str) -> str:
+        """The text of a cell as HTML."""
+        return markdown_page(source, context.get("cell", {}).get("attachments"))
+
+
+def _fingerprint(lesson: Lesson) -> str:
+    """Of all that a run depends on."""
+    digest = hashlib.sha256(lesson.solved.read_bytes())
+    for name, content in sorted(course_tools().items()):
+        digest.update(name.encode() + b"\0" + content + b"\0")
+    digest.update((PROJECT / "constraints.txt").read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _run(lesson: Lesson) -> bytes:
+    notebook = nbformat.read(lesson.solved, as_version=4)
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.source = MARKS.sub("", cell.source).rstrip("\n")
+    client = nbclient.NotebookClient(
+        notebook,
+        timeout=LONGEST_CELL,
+        resources={"metadata": {"path": str(lesson.released.parent)}},
+        store_widget_state=False,
+    )
+    client.comm_open_handlers.clear()  # what a widget shows stays in its cell
+    try:
+        client.execute()
+    except nbclient.exceptions.CellExecutionError as error:
+        raise NotReleased(
+            f"{lesson.name}: its solution does not run to its end, so nothing was written. "
+            f"{str(error)[-1000:]}"
+        ) from None
+    _settle(notebook)
+    return (nbformat.writes(notebook) + "\n").encode()
+
+
+def _settle(notebook: NotebookNode) -> None:
+    """Take out what differs from run to run and tells nobody anything."""
+    for cell in notebook.cells:
+        cell.metadata.pop("execution", None)  # times of day
+        if cell.cell_type == "code":
+            cell.outputs = [one for one in cell.outputs if WIDGET not in one.get("data", {})]

@@ -1,0 +1,34 @@
+"""What nbgrader releases: notebooks that run where a student fetches them, alone in a folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from nbgrader.exchange.default import ExchangeReleaseAssignment
+
+from grader.course.lessons import all_lessons
+from grader.course.standalone import standalone
+
+
+class ReleaseStandalone(ExchangeReleaseAssignment):
+    """Release the notebooks of the course with its tools in their setup cell.
+
+    Nothing else changes, and what the judge reads of a notebook is the same in both.
+    """
+
+    def do_copy(self, src: str, dest: str, log: object = None) -> None:
+        """Copy an assignment into the exchange; see nbgrader."""
+        super().do_copy(src, dest, log)
+        for path in sorted(Path(dest).rglob("*.ipynb")):
+            if _is_lesson(path):
+                path.write_bytes(standalone(path.read_bytes()))
+
+
+def _is_lesson(path: Path) -> bool:
+    """Whether it is a notebook of the course; instructors may release others beside."""
+    try:
+        about = json.loads(path.read_bytes())["metadata"]["lidar_obstacle_lab"]
+        return about["lesson"] in {lesson.name for lesson in all_lessons()}
+    except (ValueError, KeyError, TypeError):
+        return False

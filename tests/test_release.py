@@ -1,0 +1,308 @@
+"""What students get: zips that run, notebooks that nbgrader releases, solutions afterwards."""
+
+import io
+import json
+import re
+import stat
+import subprocess
+import sys
+import zipfile
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbgrader.auth import Authenticator
+from nbgrader.coursedir import CourseDirectory
+from nbgrader.exchange import ExchangeFactory
+from traitlets.config import Config
+
+from grader import cli, commands
+from grader.course import release, solved, standalone
+from grader.course.archives import zipped
+from grader.course.deadlines import Dates, Deadlines
+from grader.course.lessons import all_lessons, find_lesson, stages
+from grader.course.nbgrader_settings import configure
+from grader.course.paths import PROJECT, Course
+from tests.running import errors_of, run
+from tests.test_requirements import distributions, normal, own_pins, strangers_by_file
+
+STAGE = "stage3_obstacles"
+LESSON = find_lesson("08_bounding_boxes")
+NOW = datetime(2026, 10, 12, 12, tzinfo=UTC)
+HOUR = timedelta(hours=1)
+
+
+@pytest.fixture(scope="module")
+def zips(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("released")
+    assert cli.main(["release", "--to", str(folder)]) == 0
+    return folder
+
+
+def names_in(path):
+    with zipfile.ZipFile(path) as archive:
+        return archive.namelist()
+
+
+# ---- zips ---------------------------------------------------------------------------------------
+
+
+def test_the_order_in_which_files_are_found_is_nowhere_in_a_zip():
+    files = {"b/two.txt": b"2" * 999, "a.txt": b"1", "b/one.txt": b""}
+    packed = zipped(files)
+    assert packed == zipped(dict(reversed(files.items())))
+    with zipfile.ZipFile(io.BytesIO(packed)) as archive:
+        assert archive.testzip() is None
+        assert archive.namelist() == ["a.txt", "b/one.txt", "b/two.txt"]
+        assert {name: archive.read(name) for name in files} == files
+        for entry in archive.infolist():
+            assert entry.date_time == (1980, 1, 1, 0, 0, 0)
+            assert stat.S_IMODE(entry.external_attr >> 16) == 0o644
+
+
+def test_a_zip_for_each_stage_with_its_notebooks(zips):
+    assert sorted(path.name for path in zips.iterdir()) == [f"{stage}.zip" for stage in stages()]
+    for stage in stages():
+        mine = [lesson.name for lesson in all_lessons() if lesson.stage == stage]
+        notebooks = [name for name in names_in(zips / f"{stage}.zip") if name.endswith(".ipynb")]
+        assert notebooks == [f"lidar_obstacle_lab/notebooks/{stage}/{one}.ipynb" for one in mine]
+
+
+def test_the_same_bytes_when_written_again(zips, tmp_path):
+    assert cli.main(["release", STAGE, "--to", str(tmp_path)]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == [f"{STAGE}.zip"]
+    again = (tmp_path / f"{STAGE}.zip").read_bytes()
+    assert again == (zips / f"{STAGE}.zip").read_bytes()
+
+
+def test_nothing_is_in_it_but_what_students_need(zips):
+    names = [name.split("/", 1) for name in names_in(zips / f"{STAGE}.zip")]
+    assert {first for first, _ in names} == {"lidar_obstacle_lab"}
+    assert {rest.split("/")[0] for _, rest in names} == {
+        "LICENSE", "README.md", "constraints.txt", "data", "notebooks", "requirements.txt", "utils",
+    }  # fmt: skip
+    inside = {rest for _, rest in names}
+    assert {"data/cloud.txt", "data/cloud_truth.npz", "utils/lent/lesson_08.json"} <= inside
+    code = {
+        path.relative_to(PROJECT).as_posix()
+        for path in (PROJECT / "utils").rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert code == {name for name in inside if name.startswith("utils/")}
+
+
+@pytest.mark.slow
+def test_what_students_install_is_all_that_their_notebooks_import():
+    text = release.student_requirements()
+    pins = dict(re.findall(r"^([\w.-]+)==(\S+)$", text, re.M))
+    assert pins.items() <= own_pins("requirements.txt").items()
+    needed = {
+        normal(distributions()[package][0])
+        for file, packages in strangers_by_file().items()
+        if file.startswith("utils/")
+        for package in packages
+        if package in distributions()
+    }
+    extra = own_pins("requirements-3d.txt").keys() | {
+        "vtk"
+    }  # windows and films, for who wants them
+    assert needed - extra <= pins.keys()
+    assert {"jupyterlab", "ipykernel"} <= pins.keys()
+
+
+def test_a_notebook_that_gives_a_solution_away_is_in_no_zip(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(standalone, "leaks", lambda *texts: ["answer = 42"])
+    assert cli.main(["release", STAGE, "--to", str(tmp_path)]) == 1
+    assert "gives away 'answer = 42'" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def first_cells(path, count):
+    """A notebook's first code cells."""
+    notebook = nbformat.read(path, as_version=4)
+    notebook.cells = [cell for cell in notebook.cells if cell.cell_type == "code"][:count]
+    return notebook
+
+
+@pytest.mark.slow
+def test_unzipped_anywhere_it_runs(zips, tmp_path, monkeypatch):
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    with zipfile.ZipFile(zips / f"{STAGE}.zip") as archive:
+        archive.extractall(tmp_path)
+    path = tmp_path / "lidar_obstacle_lab" / "notebooks" / STAGE / f"{LESSON.name}.ipynb"
+    notebook = run(first_cells(path, 2), path.parent)
+    assert errors_of(notebook) == []
+    assert notebook.cells[0].outputs[0].text.startswith("Ready: ")
+
+
+# ---- nbgrader -----------------------------------------------------------------------------------
+
+
+def exchange(root, folder):
+    """A course or a student's folder as nbgrader sees it."""
+    config = configure(Config(), folder)
+    config.Exchange.root = str(root)
+    config.CourseDirectory.assignment_id = STAGE
+    parts = {"coursedir": CourseDirectory(config=config), "authenticator": Authenticator()}
+    return ExchangeFactory(config=config), parts
+
+
+@pytest.fixture
+def fetched(tmp_path, monkeypatch):
+    """A stage that nbgrader released and a student fetched; one notebook is not of the course."""
+    course, student = tmp_path / "course", tmp_path / "student"
+    place = course / "notebooks" / STAGE
+    place.mkdir(parents=True)
+    student.mkdir()
+    place.joinpath(LESSON.released.name).write_bytes(LESSON.released.read_bytes())
+    nbformat.write(nbformat.v4.new_notebook(), place / "survey.ipynb")
+    for folder, what in ((course, "ReleaseAssignment"), (student, "FetchAssignment")):
+        monkeypatch.chdir(folder)
+        factory, parts = exchange(tmp_path / "exchange", folder)
+        getattr(factory, what)(**parts).start()
+    return student / STAGE
+
+
+def test_what_a_student_fetches_needs_nothing_beside_it(fetched, tmp_path):
+    assert sorted(path.name for path in fetched.iterdir()) == [
+        LESSON.released.name, "survey.ipynb",
+    ]  # fmt: skip
+    cell = first_cells(fetched / LESSON.released.name, 1).cells[0].source
+    done = subprocess.run(
+        [sys.executable, "-"], input=cell, cwd=fetched, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Everything this notebook needs is here." in done.stdout
+
+
+def test_only_cells_that_every_lesson_has_are_others_than_in_the_release(fetched):
+    mine = json.loads((fetched / LESSON.released.name).read_text("utf-8"))["cells"]
+    released = json.loads(LESSON.released.read_text("utf-8"))["cells"]
+    other = [
+        one["metadata"].get("tags", [])
+        for one, before in zip(mine, released, strict=True)
+        if re.sub(r"\]\([./\w]*?(\w+\.ipynb)\)", r"](\1)", "".join(before["source"]))
+        != "".join(one["source"])
+    ]
+    assert other == [["badge"], ["setup"]]
+    survey = nbformat.read(fetched / "survey.ipynb", as_version=4)
+    assert survey.cells == []
+
+
+# ---- solutions ----------------------------------------------------------------------------------
+
+
+def deadlines(**dates):
+    return Deadlines({STAGE: Dates(**dates)})
+
+
+def test_who_may_still_hand_in_is_named():
+    late, over = NOW + HOUR, NOW - HOUR
+    assert solved.still_open(deadlines(due=over), STAGE, NOW) == ""
+    assert solved.still_open(deadlines(due=None), STAGE, NOW) == ""
+    said = solved.still_open(
+        deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
+        STAGE,
+        NOW,
+    )
+    assert said == (
+        "stage3_obstacles is open: for section B until 12 October 2026, 13:00, "
+        "anna until 12 October 2026, 13:00."
+    )
+    assert "for everybody until" in solved.still_open(deadlines(due=late), STAGE, NOW)
+
+
+@pytest.fixture
+def ran(tmp_path, monkeypatch):
+    """No solution is run, and no page made. The course lies in a folder of its own."""
+    monkeypatch.setattr(solved, "shown", lambda lesson: lesson.solved.read_bytes())
+    monkeypatch.setattr(solved, "as_page", lambda notebook, lesson: b"page")
+    monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
+    return tmp_path
+
+
+def extension(folder, until):
+    (folder / "deadlines.toml").write_text(
+        f"[{STAGE}]\ndue = 2026-01-31T12:00:00\n[{STAGE}.students]\nanna = {until}\n", "utf-8"
+    )
+
+
+def test_solutions_wait_for_an_extension_unless_one_insists(ran, capsys):
+    extension(ran, "2999-01-31T12:00:00")
+    call = ["release", "--solutions", STAGE, "--to", str(ran / "out")]
+    assert cli.main(call) == 1
+    said = capsys.readouterr().err
+    assert "anna until 31 January 2999, 12:00" in said and "--anyway" in said
+    assert not (ran / "out").exists()
+    assert cli.main([*call, "--anyway"]) == 0
+    assert [path.name for path in (ran / "out").iterdir()] == [f"{STAGE}_solutions.zip"]
+
+
+def test_after_the_last_extension_each_lesson_is_a_notebook_and_a_page(ran, capsys):
+    extension(ran, "2026-02-07T12:00:00")
+    assert cli.main(["release", "--solutions", STAGE, "--to", str(ran / "out")]) == 0
+    names = names_in(ran / "out" / f"{STAGE}_solutions.zip")
+    mine = [lesson.name for lesson in all_lessons() if lesson.stage == STAGE]
+    where = f"lidar_obstacle_lab/solutions/{STAGE}"
+    assert names == [f"{where}/{name}.{kind}" for name in mine for kind in ("html", "ipynb")]
+
+
+def test_without_dates_that_is_said(ran, capsys):
+    assert cli.main(["release", "--solutions", STAGE, "--to", str(ran / "out")]) == 0
+    assert "deadlines.toml has no date for stage3_obstacles" in capsys.readouterr().err
+
+
+def test_a_page_fetches_nothing():
+    lesson = find_lesson("02_ransac_line")
+    page = solved.as_page(lesson.solved.read_bytes(), lesson).decode()
+    assert "<script" not in page and "<link" not in page and "@import" not in page
+    assert set(re.findall(r'src="([a-z]+):', page)) == {"data"}
+    assert page.count("<math ") >= 5 and "$" not in re.sub(
+        r"<style.*?</style>", "", page, flags=re.S
+    )
+
+
+def tiny(tmp_path, monkeypatch, source):
+    """A lesson of one cell; its solution and what it is run beside."""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source)])
+    path = tmp_path / "tiny.ipynb"
+    nbformat.write(notebook, path)
+    monkeypatch.setattr(solved, "KEPT", tmp_path / "kept")
+    monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"1"})
+
+    class Tiny:
+        name, solved, released = "tiny", path, path
+
+    return Tiny
+
+
+@pytest.mark.slow
+def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
+    marked = "### BEGIN SOLUTION\nprint(6 * 7)\n### END SOLUTION"
+    lesson = tiny(tmp_path, monkeypatch, marked)
+    first = solved.shown(lesson)
+    (cell,) = nbformat.reads(first.decode(), as_version=4).cells
+    assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
+    monkeypatch.setattr(solved, "_run", lambda lesson: b"run again")
+    assert solved.shown(lesson) == first
+    monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"2"})
+    assert solved.shown(lesson) == b"run again"
+    assert len(list((tmp_path / "kept").iterdir())) == 1  # the other one is of no use now
+
+
+@pytest.mark.slow
+def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
+    lesson = tiny(tmp_path, monkeypatch, "1 / 0")
+    with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
+        solved.shown(lesson)
+    assert not (tmp_path / "kept").exists()
+
+
+def test_the_readme_for_students_names_no_file_that_they_do_not_get(zips):
+    text = Path(PROJECT / "solutions" / "student_readme.md").read_text("utf-8")
+    named = set(re.findall(r"`([\w/]+(?:\.\w+)?/?)`", text))
+    inside = {name.removeprefix("lidar_obstacle_lab/") for name in names_in(zips / f"{STAGE}.zip")}
+    folders = {f"{name.split('/')[0]}/" for name in inside if "/" in name}
+    files = {name for name in named if name.endswith("/") or "." in name or name.isupper()}
+    assert files and files <= inside | folders
