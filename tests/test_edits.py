@@ -65,6 +65,8 @@ SLIPS = {
     "a slice too many": ("return x[::-1]", "return x"),
     "three columns": ("return f(x)", "return f(x[:, :3])"),
     "and": ("return x and y", "return x or y"),
+    "a shift": ("return x << y", "return x >> y"),
+    "a shift back": ("return x >> y & 1", "return x << y & 1"),
     "both masks": ("return x & y", "return x | y"),
     "not": ("while x:\n    y += 1", "while not x:\n    y += 1"),
     "+=": ("for k in x:\n    y = k\nreturn y", "for k in x:\n    y += k\nreturn y"),

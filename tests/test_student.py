@@ -6,6 +6,7 @@ import pytest
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
+from grader.sandbox.quoting import sentence_on
 from grader.sandbox.student import Student
 from utils.checks.vocabulary import call_each, reach
 
@@ -204,3 +205,52 @@ def test_what_stands_beside_an_attribute_does_no_harm(sandbox, kind):
     with Student(Program((ODD,), ("Odd",)), sandbox) as proxy:
         odd = proxy.Odd(kind)
         assert (odd.first, odd.computed, odd.class_wide, odd.first) == (1, 2, 5, 1)
+
+
+FINISHED = """
+def finished(line):
+    a, b = line
+    return a + b
+"""
+CALLS_IT = """
+def helper(number):
+    return finished(number)
+
+def answer(number):
+    total = 1
+    return total + helper(number)
+"""
+
+
+def test_an_exception_is_placed_where_the_exercise_called_what_raised(sandbox):
+    """Not where the asked function called its own helper: that one belongs to it."""
+    program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
+    with Student(program, sandbox, Limits(call_seconds=5)) as student:
+        student.exercise = "answer"
+        with pytest.raises(StudentError) as caught:
+            student.answer(7)
+        error = caught.value
+        assert (error.place, error.line) == ("code cell 1, line 3", "a, b = line")
+        assert error.calling == "code cell 2, line 3"
+        assert sentence_on(error) == (
+            "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
+            "code cell 1, line 3: `a, b = line`)."
+        )
+        # Of a hidden question one line is told.
+        assert error.without_words == "answer raised TypeError (code cell 2, line 3)."
+        student.exercise = "finished"
+        with pytest.raises(StudentError) as caught:
+            student.finished(7)
+        assert caught.value.calling is None and caught.value.told_place == "code cell 1, line 3"
+
+
+@pytest.mark.parametrize("lines", [3, 70])
+def test_of_a_long_exercise_the_place_that_calls_is_not_told(sandbox, lines):
+    padded = CALLS_IT.replace("    total = 1\n", "    total = 1\n" * lines)
+    program = Program((FINISHED, padded), ("finished", "answer"))
+    with Student(program, sandbox, Limits(call_seconds=5)) as student:
+        student.exercise = "answer"
+        with pytest.raises(StudentError) as caught:
+            student.answer(7)
+    assert (caught.value.calling is None) == (lines > 60)
+    assert (caught.value.told_place is None) == (lines > 60)

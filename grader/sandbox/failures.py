@@ -29,13 +29,17 @@ class StudentError(RemoteError):
         Where in the notebook, in our words.
     line : str
         What stands there, in the student's.
+    calling : str or None
+        Where the exercise's own function called what raised, if that was another.
+    calling_line : str
+        What stands there.
     inside : str
         The exercise that it happened in; empty where it was in none.
     forbidden : tuple of str
         Modules that the lesson does not allow.
     told_type, told_place : str, str or None
         What may be told of a hidden question: a type of Python's or NumPy's that is among few,
-        and the place if it is.
+        and the place if it is: where the exercise called what raised, if that was another.
     without_words : str
         The sentence with these alone.
     """
@@ -50,14 +54,17 @@ class StudentError(RemoteError):
         inside: str = "",
         is_one_of_few: bool = False,
         forbidden: tuple[str, ...] = (),
+        calling: str | None = None,
+        calling_line: str = "",
     ) -> None:
         self.function, self.forbidden = function, forbidden
         self.type_name, self.message = type_name, message
         self.place, self.line, self.inside = place, line, inside
+        self.calling, self.calling_line = calling, calling_line
         where = f" ({place})" if place else ""
         self.told_type = type_name if type_name in KNOWN_EXCEPTIONS else "another exception"
-        self.told_place = place if is_one_of_few else None
-        told_where = f" ({place})" if self.told_place else ""
+        self.told_place = (calling or place) if is_one_of_few else None
+        told_where = f" ({self.told_place})" if self.told_place else ""
         self.without_words = f"{function} raised {self.told_type}{told_where}."
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 

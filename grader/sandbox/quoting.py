@@ -54,9 +54,10 @@ SENTENCES = (
 
 def sentence_on(error: StudentError) -> str:
     """Which exception a function raised, and where."""
-    line = _shown(error.line)
-    where = f" ({error.place}{line and f': {line}'})" if error.place else ""
-    return f"{error.function} raised {_quoted(error)}{where}."
+    where = _there(error.place, error.line)
+    if error.calling:  # whoever looks at the other function alone may break one that is right
+        where = f"{_there(error.calling, error.calling_line)}, which calls {where}"
+    return f"{error.function} raised {_quoted(error)}{where and f' ({where})'}."
 
 
 def sentence_on_cell(error: StudentError) -> str:
@@ -81,6 +82,11 @@ def _quoted(error: StudentError) -> str:
     raised = re.search(r"\braise\s+(?:\w+\.)*(\w+)", line)
     is_told = kind in NAMED_EXCEPTIONS or (raised and raised[1] == kind)
     return kind if is_told else "another exception"
+
+
+def _there(place: str | None, line: str) -> str:
+    shown = _shown(line)
+    return f"{place}{shown and f': {shown}'}" if place else ""
 
 
 def _shown(line: str) -> str:

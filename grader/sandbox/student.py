@@ -143,6 +143,7 @@ class Student:
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
+        self._alone: dict[str, list[list[int]]] = {}  # without what other exercises define
 
     def __enter__(self) -> Student:
         return self
@@ -287,10 +288,28 @@ class Student:
         place, line = (None, "") if line is None else (place, readable(line))
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
-        few = place is not None and self._is_one_of_few(place)
+        few = place is not None and _is_one_of_few(place, self._lines.get(self.exercise, ()))
+        calling = place and self._calling(place, texts(error.get("through")))
+        calling_line = readable(calling and self._program.line_at(calling))
         return StudentError(
-            name, kind or "Exception", message, place, line, inside, few, self._program.forbidden
+            name,
+            kind or "Exception",
+            message,
+            place,
+            line,
+            inside,
+            few,
+            self._program.forbidden,
+            calling,
+            calling_line,
         )
+
+    def _calling(self, place: str, through: list[str]) -> str | None:
+        """Where the exercise's own code calls the other function that a place is in."""
+        own = self._alone.get(self.exercise, ())
+        if _is_one_of_few(place, own):
+            return None
+        return next((one for one in reversed(through) if _is_one_of_few(one, own)), None)
 
     def _failed_cells(self, failures: object) -> list[str]:
         """A sentence for each of the first cells that failed."""
@@ -300,16 +319,6 @@ class Student:
         ]
         more = len(failures) > MOST_FAILED_CELLS
         return [*said, *["More of the notebook failed after that."] * more]
-
-    def _is_one_of_few(self, place: str) -> bool:
-        """Whether a place is a line of the exercise as it was handed in, and that is short.
-
-        The process that tells the place is the student's, and so could be the line.
-        """
-        ranges = self._lines.get(self.exercise, ())
-        cell, line = cell_and_line(place)
-        is_there = any(cell == where and first <= line <= last for where, first, last in ranges)
-        return is_there and sum(1 + last - first for _, first, last in ranges) <= MOST_LINES
 
     def _ensure_running(self) -> None:
         self._refuse_what_takes_too_long()
@@ -348,7 +357,7 @@ class Student:
                 failed.get("problems")
             )
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
-            self._lines = found["lines"]
+            self._lines, self._alone = found["lines"], found["alone"]
             self.edits = changes(found.get("edits"))
             self._told = True
         if self._missing and _ALL not in (*self._stops, *self._budget.hung):
@@ -437,3 +446,13 @@ class Student:
         stop = StudentStopped(sentence, reason)
         self._stops.setdefault(what, []).append(stop)
         raise stop from None
+
+
+def _is_one_of_few(place: str, ranges: Sequence[Sequence[int]]) -> bool:
+    """Whether a place is a line of an exercise as it was handed in, and that is short.
+
+    The process that tells the place is the student's, and so could be the line.
+    """
+    cell, line = cell_and_line(place) or (0, 0)
+    is_there = any(cell == where and first <= line <= last for where, first, last in ranges)
+    return is_there and sum(1 + last - first for _, first, last in ranges) <= MOST_LINES

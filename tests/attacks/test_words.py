@@ -239,6 +239,20 @@ def test_a_failure_is_told_by_type_and_place_alone(kind, place):
     assert place not in StudentError("f", kind, "leakabcd", place).without_words
 
 
+def test_claims_to_be_called_at_a_line_of_another_function():
+    """Only a line of the exercise's own is told to have led to what raised."""
+    body = """
+def nest(line, more):
+    return compile("\\n" * (line - 1) + more, "code cell 1", "exec")
+exec(nest(35, "exec(inner)"), {"inner": nest(30, "1 / 0")})
+"""
+    with attack(function(body) + "\n" * 40) as student, pytest.raises(StudentError) as error:
+        student.exercise = "f"
+        student.f()
+    assert error.value.place == "code cell 1, line 30"
+    assert error.value.calling == "code cell 1, line 4"
+
+
 @tried(
     "name",
     {
@@ -327,9 +341,10 @@ def test_how_much_all_else_can_tell_is_what_the_threat_model_says():
     for kinds, pattern, _ in SENTENCES:
         words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
     raised = words * (MOST_LINES_OF_ALL + 1)
+    called = raised * (MOST_LINES + 1)  # and the exercise's own line that led there
     sentences = 16  # about one check, and no more
     is_wrong = sentences * (101**FEW_NUMBERS)
-    of_check, of_cell = (math.ceil(math.log2(n)) for n in (raised + is_wrong, raised))
+    of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
     threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
     assert f"up to {of_check} bits about each visible check" in threats
     assert f"{of_cell} about each of the first {MOST_FAILED_CELLS} cells" in threats

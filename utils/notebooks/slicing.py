@@ -66,10 +66,15 @@ def lines_of(names: Iterable[str], statements: list[Statement]) -> list[list[int
     list of [int, int, int]
         Number of the code cell, first and last line.
     """
+    return places_of(slice_for(names, statements))
+
+
+def places_of(statements: Iterable[Statement]) -> list[list[int]]:
+    """Where the functions and classes among some statements of a notebook stand; see `lines_of`."""
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
     return [
         [statement.cell, statement.node.lineno, statement.node.end_lineno]
-        for statement in slice_for(names, statements)
+        for statement in statements
         if isinstance(statement.node, kinds) and statement.cell
     ]
 

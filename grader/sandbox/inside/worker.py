@@ -35,6 +35,8 @@ from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 
 LONGEST_TEXT = 400
+# Of functions that call each other until one raises.
+MOST_PLACES = 8
 # What comes along with an attribute at most: a small tree, whose nodes have a few small values.
 MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
@@ -63,11 +65,21 @@ def main(read_end: int, write_end: int) -> None:
     # An answer may be a method of a class of one's own.
     uses = {name: used_by((name, *own), start["names"], statements) for name in start["names"]}
     lines = {name: slicing.lines_of((name, *own), statements) for name in start["names"]}
+    alone = {
+        name: slicing.places_of(definitions_of((name, *own), start["names"], statements))
+        for name in start["names"]
+    }
     mended = (start["mend"], *own) if start["mend"] else ()
     theirs = definitions_of(mended, start["names"], statements)
     edits = edits_of(start["cells"], theirs)
     told = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
-    read = {"problems": [*problems, *refusals], "uses": uses, "lines": lines, "edits": told}
+    read = {
+        "problems": [*problems, *refusals],
+        "uses": uses,
+        "lines": lines,
+        "alone": alone,
+        "edits": told,
+    }
     wire.send(write_end, read)
 
     namespace = make_namespace()
@@ -417,13 +429,18 @@ def reply(write_end: int, number: int, content: dict) -> None:
 
 
 def describe(error: BaseException) -> dict:
-    """Plain data about an exception: type, message, the notebook's last line and function in it."""
-    place, function, trace = None, None, error.__traceback__
+    """Plain data about an exception: type, message, the notebook's last line and function in it.
+
+    And the lines of other functions that led there, the outermost first.
+    """
+    places, function, trace = {}, None, error.__traceback__
     while trace is not None:
         code = trace.tb_frame.f_code
         if code.co_filename.startswith("code cell "):
-            place, function = f"{code.co_filename}, line {trace.tb_lineno}", code.co_name
+            places.pop(code, None)  # what calls itself has one place, the last
+            places[code], function = f"{code.co_filename}, line {trace.tb_lineno}", code.co_name
         trace = trace.tb_next
+    *through, place = places.values() or [None]
     try:
         message = str(error)
     except BaseException:
@@ -435,6 +452,7 @@ def describe(error: BaseException) -> dict:
         "type": type(error).__name__[:100],
         "message": message[:LONGEST_TEXT],
         "place": place,
+        "through": through[:MOST_PLACES],
         "function": function and function[:100],
     }
 
