@@ -86,7 +86,7 @@ class Bubblewrap:
         if _can_go_behind_walls():
             client = client_for(preloaded(packages), forbidden)
             return launch(walls, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
-        return launch([*walls, "--"], "/tmp", rules, limits)
+        return launch([*walls, "--die-with-parent", "--"], "/tmp", rules, limits)
 
 
 @functools.cache
@@ -101,7 +101,7 @@ def _complaint() -> str:
         )
     try:
         trial = subprocess.run(
-            [*_walls(Limits()), "/bin/sh", "-c", "true"],
+            [*_walls(Limits()), "--die-with-parent", "/bin/sh", "-c", "true"],
             capture_output=True,
             text=True,
             timeout=SECONDS_TO_BUILD,
@@ -161,7 +161,6 @@ def _walls(limits: Limits) -> list[str]:
         "--unshare-ipc",
         "--unshare-uts",
         "--unshare-cgroup-try",
-        "--die-with-parent",
         "--new-session",
     ]
     if _is_root():

@@ -24,8 +24,10 @@ SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
 LEAST_MEMORY_LEFT = 0.03
 MODEST_MEMORY = 1024 * MEBIBYTE
-# What waits behind walls until a worker comes; it says when they stand.
-WAIT = "echo ready; exec sleep infinity"
+# What waits behind walls as long as somebody holds the other end of its input; it says when they
+# stand. Who is killed lets go of that in any case. Bubblewrap's own --die-with-parent does not:
+# killed while it builds, it leaves a process that waits for it.
+WAIT = "echo ready && read line"
 
 
 @dataclass
@@ -99,7 +101,7 @@ class WorkerProcess:
                 if sum(map(memory_of_tree, self.pids)) > most:
                     with self._signals:
                         if not self._stopped.is_set():
-                            os.kill(self.process.pid, signal.SIGKILL)
+                            _let_end(self.process)
                     return
 
         threading.Thread(target=watch, daemon=True).start()
@@ -186,12 +188,25 @@ def introduce(worker: Worker, rules: dict) -> None:
 
 def _kill(process: Popen) -> int | None:
     """End a process and its group; its exit code, None where the kernel does not let go of it."""
-    if process.returncode is None:  # else its number may be another's by now
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(SECONDS_TO_END)
+    for end in (_let_end, _kill_group):
+        if process.returncode is None:  # else its number may be another's by now
+            end(process)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(SECONDS_TO_END)
     return process.returncode
+
+
+def _let_end(process: Popen) -> None:
+    """Let what waits behind walls end, and with it all others there; kill what does not wait."""
+    if process.stdin:
+        process.stdin.close()
+    else:
+        _kill_group(process)
+
+
+def _kill_group(process: Popen) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def _last_words(process: Popen) -> str:
@@ -202,13 +217,15 @@ def _last_words(process: Popen) -> str:
     return (process.stderr.read() or b"").decode(errors="replace").strip()[-500:]
 
 
-def _run(command: Sequence[str], home: str, pipes: Sequence[int], **options: int) -> Popen:
+def _run(
+    command: Sequence[str], home: str, pipes: Sequence[int], talk: int = subprocess.DEVNULL
+) -> Popen:
     return subprocess.Popen(
         command,
         pass_fds=pipes,
         env={"HOME": home, **ENVIRONMENT},
-        stdin=subprocess.DEVNULL,
-        stdout=options.pop("stdout", subprocess.DEVNULL),
+        stdin=talk,
+        stdout=talk,
         stderr=subprocess.PIPE,
         start_new_session=True,
     )
@@ -222,7 +239,9 @@ def _go_behind(
     # The first process of a table of processes ends all others when it ends.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
     try:
-        process = _run([*walls, *options], request["home"], (number,), stdout=subprocess.PIPE)
+        # Both ends: who cannot tell its number would end, and leave what waits for it.
+        pipes = number, info
+        process = _run([*walls, *options], request["home"], pipes, talk=subprocess.PIPE)
     finally:
         os.close(number)
     try:

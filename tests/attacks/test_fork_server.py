@@ -1,11 +1,13 @@
 """A worker is forked from a process that others were forked from: what of that can it reach?"""
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -219,6 +221,47 @@ def test_with_the_judge_ends_everything(tmp_path):
     while any(is_running(number) for number in numbers):
         assert time.monotonic() < deadline
         time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_killed_while_it_builds_walls_the_judge_leaves_nothing(tmp_path):
+    """Bubblewrap, told to die with the judge, would leave a process that waits for it."""
+    # Known by its folder, which no other process of this machine has in its environment.
+    program = (
+        "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
+        "from grader.sandbox.launcher import ENVIRONMENT\n"
+        "walls = bubblewrap.Bubblewrap()\n"
+        "bubblewrap._can_go_behind_walls()\n"
+        "ENVIRONMENT['MARK'] = sys.argv[1]\n"
+        "for moment in range(20):\n"
+        "    judge = os.fork()\n"
+        "    if judge == 0:\n"
+        "        walls.start(Limits(), (), ['scipy'])\n"
+        "        time.sleep(600)\n"
+        "    begun = open(f'/proc/{judge}/task/{judge}/children')\n"
+        "    while not begun.read(): begun.seek(0)\n"
+        "    time.sleep(moment / 1000)\n"
+        "    os.kill(judge, signal.SIGKILL)\n"
+        "    os.waitpid(judge, 0)\n"
+    )
+    subprocess.run([sys.executable, "-c", program, str(tmp_path)], cwd=PROJECT, check=True)
+    deadline = time.monotonic() + 10
+    while left := started_with(str(tmp_path)):
+        if time.monotonic() > deadline:
+            for number in left:
+                os.kill(number, signal.SIGKILL)
+            pytest.fail(f"{len(left)} processes were left")
+        time.sleep(0.05)
+
+
+def started_with(mark):
+    """Processes that have some text in their environment."""
+    found = []
+    for number in filter(str.isdigit, os.listdir("/proc")):
+        with contextlib.suppress(OSError):
+            if mark.encode() in Path(f"/proc/{number}/environ").read_bytes():
+                found.append(int(number))
+    return found
 
 
 def is_running(pid):
