@@ -129,10 +129,33 @@ def _report(kinds: argparse._SubParsersAction) -> None:
 
 
 def _export(kinds: argparse._SubParsersAction) -> None:
-    export = kinds.add_parser("export", help="write the scores of the gradebook to a file")
+    export = kinds.add_parser("export", help="write the marks to a file, for a learning platform")
     export.add_argument(
         "--format", choices=tuple(EXPORTERS), default=next(iter(EXPORTERS)), help="of the file"
     )
+    export.add_argument(
+        "--assignment", metavar="NAME", help="the stage or lesson whose marks they are"
+    )
+    export.add_argument(
+        "--into",
+        type=Path,
+        metavar="FILE",
+        help="fill in what Canvas or Moodle gave you; the file itself stays as it is",
+    )
+    export.add_argument(
+        "--column", metavar="TITLE", help="of the marks in that file, where it cannot be guessed"
+    )
+    export.add_argument(
+        "--scale",
+        action="store_true",
+        help="convert marks where the platform gives other points for the assignment",
+    )
+    export.add_argument(
+        "--provisional",
+        action="store_true",
+        help="export also what waits for a person, with the points that it has so far",
+    )
+    export.add_argument("--to", type=Path, metavar="FILE", help="where to write")
     export.set_defaults(run=commands.run_export)
 
 

@@ -171,18 +171,33 @@ def run_report(options: argparse.Namespace) -> int:
 
 def run_export(options: argparse.Namespace) -> int:
     """Run ``export``."""
-    from grader.lms.exporters import EXPORTERS
+    from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
+    from grader.lms.exporters.placing import place
     from grader.lms.gradebook import class_results
 
-    course = Course()
+    course, exporter = Course(), EXPORTERS[options.format]
+    if bool(exporter.fills) != bool(options.into):
+        print(
+            f"--format {options.format} fills in {exporter.fills}. Name that file with --into."
+            if exporter.fills
+            else f"--format {options.format} fills in no file: leave --into out.",
+            file=sys.stderr,
+        )
+        return WRONG_CALL
     results = class_results(course)
     if not results.notebooks:
         print("The gradebook is empty. Run: python -m grader grade", file=sys.stderr)
         return WRONG_CALL
-    path = course.root / f"scores.{options.format}"
-    path.write_text(EXPORTERS[options.format](results), "utf-8", errors="replace")
-    print(f"Scores: {path}")
-    return GOOD
+    wanted = (options.assignment, options.provisional, options.into, options.column, options.scale)
+    try:
+        exported = exporter.write(Order(course, results, *wanted))
+        name = ".".join(filter(None, ("scores", options.assignment))) + exporter.ending
+        path, before = place(exported.content, options.to, course.root / name, options.into)
+    except ExportTrouble as error:
+        print(console.plain(error), file=sys.stderr)
+        return WRONG_CALL
+    console.print_exported(exported, path, before, exporter.next_step)
+    return FAULT if exported.lost else GOOD
 
 
 def run_doctor(options: argparse.Namespace) -> int:

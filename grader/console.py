@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from grader.classroom.doctor import Finding
     from grader.classroom.submissions import Submission
     from grader.judging.verdict import Verdict
+    from grader.lms.exporters import Exported
     from grader.sandbox import Sandbox
 
 
@@ -137,6 +138,24 @@ def print_notes(sentences: Sequence[str]) -> None:
     """Print what a person should know or decide."""
     for sentence in sentences:
         Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
+
+
+def print_exported(exported: Exported, path: Path, before: Path | None, next_step: str) -> None:
+    """Print what is in an exported file and what is not, and what to do with it."""
+    students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
+    lines = [f"{plain(path)}: marks of {students}."]
+    if before:
+        lines.append(f"What lay there before is now {plain(before.name)}.")
+    lines += [plain(note) for note in exported.notes]
+    Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
+    if exported.lost:
+        title = f"{len(exported.lost)} could not be placed:"
+        text = "\n  ".join([title, *map(plain, exported.lost)])
+        Console(highlight=False, soft_wrap=True, stderr=True).print(
+            text, markup=False, style="bold red"
+        )
+    if next_step:
+        print(next_step)
 
 
 def _score(verdict: Verdict | None) -> str:

@@ -1,5 +1,6 @@
 """A course played through by its commands, and everything that may go wrong on the way."""
 
+import csv
 import errno
 import functools
 import hashlib
@@ -216,8 +217,11 @@ def test_a_course_from_release_to_export(course, sandbox, capsys, monkeypatch):
     assert feedback.returncode == 0, feedback.stderr
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["export"]) == commands.GOOD
-    exported = (course.root / "scores.csv").read_text()
-    assert "\ncarol,30," in exported and "\nerin,,13," in exported
+    with (course.root / "scores.csv").open(newline="") as file:
+        exported = {row["Student"]: row for row in csv.DictReader(file)}
+    assert exported["carol"][LESSON.name] == exported["carol"]["Total"] == "30"
+    assert (exported["erin"][LESSON.name], exported["erin"][WRITTEN.name]) == ("", "13")
+    assert exported["erin"][f"{WRITTEN.stage}: standing"] == f"waiting: {WRITTEN.name}"
     assert files(course.root / "notebooks") == released
 
 

@@ -1,48 +1,293 @@
-"""Results as files for other programs."""
+"""Marks as files: the table for everybody, where files go, and which marks may go out."""
 
 import csv
+import dataclasses
 import io
+import os
+from datetime import UTC, datetime, timedelta
 
+import pytest
+
+from grader import cli, commands
+from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.lms.exporters import EXPORTERS
-from grader.lms.results import MARKED, MISSING, WAITING, ClassResults, NotebookResult
+from grader.lms import gradebook
+from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
+from grader.lms.exporters.marks import marks_of
+from grader.lms.exporters.placing import place
+from grader.lms.results import (
+    EXCUSED,
+    MARKED,
+    MISSING,
+    WAITING,
+    ClassResults,
+    NotebookResult,
+    StageResult,
+    standing_in_stage,
+)
+from tests.platforms import Canvas, CanvasStudent
 
-SIX, SEVEN = "06_filter_ground", "07_filter_by_distance"
+THREE, FOUR = "stage3_obstacles", "stage4_realtime"
+SIX, SEVEN, TWELVE = "06_filter_ground", "07_filter_by_distance", "12_streaming_obstacles"
+LESSONS = {SIX: (THREE, 30.0), SEVEN: (THREE, 20.0), TWELVE: (FOUR, 40.0)}
+ADA = Person("ada", "Ada", "Lovelace", "ada@x.edu", "A")
+BO = Person("bo", "Bo", "Bäcker, Jr", "bo@x.edu", "B")
+CY, DEE = Person("cy"), Person("dee", "Dee", "")
+DUE = datetime(2026, 10, 12, 22, 0, tzinfo=UTC)
 
 
-def rows(*notebooks):
-    people = tuple(Person(student) for student in dict.fromkeys(one.student for one in notebooks))
-    results = ClassResults(people, notebooks, ())
-    return list(csv.reader(io.StringIO(EXPORTERS["csv"](results))))
+def stands(person, scores, late=None, excused=(), penalty=0.0):
+    """How somebody stands: in each lesson points, "waiting", or ("waiting", points so far)."""
+    notebooks = []
+    for lesson, (stage, most) in LESSONS.items():
+        score = scores.get(lesson)
+        standing = MISSING if score is None else MARKED
+        if isinstance(score, tuple):
+            standing, score = score
+        standing = EXCUSED if stage in excused else standing
+        off = penalty if standing == MARKED else 0.0
+        notebooks.append(NotebookResult(person.id, stage, lesson, standing, score, most, off))
+    stages = []
+    for stage in (THREE, FOUR):
+        mine = [one for one in notebooks if one.stage == stage]
+        known = [one.score for one in mine if one.score is not None]
+        at = DUE + late if late is not None and known else None
+        stages.append(
+            StageResult(
+                person.id,
+                stage,
+                standing_in_stage(mine),
+                sum(known) if known else None,
+                sum(one.max_score for one in mine),
+                sum(one.penalty for one in mine),
+                at,
+                DUE,
+                max(timedelta(), late) if at else timedelta(),
+            )
+        )
+    return notebooks, stages
 
 
-def notebook(student, lesson, score, standing=MARKED, penalty=0.0):
-    return NotebookResult(student, "stage3_obstacles", lesson, standing, score, 30.0, penalty)
+def class_of(*standing, people=(ADA, BO, CY, DEE), strangers=()):
+    notebooks, stages = zip(*standing, strict=True)
+    return ClassResults(tuple(people), sum(notebooks, []), sum(stages, []), tuple(strangers))
 
 
-def test_a_row_for_each_student_and_a_column_for_each_lesson():
-    found = rows(
-        notebook("ada", SIX, 30.0),
-        notebook("ada", SEVEN, 12.345678, WAITING, penalty=2.5),
-        notebook("bo", SIX, None, MISSING),
-        notebook("bo", SEVEN, 0.0),
-    )
-    assert found == [
-        ["Student", SIX, SEVEN, "Late penalty", "Total", "Waiting for a person"],
-        ["out of", "30", "30", "", "60", ""],
-        ["ada", "30", "12.35", "2.5", "39.85", "1"],
-        ["bo", "", "0", "0", "0", "0"],
+CLASS = class_of(
+    stands(ADA, {SIX: 30.0, SEVEN: 12.345678, TWELVE: (WAITING, 25.0)}, timedelta(hours=-1)),
+    stands(BO, {SIX: 0.0}, timedelta(hours=36), penalty=2.5),
+    stands(CY, {}),
+    stands(DEE, {SEVEN: 8.0}, timedelta(0), excused=(FOUR,)),
+)
+
+
+def table(results, assignment=None):
+    exported = EXPORTERS["csv"].write(Order(Course(), results, assignment))
+    return exported, list(csv.reader(io.StringIO(exported.content.decode())))
+
+
+def test_the_table_has_names_scores_times_penalties_standings_and_totals():
+    exported, rows = table(CLASS)
+    assert rows[0] == [
+        *("Student", "Last name", "First name", "E-mail", "Section", SIX, SEVEN),
+        *(f"{THREE}: handed in", f"{THREE}: days late"),
+        *(f"{THREE}: late penalty", f"{THREE}: standing", TWELVE),
+        *(f"{FOUR}: handed in", f"{FOUR}: days late"),
+        *(f"{FOUR}: late penalty", f"{FOUR}: standing", "Total", "Out of"),
     ]
+    assert rows[1] == ["out of", *[""] * 4, "30", "20", *[""] * 4, "40", *[""] * 4, "90", "90"]
+    early = "2026-10-12 21:00:00 UTC"
+    assert rows[2:] == [
+        [*("ada", "Lovelace", "Ada", "ada@x.edu", "A", "30", "12.35", early, "0", "0", "marked")]
+        + ["25", early, "0", "0", f"waiting: {TWELVE}", "67.35", "90"],
+        [*("bo", "Bäcker, Jr", "Bo", "bo@x.edu", "B", "0", "", "2026-10-14 10:00:00 UTC", "1.5")]
+        + ["2.5", f"marked; missing: {SEVEN}", "", "", "", "0", "missing", "0", "90"],
+        [*("cy", "", "", "", "", "", "", "", "", "0", "missing", "", "", "", "0", "missing")]
+        + ["0", "90"],
+        [*("dee", "", "Dee", "", "", "", "8", "2026-10-12 22:00:00 UTC", "0", "0")]
+        + [f"marked; missing: {SIX}", "", "", "", "0", "excused", "8", "50"],
+    ]
+    assert exported.lost == ()
+
+
+def test_the_table_of_a_lesson_has_that_lesson_alone():
+    _, rows = table(CLASS, SEVEN)
+    assert rows[0][5:7] == [SEVEN, f"{THREE}: handed in"]
+    assert [row[-2:] for row in rows[1:]] == [["20", "20"], ["12.35", "20"], ["0", "20"]] + [
+        ["0", "20"],
+        ["8", "20"],
+    ]
+    with pytest.raises(ExportTrouble, match="Nobody has handed in anything for stage1_ransac"):
+        table(CLASS, "stage1_ransac")
 
 
 def test_names_shift_no_column_and_run_no_formula():
     names = ["O'Neil, Jr", 'the "quoted"', "=cmd|' /C calc'!A0", "+1", "-1", "@x", "zwei\nZeilen"]
-    found = rows(*(notebook(name, SIX, 1.0) for name in names))[2:]
-    assert [row[1:] for row in found] == [["1", "0", "1", "0"]] * len(names)
-    assert [row[0].lstrip("'") for row in found] == names
-    assert not [row[0] for row in found if row[0].startswith(("=", "+", "-", "@"))]
+    people = [Person(name, name, name, name, name) for name in names]
+    results = class_of(*(stands(one, {SIX: 1.0}) for one in people), people=people)
+    rows = table(results)[1][2:]
+    assert [row[5] for row in rows] == ["1"] * len(names)
+    for row, name in zip(rows, names, strict=True):
+        assert [cell.removeprefix("'") for cell in row[:5]] == [name] * 5
+        assert not any(cell.startswith(("=", "+", "-", "@")) for cell in row)
 
 
-def test_penalties_take_no_more_than_there_is():
-    (_, _, row) = rows(notebook("a", SIX, 3.0, penalty=9.0))
-    assert row[-2] == "0"
+def test_a_mark_of_who_is_not_on_the_roster_is_lost_aloud():
+    results = class_of(stands(ADA, {SIX: 1.0}), people=(ADA,), strangers=("ghost",))
+    assert table(results)[0].lost == marks_of(Order(Course(), results, SIX)).lost
+    assert table(results)[0].lost[0].startswith("ghost has marks, and is not on the roster")
+
+
+# Which marks go out
+
+
+def marks(assignment, results=CLASS, **order):
+    found = marks_of(Order(Course(), results, assignment, **order))
+    return found, {mark.person.id: mark.points for mark in found.marks}
+
+
+def test_the_marks_of_a_stage_are_the_sums_less_penalties_and_only_of_who_has_one():
+    found, points = marks(THREE)
+    assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
+    assert found.most == 50.0
+    assert "Without a mark, because they handed in nothing: cy." in found.notes
+    zeros = f"Counted as 0, because nothing was handed in: {SIX} of dee; {SEVEN} of bo."
+    assert zeros in found.notes
+
+
+def test_the_marks_of_a_lesson_are_its_own():
+    assert marks(SEVEN)[1] == {"ada": pytest.approx(12.345678), "dee": 8.0}
+    assert marks(SIX)[1] == {"ada": 30.0, "bo": 0.0}
+    penalised = class_of(stands(BO, {SIX: 10.0}, penalty=2.5), people=(BO,))
+    assert marks(SIX, penalised)[1] == {"bo": 7.5}
+
+
+def test_what_waits_is_refused_by_name_or_provisional():
+    with pytest.raises(ExportTrouble, match=f"^{TWELVE} of ada: waiting. .*--provisional"):
+        marks(FOUR)
+    found, points = marks(FOUR, provisional=True)
+    assert points == {"ada": 25.0}
+    assert (
+        f"Provisional, with what waits for a person still to come: {TWELVE} of ada." in found.notes
+    )
+    assert "Without a mark, because they are excused: dee (Dee)." in found.notes
+
+
+def test_what_is_not_entered_yet_is_no_mark_even_where_it_is_provisional():
+    results = class_of(stands(ADA, {SIX: (WAITING, None)}), people=(ADA,))
+    with pytest.raises(ExportTrouble, match="grader grade"):
+        marks(THREE, results)
+    found, points = marks(THREE, results, provisional=True)
+    assert points == {}
+    assert (
+        "Without a mark, because what they handed in is not entered yet: ada (Ada Lovelace)."
+        in (found.notes)
+    )
+
+
+def test_a_mark_that_may_still_be_late_is_named():
+    notebooks, stages = stands(ADA, {SIX: 1.0})
+    stages = [dataclasses.replace(one, undecided=one.stage == THREE) for one in stages]
+    results = ClassResults((ADA,), tuple(notebooks), tuple(stages))
+    said = "Nothing taken off, as whether they were late is undecided: ada."
+    assert said in marks(THREE, results)[0].notes and said in marks(SIX, results)[0].notes
+    assert ",undecided," in table(results)[0].content.decode()
+    assert said not in marks(THREE)[0].notes
+
+
+@pytest.mark.parametrize("name", [None, "stage9", ""])
+def test_an_assignment_that_there_is_not_is_answered_with_those_that_there_are(name):
+    with pytest.raises(ExportTrouble, match=f"--assignment .*{SIX}, {SEVEN}, .*{THREE}, {FOUR}"):
+        marks(name)
+
+
+# Where files go
+
+
+def test_a_file_of_ours_is_put_aside_and_one_of_theirs_is_not_touched(tmp_path):
+    usual = tmp_path / "scores.csv"
+    assert place(b"1", None, usual, None) == (usual, None)
+    assert place(b"1", None, usual, None) == (usual, None)
+    os.utime(usual, (0, 10_000_000))
+    path, before = place(b"2", None, usual, None)
+    assert path.read_bytes() == b"2" and before.read_bytes() == b"1"
+    os.utime(usual, (0, 10_000_000))
+    _, third = place(b"3", None, usual, None)
+    assert third != before and third.read_bytes() == b"2"
+    mine = tmp_path / "mine.csv"
+    mine.write_bytes(b"mine")
+    with pytest.raises(ExportTrouble, match="is there already"):
+        place(b"3", mine, usual, None)
+    with pytest.raises(ExportTrouble, match="is the file that is filled in"):
+        place(b"3", tmp_path / "." / "mine.csv", usual, mine)
+    assert mine.read_bytes() == b"mine"
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    assert place(b"3", folder, usual, None)[0] == folder / "scores.csv"
+    assert place(b"3", tmp_path / "new" / "x.csv", usual, None)[0].read_bytes() == b"3"
+    with pytest.raises(ExportTrouble, match="cannot be written"):
+        place(b"3", mine / "x.csv", usual, None)
+    assert not list(tmp_path.rglob("*.part"))
+
+
+# The command
+
+
+@pytest.fixture
+def export(tmp_path, monkeypatch):
+    """Run the command in an empty course with the class above."""
+    monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
+
+    def run(*options, results=CLASS):
+        monkeypatch.setattr(gradebook, "class_results", lambda course: results)
+        return cli.main(["export", *map(str, options)])
+
+    return run
+
+
+def test_the_command_fills_in_a_gradebook_and_gives_account(export, tmp_path, capsys):
+    students = [
+        CanvasStudent(1, "Bäcker, Jr, Bo", "", "bo"),
+        CanvasStudent(2, "Who, Else", "", "x"),
+    ]
+    canvas = Canvas(students, {7: ["Stage 3 obstacles", 50.0]})
+    given = tmp_path / "given.csv"
+    given.write_bytes(canvas.export())
+    before = given.read_bytes()
+    call = ("--format", "canvas", "--assignment", THREE, "--into", given)
+    assert export(*call) == commands.FAULT
+    out, err = capsys.readouterr()
+    path = tmp_path / f"scores.{THREE}.canvas.csv"
+    assert f"{path}: marks of 1 student." in out and "In Canvas: Grades, Import." in out
+    assert "2 could not be placed:\n  ada (Ada Lovelace), 42.35 points: no row" in err
+    assert given.read_bytes() == before
+    canvas.import_(path.read_bytes())
+    assert canvas.scores == {(1, 7): 0.0}
+    assert export(*call, "--to", given) == commands.WRONG_CALL
+    assert given.read_bytes() == before
+    one = class_of(stands(BO, {SIX: 3.0}), people=(BO,))
+    assert export(*call, results=one) == commands.GOOD
+    assert len(list(tmp_path.glob("scores.*"))) == 2
+
+
+def test_a_call_that_makes_no_sense_says_what_would(export, tmp_path, capsys):
+    assert export("--format", "moodle", "--assignment", THREE) == commands.WRONG_CALL
+    assert (
+        "worksheet that Moodle offers for the assignment. Name that file" in capsys.readouterr().err
+    )
+    assert export("--into", tmp_path) == commands.WRONG_CALL
+    assert "leave --into out" in capsys.readouterr().err
+    call = ("--format", "canvas", "--into", tmp_path / "none.csv", "--assignment", THREE)
+    assert export(*call) == commands.WRONG_CALL
+    assert "none.csv cannot be read: No such file" in capsys.readouterr().err
+    assert export(*call[:4]) == commands.WRONG_CALL
+    assert "--assignment" in capsys.readouterr().err
+    assert export(results=ClassResults((), (), ())) == commands.WRONG_CALL
+    assert "grader grade" in capsys.readouterr().err
+
+
+def test_without_options_it_is_the_table(export, tmp_path, capsys):
+    assert export() == commands.GOOD
+    assert (tmp_path / "scores.csv").read_bytes() == table(CLASS)[0].content
+    assert export("--assignment", SIX) == commands.GOOD
+    assert (tmp_path / f"scores.{SIX}.csv").is_file()

@@ -1,0 +1,122 @@
+"""Marks for Canvas: in the file that its gradebook exports, ready to be imported.
+
+Importing writes every column that Canvas knows, and a blank cell takes a mark away. So of the file
+only the columns that say who somebody is are kept, and the one assignment; and only the rows of
+those who have a mark. What a teaching assistant has entered since, elsewhere or for others, stays.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from grader.lms.exporters.exported import Exported, ExportTrouble, Order
+from grader.lms.exporters.filling import Column, Place, factor, fill, guess
+from grader.lms.exporters.joining import Row
+from grader.lms.exporters.marks import marks_of
+from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet
+
+NAMES = (("Student",), ("LastName", "FirstName"))
+LAST = "Section"  # of the columns that say who somebody is
+TOTAL = re.compile(
+    "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # nobody imports these
+)
+POINTS_POSSIBLE = "Points Possible"
+EXCUSED, NOT_ASSIGNED = "EX", "N/A"
+TEST_STUDENT = "Student, Test"
+CLAIMS = (
+    {"ID": ("lms_id",), "SIS User ID": ("id", "email"), "SIS Login ID": ("id", "email")},
+    {"ID": ("id",), "SIS User ID": ("lms_id",), "SIS Login ID": ("lms_id",)},
+)
+
+
+def canvas(order: Order) -> Exported:
+    """Fill in the assignment's column of a gradebook that Canvas exported.
+
+    Parameters
+    ----------
+    order : Order
+
+    Returns
+    -------
+    Exported
+
+    Raises
+    ------
+    ExportTrouble
+        Nothing is filled in where the file is another, or where points differ.
+    """
+    marks, sheet = marks_of(order), read_worksheet(order.into)
+    people = _people_columns(sheet)
+    column = _column(sheet, len(people), marks.assignment, order.column)
+    possible = [row for row in sheet.rows if POINTS_POSSIBLE in row[0]]
+    if not possible:
+        raise ExportTrouble(
+            f"{sheet.name} has no row {POINTS_POSSIBLE!r}, so that nobody can compare the points. "
+            "Export the gradebook again."
+        )
+    most = read_number(possible[0][column])
+    times = factor(marks, most, sheet.head[column], order.scale)
+    places = []
+    for row in sheet.rows:
+        name = _name(row, people)
+        if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
+            places.append(Place(row, _row(sheet, row, name)))
+    mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
+    filled = fill(marks, places, Column(column, times, mark, EXCUSED), _refusal(column))
+    text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
+    return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
+
+
+def _people_columns(sheet: Worksheet) -> tuple[str, ...]:
+    """The columns that say who somebody is."""
+    if any(sheet.head[: len(names)] == names for names in NAMES) and LAST in sheet.head:
+        return sheet.head[: sheet.head.index(LAST) + 1]
+    raise ExportTrouble(
+        f"{sheet.name} is no gradebook of Canvas: that begins with Student or LastName, and has a "
+        "column Section. In Canvas: Grades, Export, Export Entire Gradebook."
+    )
+
+
+def _column(sheet: Worksheet, first: int, assignment: str, wanted: str | None) -> int:
+    titles = {
+        place: title
+        for place, title in enumerate(sheet.head)
+        if place >= first and not TOTAL.search(title)
+    }
+    if wanted is None:
+        titles = {place: title for place, title in titles.items() if _title(title) != title}
+    return guess(titles, assignment, wanted, sheet.name, _title)
+
+
+def _title(title: str) -> str:
+    """The title of an assignment without Canvas's number."""
+    return re.sub(r"\s\(\d+\)$", "", title)
+
+
+def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
+    """Who it is; without what Canvas writes around a name that begins like a formula."""
+    cells = [re.sub(r'^="(.*)"$', r"\1", cell.strip()) for cell in row]
+    return ", ".join(cells[:2]).strip(", ") if people[0] == "LastName" else cells[0]
+
+
+def _row(sheet: Worksheet, row: tuple[str, ...], name: str) -> Row:
+    claims = tuple(
+        tuple(
+            (attribute, row[sheet.head.index(title)])
+            for title, attributes in rank.items()
+            if title in sheet.head
+            for attribute in attributes
+        )
+        for rank in CLAIMS
+    )
+    return Row(name, claims, name)
+
+
+def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:
+    def refuse(row: tuple[str, ...], points: float) -> str:
+        if row[column].strip() == NOT_ASSIGNED:
+            return "Canvas has not assigned it to them (N/A), and would drop the mark"
+        return ""
+
+    return refuse

@@ -1,0 +1,137 @@
+"""Marks for Moodle: in the offline grading worksheet of an assignment, ready to be uploaded.
+
+Moodle finds its columns by titles in the site's language, so all columns are kept as they came. It
+skips a blank, and says nothing of a mark that it skips: above the maximum, locked, or changed since
+the download. The first two are said here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from grader.lms.exporters.exported import Exported, ExportTrouble, Order
+from grader.lms.exporters.filling import CLOSE, Column, Place, factor, fill, guess
+from grader.lms.exporters.joining import Row
+from grader.lms.exporters.marks import marks_of
+from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet, write_number
+
+PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
+# What Moodle answers to "Grade can be changed" where it cannot.
+LOCKED = frozenset(
+    [
+        "no",
+        "nein",
+        "non",
+        "não",
+        "nee",
+        "nej",
+        "nei",
+        "ei",
+        "nie",
+        "ne",
+        "nu",
+        "nem",
+        "hayır",
+        "όχι",
+        "нет",
+        "ні",
+        "не",
+        "否",
+        "いいえ",
+        "아니요",
+        "לא",
+        "لا",
+    ]
+)
+HOW_TO_DOWNLOAD = (
+    "In Moodle: the assignment's Submissions, Actions, Download grading worksheet. It is offered "
+    "where the assignment's feedback types include the offline grading worksheet."
+)
+
+
+def moodle(order: Order) -> Exported:
+    """Fill in the grades of a worksheet that Moodle wrote.
+
+    Parameters
+    ----------
+    order : Order
+        Its column is the title of the one for the grade.
+
+    Returns
+    -------
+    Exported
+
+    Raises
+    ------
+    ExportTrouble
+        Nothing is filled in where the file is another, or where points differ.
+    """
+    marks, sheet = marks_of(order), read_worksheet(order.into)
+    column = _grade_column(sheet, order.column)
+    most = read_number(sheet.rows[0][column + 1])
+    times = factor(marks, most, sheet.head[column], order.scale)
+    mark = sheet.decimal_mark((column + 1, column))
+    hidden = _hides_names(sheet)
+    places = [Place(row, _row(row, column, hidden)) for row in sheet.rows]
+    filled = fill(marks, places, Column(column, times, mark), _refusal(column, most))
+    text = sheet.text(range(len(sheet.head)), filled.rows)
+    return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
+
+
+def _grade_column(sheet: Worksheet, wanted: str | None) -> int:
+    """The column of the grade: before the one that has the same maximum in each row."""
+    titles = {
+        place: title for place, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, place)
+    }
+    participants = all(PARTICIPANT.fullmatch(row[0].strip()) for row in sheet.rows)
+    if not participants or not titles:
+        raise ExportTrouble(
+            f"{sheet.name} is no offline grading worksheet of Moodle, or its grades are words of a "
+            f"scale. {HOW_TO_DOWNLOAD}"
+        )
+    if len(titles) == 1 and wanted is None:
+        return min(titles)
+    return guess(titles, "the grade", wanted, sheet.name, str)
+
+
+def _is_grade(sheet: Worksheet, place: int) -> bool:
+    """Whether a column can be that of the grade, as the numbers in it and behind it say."""
+    (most, *others) = {row[place + 1] for row in sheet.rows}
+    highest = read_number(most)
+    if place == 0 or others or not highest:
+        return False
+    grades = [row[place].strip() for row in sheet.rows]
+    numbers = [read_number(grade) for grade in grades if grade]
+    return all(number is not None and number <= highest for number in numbers)
+
+
+def _hides_names(sheet: Worksheet) -> bool:
+    """Whether the second column is not the name: an anonymous worksheet has the status there."""
+    return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
+
+
+def _row(row: tuple[str, ...], column: int, hidden: bool) -> Row:
+    """Who it is: the first cell is Moodle's number for them, in words; the second is the name.
+
+    Behind them stand fields that the site has chosen, such as e-mail and ID number.
+    """
+    fields = row[1:column]
+    name = "" if hidden else row[1]
+    surely = [(attribute, cell) for cell in fields for attribute in ("id", "email")]
+    claims = (
+        (*surely, ("id", row[0]), ("lms_id", row[0])),
+        tuple(("lms_id", cell) for cell in fields),
+    )
+    return Row(f"{row[0]} ({name})" if name else row[0], claims, name)
+
+
+def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:
+    def refuse(row: tuple[str, ...], points: float) -> str:
+        if points > most + CLOSE:
+            return f"Moodle skips marks above {write_number(most)} without a word"
+        if any(cell.strip().casefold() in LOCKED for cell in row[column + 2 : column + 4]):
+            return "their grade is locked in Moodle, which would skip the mark without a word"
+        return ""
+
+    return refuse

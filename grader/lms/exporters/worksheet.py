@@ -1,0 +1,131 @@
+"""A file of the learning platform: read as it is, given back in the same manner of writing."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.lms.exporters.exported import ExportTrouble
+
+SEPARATORS = ",;\t"
+LARGEST_CELL = 2**24  # Moodle's worksheet holds whole texts that students wrote
+NUMBER = re.compile(r"-?[0-9][0-9.,]*")
+FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")
+
+
+@dataclass(frozen=True)
+class Worksheet:
+    """A table, and how its file writes it.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    head : tuple of str
+    rows : tuple of tuple of str
+        Each as long as the head.
+    separator, line_end : str
+    marked : bool
+        Whether the file begins with a byte order mark.
+    """
+
+    name: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    separator: str
+    line_end: str
+    marked: bool
+
+    def decimal_mark(self, columns: Iterable[int]) -> str:
+        """What stands before the digits of a fraction, as numbers in some columns have it.
+
+        Where no number has such digits it is a point, which every site understands.
+        """
+        for column in columns:
+            for row in self.rows:
+                found = FRACTION.fullmatch(row[column].strip())
+                if found:
+                    return found[1]
+        return "."
+
+    def text(self, columns: Sequence[int], rows: Iterable[Sequence[str]]) -> str:
+        """The file with some of the columns, and with these rows."""
+        file = io.StringIO()
+        table = csv.writer(file, delimiter=self.separator, lineterminator=self.line_end)
+        for row in (self.head, *rows):
+            table.writerow([row[column] for column in columns])
+        return ("\ufeff" if self.marked else "") + file.getvalue()
+
+
+def read_worksheet(path: Path) -> Worksheet:
+    """Read a file that was downloaded from a learning platform.
+
+    Raises
+    ------
+    ExportTrouble
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ExportTrouble(f"{path} cannot be read: {error.strerror}.") from error
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ExportTrouble(
+            f"{path.name} is not a CSV file in UTF-8. Give the file as the platform wrote it; if a "
+            "spreadsheet has saved it since, save it as CSV UTF-8."
+        ) from error
+    marked = text.startswith("\ufeff")
+    text = text.removeprefix("\ufeff")
+    separator, rows = max(
+        ((separator, _rows(path.name, text, separator)) for separator in SEPARATORS), key=_fit
+    )
+    if len(rows) < 2 or len(rows[0]) < 2:
+        raise ExportTrouble(f"{path.name} holds no table with students.")
+    width = len(rows[0])
+    for row in rows:
+        if len(row) > width and any(row[width:]):
+            raise ExportTrouble(
+                f"{path.name}: the row that begins with {row[0]!r} has {len(row)} cells, and the "
+                f"head {width}. Download the file again."
+            )
+    head, *others = (tuple([*row, *[""] * width][:width]) for row in rows)
+    line_end = "\r\n" if "\r\n" in text else "\n"
+    return Worksheet(path.name, head, tuple(others), separator, line_end, marked)
+
+
+def _rows(name: str, text: str, separator: str) -> list[list[str]]:
+    """The rows of a table that are not empty."""
+    csv.field_size_limit(LARGEST_CELL)
+    try:
+        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
+    except csv.Error as error:
+        raise ExportTrouble(f"{name} is not a CSV file: {error}. Download it again.") from error
+    return [row for row in rows if any(row)]
+
+
+def _fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
+    """How well a separator fits: for how many rows it makes cells as for the head; how many."""
+    rows = found[1]
+    width = len(rows[0]) if rows else 0
+    if width < 2:
+        return 0.0, 0
+    return sum(len(row) == width for row in rows) / len(rows), width
+
+
+def read_number(text: str) -> float | None:
+    """A number of a platform, by the last mark in it, as Canvas reads it; None if it is none."""
+    text = text.strip()
+    if not NUMBER.fullmatch(text):
+        return None
+    *whole, last = re.split("[.,]", text)
+    return float(f"{''.join(whole)}.{last}" if whole else last)
+
+
+def write_number(points: float, decimal_mark: str = ".") -> str:
+    """Points with two digits at most, as all formats have them."""
+    return f"{points:.2f}".rstrip("0").rstrip(".").replace(".", decimal_mark)

@@ -1,0 +1,166 @@
+"""Marks for Gradescope: the autograder that hands them out, run as Gradescope runs it."""
+
+import io
+import json
+import os
+import shutil
+import stat
+import subprocess
+import sys
+import zipfile
+
+import pytest
+
+from grader.classroom.submissions import find_submissions
+from grader.course.paths import Course
+from grader.course.roster import Person
+from grader.judging.verdict import CheckResult, ExerciseResult, Verdict, write_verdict
+from grader.lms.exporters.exported import Order
+from grader.lms.exporters.gradescope import gradescope
+from grader.lms.results import MARKED, MISSING, ClassResults, NotebookResult, StageResult
+
+STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
+ANNA = Person("anna", "Anna", "Schmidt", "Anna@x.edu")
+BO = Person("bo", "Bo", "", "bo@x.edu")
+VISIBLE = {"hidden", "after_due_date", "after_published", "visible"}
+
+
+@pytest.fixture
+def course(tmp_path):
+    """Two students with a notebook each, judged."""
+    course = Course(tmp_path / "course")
+    for student in ("anna", "bo"):
+        folder = course.submitted / student / STAGE
+        folder.mkdir(parents=True)
+        (folder / f"{SIX}.ipynb").write_text(f'{{"of": "{student}"}}')
+        (folder / "mine.py").write_text("x = 1")
+    judge(course)
+    return course
+
+
+def judge(course):
+    checks = (
+        CheckResult("a", "A road is ground", False, 0.0, 10.0, "Yours: 1\nExpected: 2", True),
+        CheckResult("b", "A hidden road", False, 0.0, 10.0, "A wall is no road.", False),
+        CheckResult("c", "Nothing changes", True, 10.0, 10.0, "", True),
+    )
+    exercise = ExerciseResult("filter_ground", 10.0, 30.0, checks)
+    for one in find_submissions(course):
+        fingerprint = one.read(course).fingerprint()
+        verdict = Verdict(
+            SIX, one.student, "judged", 10.0, 30.0, (exercise,), ("A cell moved.",), 1, "k"
+        )
+        write_verdict(
+            Verdict(**{**vars(verdict), "fingerprint": fingerprint}), one.verdict_path(course)
+        )
+
+
+def results(people=(ANNA, BO), score=15.0, penalty=2.5):
+    notebooks, stages = [], []
+    for person in people:
+        notebooks.append(NotebookResult(person.id, STAGE, SIX, MARKED, score, 30.0, penalty))
+        notebooks.append(NotebookResult(person.id, STAGE, SEVEN, MISSING, None, 20.0))
+        stages.append(StageResult(person.id, STAGE, MARKED, score, 50.0, penalty))
+    return ClassResults(tuple(people), tuple(notebooks), tuple(stages))
+
+
+def write(course, people=(ANNA, BO), **settings):
+    return gradescope(Order(course, results(people, **settings), STAGE))
+
+
+@pytest.fixture
+def run(tmp_path, course):
+    """Upload the zip, hand in a folder as somebody, return what Gradescope reads then."""
+
+    def running(exported, student, email):
+        root = tmp_path / "autograder"
+        shutil.rmtree(root, ignore_errors=True)
+        with zipfile.ZipFile(io.BytesIO(exported.content)) as archive:
+            archive.extractall(root / "source")
+            modes = {one.filename: one.external_attr >> 16 for one in archive.infolist()}
+        assert modes["setup.sh"] & modes["run_autograder"] & stat.S_IXUSR
+        shutil.copytree(course.submitted / student / STAGE, root / "submission")
+        (root / "submission" / "__MACOSX").mkdir()
+        (root / "submission" / "__MACOSX" / f"._{SIX}.ipynb").write_bytes(b"\0")
+        users = [{"email": one, "id": 1, "name": "N"} for one in email.split()]
+        (root / "submission_metadata.json").write_text(json.dumps({"users": users}))
+        script = (root / "source" / "run_autograder").read_text()
+        assert script.startswith("#!/usr/bin/env python3\n")
+        # Gradescope runs it from /autograder; the path is all that differs here.
+        script = script.replace('Path("/autograder")', f"Path({str(root)!r})")
+        ended = subprocess.run(
+            [sys.executable, "-I", "-c", script], cwd=root, capture_output=True, text=True
+        )
+        path = root / "results" / "results.json"
+        assert path.exists() == (ended.returncode == 0), ended.stderr
+        return json.loads(path.read_text()) if path.exists() else ended.stderr
+
+    return running
+
+
+def test_a_submission_gets_the_marks_that_were_made_for_it(course, run):
+    exported = write(course)
+    assert (exported.placed, exported.lost) == (2, ())
+    found = run(exported, "anna", "anna@X.edu")
+    assert found["score"] == 12.5 and found["visibility"] in VISIBLE
+    assert found["output"] == (
+        f"{SIX}: 15 of 30 points\n{SEVEN}: 0 of 20 points\nTaken off for lateness: 2.5 points"
+    )
+    six, seven = found["tests"]
+    assert (six["name"], six["score"], six["max_score"]) == (SIX, 15.0, 30.0)
+    assert six["output"].splitlines() == [
+        "A cell moved.",
+        "filter_ground: 10 of 30 points",
+        "  FAILED  A road is ground",
+        "          Yours: 1",
+        "          Expected: 2",
+        "  FAILED  A hidden road",
+        "Given by a person: +5 points",
+    ]
+    assert (seven["score"], seven["output"]) == (0.0, "Nothing was handed in.")
+    assert all(test["visibility"] in VISIBLE for test in found["tests"])
+
+
+def test_the_same_marks_are_the_same_file(course):
+    assert write(course).content == write(course).content
+
+
+@pytest.mark.parametrize("change", ["other", "new", "module", "empty"])
+def test_what_was_handed_in_since_gets_no_mark(course, run, change):
+    exported = write(course)
+    folder = course.submitted / "anna" / STAGE
+    if change == "other":
+        (folder / f"{SIX}.ipynb").write_text('{"of": "anna, again"}')
+    elif change == "new":
+        (folder / f"{SEVEN}.ipynb").write_text("{}")
+    elif change == "module":
+        (folder / "mine.py").write_text("x = 2")
+    else:
+        (folder / f"{SIX}.ipynb").unlink()
+    assert "not the one that was judged" in run(exported, "anna", "anna@x.edu")
+
+
+def test_nobody_gets_anothers_mark(course, run):
+    exported = write(course)
+    assert "not the one that was judged" in run(exported, "anna", "bo@x.edu")
+    assert "There is no mark for cy@x.edu" in run(exported, "anna", "cy@x.edu")
+
+
+def test_a_team_gets_the_mark_of_whose_work_it_is(course, run):
+    assert run(write(course), "bo", "cy@x.edu bo@x.edu")["score"] == 12.5
+
+
+def test_a_mark_that_cannot_be_handed_out_is_named(course):
+    without = Person("anna", "Anna", "Schmidt")
+    (lost,) = write(course, (without, BO)).lost
+    assert lost == (
+        "anna (Anna Schmidt), 12.5 points: Gradescope knows them by e-mail, and the roster has "
+        "none."
+    )
+    (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
+    (lost,) = write(course).lost
+    assert "was replaced after it was judged" in lost
+    os.remove(course.submitted / "anna" / STAGE / f"{SIX}.ipynb")
+    assert "nothing lies in submitted/" in write(course).lost[0]
+    shutil.rmtree(course.verdicts / "bo")
+    assert "there is no verdict" in write(course).lost[1]

@@ -1,0 +1,404 @@
+"""Marks on their way into Canvas and Moodle: none is lost, and none of anybody else's changes."""
+
+import dataclasses
+
+import pytest
+
+from grader.course.paths import Course
+from grader.course.roster import Person
+from grader.lms.exporters.canvas import canvas
+from grader.lms.exporters.exported import ExportTrouble, Order
+from grader.lms.exporters.moodle import moodle
+from grader.lms.results import EXCUSED, MARKED, MISSING, ClassResults, NotebookResult, StageResult
+from tests.platforms import GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
+
+STAGE, LESSON = "stage3_obstacles", "06_filter_ground"
+ANNA = Person("anna", "Anna", "Schmidt", "as@x.edu", "A", "9001")
+BJÖRN = Person("björn", "Björn", "Müller", "bm@x.edu", "A", "9002")
+MARY = Person("mary jane", "Mary Jane", "O'Neil, Jr", "mj@x.edu", "B", "9003")
+FORMULA = Person("cmd", "", "=cmd|' /C calc'!A0", "c@x.edu", "B", "9004")
+NOSHOW = Person("noshow", "Noah", "Show", "ns@x.edu", "B", "9005")
+ILL = Person("ill", "Ilse", "Krank", "ik@x.edu", "B", "9006")
+PEOPLE = (ANNA, BJÖRN, MARY, FORMULA, NOSHOW, ILL)
+POINTS = {"anna": 8.5, "björn": 31.25, "mary jane": 100.0, "cmd": 0.0}
+
+
+def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
+    """A class in one stage of one lesson."""
+    notebooks, stages = [], []
+    for person in people:
+        score = points.get(person.id)
+        standing = MISSING if score is None else MARKED
+        standing = EXCUSED if person in excused else standing
+        notebooks.append(NotebookResult(person.id, STAGE, LESSON, standing, score, most))
+        stages.append(StageResult(person.id, STAGE, standing, score, most))
+    return ClassResults(tuple(people), tuple(notebooks), tuple(stages))
+
+
+@pytest.fixture
+def fill(tmp_path):
+    """Fill in the file of a platform."""
+
+    def filled(platform, results, **order):
+        path = tmp_path / "downloaded.csv"
+        path.write_bytes(platform.export())
+        write = canvas if isinstance(platform, Canvas) else moodle
+        return write(Order(Course(tmp_path), results, STAGE, into=path, **order))
+
+    return filled
+
+
+# Canvas
+
+
+def canvas_course(**settings):
+    students = [
+        CanvasStudent(9004, FORMULA.last_name, "sis4", "c@x.edu"),
+        CanvasStudent(9006, "Krank, Ilse", "sis6", "ill"),
+        CanvasStudent(9002, "Müller, Björn", "sis2", "björn"),
+        CanvasStudent(9003, "O'Neil, Jr, Mary Jane", "sis3", "mary jane", "A and B"),
+        CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"),
+        CanvasStudent(9005, "Show, Noah", "sis5", "noshow"),
+        CanvasStudent(9100, "Student, Test", "", "a7f3"),
+    ]
+    assignments = {41: ["Essay; with a pen", 20.0], 42: ["Stage 3: Obstacles", 100.0]}
+    scores = {(9001, 41): 17.5, (9005, 42): 44.0, (9002, 42): 12.0, (9100, 42): 3.0}
+    return Canvas(students, assignments, scores, notes={9001: "=1+1"}, **settings)
+
+
+SETTINGS = [
+    {},
+    {"separator": ";", "decimal_mark": ",", "marked": True},
+    {"separator": ",", "decimal_mark": ",", "sis": False},
+    {"first_and_last": True, "manual": True},
+    {"separator": ";", "manual": True, "sis": False},
+]
+
+
+@pytest.mark.parametrize("settings", SETTINGS)
+def test_canvas_gets_each_mark_and_nothing_else_changes(fill, settings):
+    course = canvas_course(**settings)
+    if settings.get("first_and_last"):
+        course.students[0].name = "=cmd, Cid"
+    exported = fill(course, marks())
+    # Meanwhile a teaching assistant is at work, and somebody changes the points of the essay.
+    course.scores |= {(9001, 41): 19.0, (9002, 41): 11.0, (9005, 42): 60.0}
+    course.assignments[41][1] = 25.0
+    course.notes[9001] = "was ill"
+    course.import_(exported.content)
+    assert course.scores == {
+        (9001, 41): 19.0,
+        (9002, 41): 11.0,
+        (9001, 42): 8.5,
+        (9002, 42): 31.25,
+        (9003, 42): 100.0,
+        (9004, 42): 0.0,
+        (9005, 42): 60.0,
+        (9006, 42): "EX",
+        (9100, 42): 3.0,
+    }
+    assert course.assignments == {
+        41: ["Essay; with a pen", 25.0],
+        42: ["Stage 3: Obstacles", 100.0],
+    }
+    assert course.notes == {9001: "was ill"}
+    assert (exported.placed, exported.lost) == (4, ())
+
+
+def test_a_file_for_canvas_is_written_as_the_site_writes_it(fill):
+    course = canvas_course(separator=";", decimal_mark=",", marked=True)
+    text = fill(course, marks()).content.decode()
+    assert text.startswith(
+        "\ufeffStudent;ID;SIS User ID;SIS Login ID;Section;Stage 3: Obstacles (42)\n"
+    )
+    assert "\n    Points Possible;;;;;100,00\n" in text
+    assert "\nSchmidt, Anna;9001;sis1;anna;A;8,5\n" in text
+    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # as Canvas wrote it
+    assert "Noah" not in text and "Test" not in text
+
+
+@pytest.mark.parametrize("roster", ["lms_id", "login", "email", "sis"])
+def test_canvas_rows_are_found_by_whatever_the_roster_knows(fill, roster):
+    course = canvas_course()
+    people = [dataclasses.replace(one, lms_id="", first_name="", last_name="") for one in PEOPLE]
+    if roster == "lms_id":
+        people = [
+            dataclasses.replace(one, id=f"s{one.lms_id}", lms_id=one.lms_id) for one in PEOPLE
+        ]
+    elif roster == "email":
+        for student, person in zip(
+            course.students, (FORMULA, ILL, BJÖRN, MARY, ANNA, NOSHOW), strict=False
+        ):
+            student.login = person.email.upper()
+        people = [dataclasses.replace(one, id=f"s{place}") for place, one in enumerate(people)]
+    elif roster == "sis":
+        people = [
+            dataclasses.replace(one, lms_id=f"sis{place}", email="")
+            for place, one in enumerate(people, start=1)
+        ]
+        for student in course.students:
+            student.login = f"login{student.id}"
+    points = dict(zip([one.id for one in people], POINTS.values(), strict=False))
+    exported = fill(course, marks(points, people, excused=()))
+    course.import_(exported.content)
+    found = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
+    if roster == "login":  # cmd has another one
+        assert found.pop(9004, 0.0) == 0.0
+    else:
+        assert not exported.lost and found.pop(9004) == 0.0
+    assert found == {9001: 8.5, 9002: 31.25, 9003: 100.0, 9005: 44.0, 9100: 3.0}
+
+
+def test_without_a_roster_canvas_rows_are_found_by_name_and_it_is_said(fill):
+    course = canvas_course()
+    people = [dataclasses.replace(one, lms_id="", email="", id=f"s{one.lms_id}") for one in PEOPLE]
+    points = dict(zip([one.id for one in people], POINTS.values(), strict=False))
+    exported = fill(course, marks(points, people, excused=()))
+    course.import_(exported.content)
+    assert (exported.lost, course.scores[9002, 42]) == ((), 31.25)
+    assert any(
+        note.startswith("Found by their name alone: ") and "Müller, Björn" in note
+        for note in exported.notes
+    )
+
+
+def test_whoever_cannot_be_told_apart_gets_no_mark_and_it_is_said(fill):
+    course = canvas_course()
+    course.students.append(CanvasStudent(9200, "Schmidt, Anna", "sis9", "as9"))
+    other = Person("anna2", "Anna", "Schmidt")
+    nameless = dataclasses.replace(ANNA, lms_id="", id="as", email="")
+    given = marks({"as": 5.0, "anna2": 6.0}, (nameless, other), excused=())
+    exported = fill(course, given)
+    assert exported.placed == 0
+    assert exported.lost == (
+        "as (Anna Schmidt), 5 points: Schmidt, Anna or Schmidt, Anna may be anna2 or as.",
+        "anna2 (Anna Schmidt), 6 points: Schmidt, Anna or Schmidt, Anna may be anna2 or as.",
+    )
+
+
+def test_a_row_that_two_people_claim_is_nobodys(fill):
+    course = canvas_course()
+    thief = Person("sis1", "Thea", "Dieb")  # her id is Anna's number in another system
+    exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, thief), excused=()))
+    assert exported.placed == 0 and len(exported.lost) == 2
+    assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
+
+
+def test_a_number_of_canvas_that_is_another_ones_id_goes_to_its_owner(fill):
+    course = canvas_course()
+    other = Person("9001", "Zoe", "", "z@x.edu", "A", "9100")
+    exported = fill(course, marks({"anna": 8.5, "9001": 1.0}, (ANNA, other), excused=()))
+    course.import_(exported.content)
+    assert course.scores[9001, 42] == 8.5
+
+
+def test_a_number_that_happens_to_be_somebodys_is_theirs_where_the_name_agrees(fill):
+    """Without other keys, Canvas's number is tried as id: a folder may be called by it."""
+    course = canvas_course(sis=False)
+    same, other = Person("9001", "Anna", "Schmidt"), Person("9002", "Zoe", "Zahn")
+    nameless = Person("9003")
+    points = {"9001": 1.0, "9002": 2.0, "9003": 3.0}
+    exported = fill(course, marks(points, (same, other, nameless), excused=()))
+    course.import_(exported.content)
+    assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
+    assert course.scores[9002, 42] == 12.0
+    assert exported.lost == ("9002 (Zoe Zahn), 2 points: no row in the file is theirs.",)
+
+
+def test_another_name_under_the_same_number_is_said(fill):
+    course = canvas_course()
+    course.students[4].name = "Schmidt-Meier, Anna"
+    exported = fill(course, marks())
+    assert exported.lost == ()
+    note = "Under another name in the file: Schmidt-Meier, Anna for anna (Anna Schmidt)."
+    assert note in exported.notes
+    assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
+
+
+def test_canvas_does_not_take_a_mark_for_what_it_has_not_assigned(fill):
+    course = canvas_course(assigned={42: {9002, 9003, 9004}})
+    exported = fill(course, marks())
+    assert exported.placed == 3
+    (lost,) = exported.lost
+    assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas has not assigned it to them")
+
+
+def test_who_is_here_and_not_there_is_named_and_the_other_way_round(fill):
+    course = canvas_course()
+    course.students = [one for one in course.students if one.id not in (9001, 9005)]
+    course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
+    exported = fill(course, marks())
+    assert exported.lost == ("anna (Anna Schmidt), 8.5 points: no row in the file is theirs.",)
+    assert "In the file, and not on the roster: Gast, Gerd." in exported.notes
+    absent = "On the roster, and not in the file: noshow (Noah Show)."
+    assert absent in exported.notes
+
+
+def test_other_points_are_refused_or_converted(fill):
+    course = canvas_course()
+    course.assignments[42][1] = 10.0
+    with pytest.raises(
+        ExportTrouble,
+        match=r"\(06_filter_ground 100\), and 'Stage 3: Obstacles \(42\)' is worth 10 there",
+    ):
+        fill(course, marks())
+    course.import_(fill(course, marks(), scale=True).content)
+    assert course.scores[9001, 42] == 0.85 and course.scores[9003, 42] == 10.0
+    assert course.assignments[42][1] == 10.0
+    course.assignments[42][1] = 0.0
+    with pytest.raises(ExportTrouble, match="Give the assignment 100 points there"):
+        fill(course, marks(), scale=True)
+
+
+def test_the_assignment_is_named_where_no_title_or_more_than_one_fits(fill):
+    course = canvas_course()
+    course.assignments = {42: ["Obstacles", 100.0], 43: ["Essay", 100.0]}
+    with pytest.raises(
+        ExportTrouble, match=r"has no column .* --column; there is: 'Obstacles \(42\)', 'Essay"
+    ):
+        fill(course, marks())
+    for title in ("Obstacles", "Obstacles (42)"):
+        again = canvas_course()
+        again.assignments = dict(course.assignments)
+        again.import_(fill(again, marks(), column=title).content)
+        assert again.scores[9001, 42] == 8.5
+    course.assignments = {
+        42: ["Stage 3 (obstacles)", 100.0],
+        43: ["Stage 3: Obstacles, again", 1.0],
+    }
+    with pytest.raises(ExportTrouble, match="more than one column"):
+        fill(course, marks())
+    with pytest.raises(ExportTrouble, match="has no column 'Final Score'"):
+        fill(course, marks(), column="Final Score")
+
+
+# Moodle
+
+
+def moodle_course(**settings):
+    students = [
+        MoodleStudent(311, "Anna Schmidt", "as@x.edu", "anna"),
+        MoodleStudent(312, "Björn Müller", "bm@x.edu", "björn"),
+        MoodleStudent(313, "Mary Jane O'Neil, Jr", "mj@x.edu", "mary jane"),
+        MoodleStudent(314, FORMULA.last_name, "c@x.edu", "cmd"),
+        MoodleStudent(315, "Noah Show", "ns@x.edu", "noshow", "No submission"),
+        MoodleStudent(316, "Ilse Krank", "ik@x.edu", "ill", "No submission"),
+    ]
+    grades, graded = {312: 12.0, 315: 44.0}, {312: 5, 315: 5}
+    comments = {312: "<p>So, so;\nfine</p>", 315: "none"}
+    return Moodle(students, 100.0, grades, comments, graded, **settings)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{}, {"words": GERMAN, "decimal_mark": ","}, {"workflow": True}],
+)
+def test_moodle_gets_each_mark_and_nothing_else_changes(fill, settings):
+    course = moodle_course(**settings)
+    exported = fill(course, marks())
+    # Somebody grades Noah anew, and who uploads ticks "allow updating records that changed since".
+    course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "anew"
+    course.import_(exported.content, ignore_modified=True)
+    assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
+    assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "anew"
+    assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
+    assert "4 of these marks are new, or differ from what the file had." in exported.notes
+
+
+def test_a_worksheet_keeps_its_columns_and_its_manner(fill):
+    course = moodle_course(words=GERMAN, decimal_mark=",")
+    text = fill(course, marks()).content.decode()
+    assert text.startswith("\ufeffID,Vollständiger Name,E-Mail-Adresse,ID-Nummer,Status,Bewertung,")
+    assert (
+        '\nTeilnehmer/in311,Anna Schmidt,as@x.edu,anna,Submitted for grading,"8,5","100,00",Ja,'
+        in text
+    )
+    assert "=cmd|' /C calc'!A0" in text  # a name that Moodle wrote is the name that it knows
+
+
+def test_what_moodle_would_skip_without_a_word_is_said(fill):
+    course = moodle_course(locked={311}, words=GERMAN, decimal_mark=",")
+    exported = fill(course, marks({**POINTS, "mary jane": 101.0}))
+    assert exported.placed == 2
+    locked, above = exported.lost
+    assert locked.startswith("anna (Anna Schmidt), 8.5 points: their grade is locked in Moodle")
+    assert above.startswith(
+        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle skips marks above 100"
+    )
+    course.import_(exported.content)
+    assert not course.skipped
+
+
+def test_a_lock_is_seen_behind_the_marking_workflow(fill):
+    exported = fill(moodle_course(locked={312}, workflow=True), marks())
+    assert exported.placed == 3 and exported.lost[0].startswith("björn")
+
+
+def test_a_blind_worksheet_is_joined_by_its_numbers_alone(fill):
+    course = moodle_course(blind=True)
+    people = [
+        dataclasses.replace(one, lms_id=f"Participant {311 + n}") for n, one in enumerate(PEOPLE)
+    ]
+    exported = fill(course, marks(people=people, excused=people[5:]))
+    course.import_(exported.content)
+    assert exported.lost == () and course.grades[311] == 8.5 and course.grades[314] == 0.0
+    plain = fill(moodle_course(blind=True), marks())
+    assert plain.placed == 0 and len(plain.lost) == 4
+
+
+def test_a_number_of_moodle_is_not_taken_for_another_one(fill):
+    """The number of a participant is this assignment's, and may be anybody's elsewhere."""
+    stranger = Person("x", "Xaver", "Unbekannt", lms_id="311")
+    exported = fill(moodle_course(), marks({"x": 50.0}, (stranger,), excused=()))
+    assert exported.placed == 0
+    assert exported.lost == ("x (Xaver Unbekannt), 50 points: no row in the file is theirs.",)
+
+
+def test_moodles_own_points_are_kept(fill):
+    course = moodle_course()
+    course.most, course.grades = 10.0, {}
+    with pytest.raises(ExportTrouble, match="'Grade' is worth 10 there"):
+        fill(course, marks())
+    course.import_(fill(course, marks(), scale=True).content)
+    assert course.grades == {311: 0.85, 312: 3.12, 313: 10.0, 314: 0.0}
+
+
+def test_a_site_that_shows_no_fraction_gets_points_that_any_site_reads(fill):
+    course = moodle_course(words=GERMAN, decimal_mark=",")
+    course.grades = {}
+    course.number = lambda value: "" if value is None else f"{value:.0f}"
+    course.import_(fill(course, marks()).content)
+    assert course.grades[311] == 8.5
+
+
+# Files that are something else
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "holds no table with students"),
+        (b"PK\x03\x04\xff\xfe", "is not a CSV file in UTF-8"),
+        ("Student,ID\nMüller,1\n".encode("cp1252"), "save it as CSV UTF-8"),
+        (b"a,b\nc,d\n", "is no "),
+        (b"Student,ID,SIS Login ID,Section,T (1)\nAnna,1,anna,A,1\n", "no row 'Points Possible'"),
+        (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),
+    ],
+)
+def test_another_file_is_refused_with_what_to_do(tmp_path, content, says):
+    path = tmp_path / "x.csv"
+    path.write_bytes(content)
+    order = Order(Course(tmp_path), marks(), STAGE, into=path, column="T")
+    with pytest.raises(ExportTrouble, match=says):
+        canvas(order)
+    if says == "is no ":
+        with pytest.raises(ExportTrouble, match="no offline grading worksheet"):
+            moodle(order)
+
+
+def test_a_long_text_in_a_worksheet_is_read(fill):
+    course = moodle_course()
+    course.comments[311] = "x" * 200_000
+    exported = fill(course, marks())
+    course.import_(exported.content)
+    assert len(course.comments[311]) == 200_000
