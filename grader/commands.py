@@ -342,10 +342,15 @@ def _enter(course: Course, judged: Judged, wanted: Sequence[str]) -> int:
 
 def _notes(course: Course) -> list[str]:
     """What there is to know about the marks, after they were entered."""
+    from grader.classroom.folders import spelt_otherwise
+    from grader.course.deadlines import read_deadlines
+    from grader.course.roster import read_roster
     from grader.lms.gradebook import class_results
     from grader.lms.notes import notes
 
-    return list(notes(class_results(course)))
+    roster = read_roster(course)
+    taken = spelt_otherwise(course, roster) if roster else ()
+    return [*taken, *notes(course, class_results(course), read_deadlines(course))]
 
 
 def _print_end(course: Course, count: int, before: int, seconds: float) -> None:

@@ -143,7 +143,11 @@ def scores_by_verdict(judged):
 def entered(course):
     """Score by student, stage and notebook, as the gradebook holds them."""
     results = gradebook.class_results(course).notebooks
-    return {(result.student, result.stage, result.lesson): result.score for result in results}
+    return {
+        (result.student, result.stage, result.lesson): result.score
+        for result in results
+        if result.score is not None
+    }
 
 
 def judge_it(course, sandbox, workers=2):

@@ -12,6 +12,7 @@ from nbgrader.api import MissingEntry
 
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
+from grader.course.deadlines import Deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
@@ -247,7 +248,7 @@ def found_in(course, entry=None):
     entry = entry or gradebook.Entry("ada", STAGE, tuple(verdicts(course)[:2]))
     late = gradebook._late_penalties(course)
     with gradebook.open_gradebook(course) as book:
-        return gradebook.differences(course, book, entry, late)
+        return gradebook.differences(course, book, entry, late, Deadlines({}))
 
 
 def alter(course, change):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from grader.classroom import grade
+from grader.course.deadlines import Deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
@@ -265,15 +266,22 @@ def test_which_verdicts_on_disk_are_believed(handed_in, change, believed):
 
 @pytest.mark.parametrize("hour", [12, 13])
 def test_another_time_of_submission_is_a_difference(handed_in, hour):
-    course, submission, _ = handed_in
+    course, submission, verdict = handed_in
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
-    entry = gradebook.Entry("ada", FILTER.stage, ())
+    entry = gradebook.Entry("ada", FILTER.stage, ((submission, verdict),))
     known = gradebook._timestamp(course, entry).replace(hour=hour)
     book = SimpleNamespace(
-        find_submission=lambda stage, student: SimpleNamespace(timestamp=known, notebooks=[])
+        find_submission=lambda stage, student: SimpleNamespace(
+            timestamp=known,
+            notebooks=[],
+            extension=None,
+            student=SimpleNamespace(id=student),
+            assignment=SimpleNamespace(name=stage),
+        )
     )
-    found = gradebook.differences(course, book, entry, None)
+    *found, last = gradebook.differences(course, book, entry, None, Deadlines({}))
+    assert last.endswith("it is not in the gradebook")
     assert bool(found) == (hour != 12) and all("time of submission" in one for one in found)
 
 

@@ -65,6 +65,8 @@ def configure(c: Config, root: Path) -> Config:
     # A student fetches notebooks, and no `utils` beside them.
     c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
 
+    # Who takes the course, the roster says: nbgrader would enter whatever a folder is called.
+    c.Autograde.create_student = not (root / "roster.csv").is_file()
     # A damaged file must not cost the whole submission.
     c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     c.Autograde.autograde_preprocessors = [

@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import stat
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -37,15 +37,19 @@ from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solut
 from sqlalchemy import func, make_url, select
 from sqlalchemy.orm import Session
 
+from grader.classroom.folders import strangers
 from grader.classroom.submissions import Replaced, Submission
+from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
-from grader.course.roster import Person
+from grader.course.roster import Person, read_roster
 from grader.intake.notebook import read_file
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import graded_cells, judged_copy
+from grader.lms.dates import enter_due_dates, extend, extension
+from grader.lms.people import enrol
 from grader.lms.results import ClassResults
 from grader.lms.standings import Row, standings
 from grader.lms.times import Undecided, handed_in_at
@@ -121,17 +125,22 @@ def enter(
     ------
     GradebookTrouble
         After everybody else has been entered.
+    grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
-    entries, trouble = _entries(course, judged)
+    roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
+    unknown = strangers(course, roster) if roster else {}
+    entries, trouble = _entries(course, judged, unknown)
     with open_gradebook(course) as book:
         late = _late_penalties(course)
         trouble += register(course, book, dict.fromkeys(stages))
-        known = {(entry.student, entry.stage) for entry in entries}
-        known |= {(submission.student, submission.lesson.stage) for submission, _ in judged}
+        if roster:
+            enrol(book, roster)
+        enter_due_dates(book, deadlines)
+        known = {(submission.student, submission.lesson.stage) for submission, _ in judged}
         trouble += _withdraw(course, book, stages, known)
         for done, entry in enumerate(entries, start=1):
-            if differences(course, book, entry, late):
-                trouble += _enter_or_say_why_not(course, book, entry, late)
+            if differences(course, book, entry, late, deadlines):
+                trouble += _enter_or_say_why_not(course, book, entry, late, deadlines)
             progress(done, len(entries), entry.student)
     if trouble:
         raise GradebookTrouble(
@@ -171,7 +180,7 @@ def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str
 
 
 def differences(
-    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
 ) -> list[str]:
     """What the gradebook and the autograded copies say otherwise than the verdicts do.
 
@@ -187,6 +196,8 @@ def differences(
     found = []
     if submission.timestamp != _timestamp(course, entry):
         found.append(f"{entry.name}: the gradebook has another time of submission")
+    if submission.extension != extension(course, submission, deadlines):
+        found.append(f"{entry.name}: the gradebook has another extension")
     verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
     for notebook in submission.notebooks:
         where = f"{entry.name}, {notebook.name}"
@@ -257,9 +268,9 @@ def class_results(course: Course) -> ClassResults:
 
 
 def _entries(
-    course: Course, judged: Sequence[tuple[Submission, Verdict]]
+    course: Course, judged: Sequence[tuple[Submission, Verdict]], unknown: Mapping[str, str]
 ) -> tuple[list[Entry], list[str]]:
-    """(what can be entered, a sentence on each that cannot)."""
+    """(what can be entered, a sentence on each that cannot); `unknown` has those on strangers."""
     groups: dict[tuple[str, str], list] = {}
     for submission, verdict in judged:
         groups.setdefault((submission.student, submission.lesson.stage), []).append(
@@ -267,6 +278,9 @@ def _entries(
         )
     entries, trouble = [], []
     for (student, stage), pairs in groups.items():
+        if student in unknown:
+            trouble.append(unknown[student])
+            continue
         failed = [pair for pair in pairs if pair[1].status != JUDGED]
         trouble += [
             f"{student}, {stage}: not entered, because the judge failed on "
@@ -279,21 +293,21 @@ def _entries(
 
 
 def _enter_or_say_why_not(
-    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
 ) -> list[str]:
     """Write one submission; a sentence on each thing that is not as it should be then."""
     trouble = []
     try:
-        trouble = _enter_one(course, book, entry, late)
+        trouble = _enter_one(course, book, entry, late, deadlines)
     except Replaced as replaced:  # what is there stays, until somebody judges again
         return [str(replaced)]
     except Exception as error:  # one student must not stop the others
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
-    return trouble + differences(course, book, entry, late)
+    return trouble + differences(course, book, entry, late, deadlines)
 
 
 def _enter_one(
-    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
 ) -> list[str]:
     """Write one submission: files beside their place, the gradebook, then the files' place.
 
@@ -325,6 +339,7 @@ def _enter_one(
         submission = book.update_or_create_submission(
             entry.stage, entry.student, timestamp=_timestamp(course, entry)
         )
+        extend(course, submission, deadlines)
         for notebook in submission.notebooks:
             copy = copies.get(notebook.name)
             if copy is None:

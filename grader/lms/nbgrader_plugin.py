@@ -9,6 +9,7 @@ from pathlib import Path
 
 from nbconvert.exporters import NotebookExporter
 from nbformat import NotebookNode
+from nbgrader.api import Gradebook
 from nbgrader.preprocessors import NbGraderPreprocessor, SaveAutoGrades
 from nbgrader.utils import determine_grade
 from traitlets import Enum, Integer
@@ -16,6 +17,7 @@ from traitlets import Enum, Integer
 from grader.classroom.grade import current_verdict
 from grader.classroom.submissions import Submission
 from grader.course import earlier
+from grader.course.deadlines import read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
@@ -23,6 +25,7 @@ from grader.intake.handed_in import read_handed_in
 from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import copy_apart, judged_copy
+from grader.lms.dates import enter_due_dates, extend
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -100,6 +103,7 @@ class SaveGrades(SaveAutoGrades):
         """Save the scores of a notebook; see nbgrader."""
         about = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))
+        _enter_dates(course, about)
         known = read_known(course, about["student"], about["assignment"])
         now = fingerprints(nb)
         before = known.get(about["notebook"], {})
@@ -117,6 +121,16 @@ class SaveGrades(SaveAutoGrades):
         score, _ = determine_grade(cell, self.log)
         regrade(grade, score, name in self.unchanged)
         self.gradebook.db.commit()
+
+
+def _enter_dates(course: Course, about: dict) -> None:
+    """Let nbgrader know when a student's work is due, before it takes points off."""
+    deadlines = read_deadlines(course)
+    if deadlines:
+        with Gradebook(about["db_url"]) as book:
+            enter_due_dates(book, deadlines)
+            extend(course, book.find_submission(about["assignment"], about["student"]), deadlines)
+            book.db.commit()
 
 
 class CopyExporter(NotebookExporter):

@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
+from datetime import UTC
 
-from grader.lms.results import ClassResults
+from grader.course.deadlines import Deadlines, deadlines_path
+from grader.course.paths import Course
+from grader.lms.results import ClassResults, StageResult
 
 
-def notes(results: ClassResults) -> Iterator[str]:
-    """What a person has still to decide or to look at."""
+def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
+    """What a person has still to decide or to look at, once the verdicts are entered."""
     for stage in results.stages:
+        where = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{stage.student}, {stage.stage}: timestamp.txt does not say a time that can be "
-                "read, such as 2026-11-22 18:30:00 UTC; whether the work is late is undecided. "
-                "Write the time, and run grade again."
+                f"{where}: timestamp.txt does not say a time that can be read, such as "
+                "2026-11-22 18:30:00 UTC; whether the work is late is undecided. Write the time, "
+                "and run grade again."
             )
+        if deadlines and _is_granted(stage, deadlines):
+            until = stage.due.astimezone(UTC)
+            yield (
+                f"{where}: the gradebook grants more time than {deadlines_path(course).name}, "
+                f"until {until:%Y-%m-%d %H:%M} UTC, and that counts. To have it in the file, too, "
+                f'write below [{stage.stage}.students]: "{stage.student}" = '
+                f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there takes it back."
+            )
+    for student in results.strangers:
+        yield (
+            f"{student!r} has marks in the gradebook and is not on the roster; no table and no "
+            "export has them. Add a line to roster.csv, or take them out: "
+            f"nbgrader db student remove {shlex.quote(student)} --force"
+        )
+
+
+def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:
+    """Whether somebody has granted more time in the gradebook than the file does."""
+    due = deadlines.due(stage.student, stage.stage)
+    return due is not None and stage.due is not None and stage.due > due

@@ -1,0 +1,30 @@
+"""Let the gradebook know who takes the course: names, e-mails, numbers in the learning platform."""
+
+from __future__ import annotations
+
+from nbgrader.api import Gradebook
+
+from grader.course.roster import Person, Roster
+
+
+def enrol(book: Gradebook, roster: Roster) -> None:
+    """Enter everybody on the roster, and what has changed about them.
+
+    What the roster leaves blank stays as it is in the gradebook. Nobody is taken out: with them
+    would go their marks.
+    """
+    known = {student.id: student for student in book.students}
+    for person in roster.people:
+        about = {name: text for name, text in _about(person).items() if text}
+        student = known.get(person.id)
+        if student is None or any(getattr(student, name) != text for name, text in about.items()):
+            book.update_or_create_student(person.id, **about)
+
+
+def _about(person: Person) -> dict[str, str]:
+    return {
+        "first_name": person.first_name,
+        "last_name": person.last_name,
+        "email": person.email,
+        "lms_user_id": person.lms_id,
+    }
