@@ -102,6 +102,56 @@ def _release(kinds: argparse._SubParsersAction) -> None:
     release.set_defaults(run=commands.run_release)
 
 
+def _collect(kinds: argparse._SubParsersAction) -> None:
+    collect = kinds.add_parser("collect", help="put what a class handed in into submitted/")
+    collect.add_argument(
+        "archives",
+        nargs="+",
+        type=Path,
+        metavar="ARCHIVE",
+        help="a zip from Canvas or Moodle, a folder, checkouts of GitHub Classroom, one file",
+    )
+    collect.add_argument(
+        "--stage",
+        nargs="+",
+        required=True,
+        dest="stages",
+        metavar="STAGE",
+        help="what was handed in, such as stage3_obstacles",
+    )
+    collect.add_argument(
+        "--timestamps",
+        type=Path,
+        metavar="FILE.csv",
+        help="when they handed in: Moodle's grading worksheet, or a table like it",
+    )
+    collect.add_argument(
+        "--who",
+        action="append",
+        default=[],
+        type=_answer,
+        metavar="NAME=ID[,ID...]",
+        help="whose that is; more than one of a team",
+    )
+    collect.add_argument(
+        "--lesson",
+        action="append",
+        default=[],
+        type=_answer,
+        metavar="FILE=NN",
+        help="which lesson a file is",
+    )
+    collect.set_defaults(run=commands.run_collect)
+
+
+def _answer(text: str) -> tuple[str, str]:
+    """The two sides of an answer; a name may hold what divides them."""
+    name, divider, answer = text.rpartition("=")
+    if not (name and divider and answer):
+        raise argparse.ArgumentTypeError(f"{text!r} is no answer: write what is asked, = and it")
+    return name, answer
+
+
 def _judge(kinds: argparse._SubParsersAction) -> None:
     judge = kinds.add_parser("judge", help="judge one notebook")
     judge.add_argument("notebook", type=Path, metavar="NOTEBOOK.ipynb")
@@ -187,6 +237,7 @@ def _demo(kinds: argparse._SubParsersAction) -> None:
 COMMANDS = (
     _build,
     _release,
+    _collect,
     _judge,
     _grade,
     _report,

@@ -86,6 +86,38 @@ def _release_solutions(options: argparse.Namespace) -> int:
     return GOOD
 
 
+def run_collect(options: argparse.Namespace) -> int:
+    """Run ``collect ARCHIVE... --stage STAGE``."""
+    from grader.classroom.collect import CollectTrouble
+    from grader.classroom.collect.collecting import collect
+    from grader.classroom.lock import AlreadyRunning, only_one
+    from grader.course.deadlines import DeadlinesTrouble
+    from grader.course.roster import RosterTrouble
+
+    if not are_stages(options.stages):
+        return WRONG_CALL
+    course = Course()
+    try:
+        with only_one(course), console.progress_bar("Collecting") as advance:
+            collected = collect(
+                course,
+                options.archives,
+                options.stages,
+                options.timestamps,
+                dict(options.who),
+                dict(options.lesson),
+                advance,
+            )
+    except (CollectTrouble, RosterTrouble, DeadlinesTrouble) as error:
+        print(console.plain(error), file=sys.stderr)
+        return WRONG_CALL
+    except AlreadyRunning as error:
+        print(error, file=sys.stderr)
+        return FAULT
+    console.print_collected(collected)
+    return FAULT if collected.questions else GOOD
+
+
 def are_stages(names: Sequence[str]) -> bool:
     """Whether the course has all these stages; says which it has if not."""
     unknown = set(names) - set(stages())

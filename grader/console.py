@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 if TYPE_CHECKING:
+    from grader.classroom.collect.collecting import Outcome, Question
     from grader.classroom.doctor import Finding
     from grader.classroom.submissions import Submission
     from grader.judging.verdict import Verdict
@@ -156,6 +158,75 @@ def print_exported(exported: Exported, path: Path, before: Path | None, next_ste
         )
     if next_step:
         print(next_step)
+
+
+def print_collected(outcome: Outcome) -> None:
+    """Print what became of what was handed in, and what waits for somebody."""
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    for path, kind, count in outcome.archives:
+        console.print(f"{plain(path)}: {kind}, {count} files", markup=False)
+    if outcome.states:
+        console.print(_collected_table(outcome))
+    for sentence in _collected_sentences(outcome):
+        console.print(plain(sentence), markup=False, soft_wrap=True)
+    _print_questions(console, "To be known", outcome.remarks)
+    _print_questions(console, "Not placed, and waiting for an answer", outcome.questions)
+
+
+def _collected_table(outcome: Outcome) -> Table:
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("Student", no_wrap=True)
+    for lesson in outcome.lessons:
+        table.add_column(lesson.number, no_wrap=True)
+    table.add_column("When" if outcome.late or outcome.undecided else "")
+    for student, states in outcome.states.items():
+        when = outcome.undecided.get(student, "late" if student in outcome.late else "")
+        table.add_row(
+            escape(plain(student)),
+            *(states.get(lesson, "-") for lesson in outcome.lessons),
+            escape(plain(when)),
+        )
+    return table
+
+
+def _collected_sentences(outcome: Outcome) -> Iterator[str]:
+    counts = Counter(state for states in outcome.states.values() for state in states.values())
+    told = (
+        ("new", "new"),
+        ("newer", "in place of an older one, which is kept in .older/ beside it"),
+        ("same", "there already"),
+        ("kept", "older than what is there, and left"),
+    )
+    counted = [f"{counts[state]} {text}" for state, text in told if counts[state]]
+    yield f"Notebooks: {'; '.join(counted) or 'none'}."
+    if outcome.roster is None:
+        yield (
+            "There is no roster.csv, so folders are called as the archive calls people. With one, "
+            "who is on it is found by name or number."
+        )
+    else:
+        nobody = [person.id for person in outcome.roster.people if person.id not in outcome.states]
+        if nobody:
+            yield f"Nothing from {len(nobody)} on the roster: {', '.join(nobody)}."
+    if outcome.left:
+        some = ", ".join(list(outcome.left)[:5]) + (", …" if len(outcome.left) > 5 else "")
+        yield f"Left, as no lesson needs it: {some}."
+    if outcome.late:
+        yield (
+            f"Marked late, without a time: {', '.join(outcome.late)}. Until one is known nothing "
+            "is taken off: give times with --timestamps FILE, or write timestamp.txt beside the "
+            "work, such as 2026-11-22 18:30:00 UTC."
+        )
+
+
+def _print_questions(console: Console, title: str, questions: Sequence[Question]) -> None:
+    if not questions:
+        return
+    console.print(f"\n{title}:", style="bold", markup=False)
+    for question in questions:
+        console.print(
+            f"  {plain(question.name)}\n      {plain(question.text)}.", markup=False, soft_wrap=True
+        )
 
 
 def _score(verdict: Verdict | None) -> str:

@@ -30,6 +30,7 @@ from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, patience, usag
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
+from tests.archives import notebook
 from tests.test_grade import rehearsed
 
 SEED = 20_170_405
@@ -700,14 +701,17 @@ def test_every_file_is_accounted_for(course):
     assert unaccounted_files(course) == []
     (stage / "08_bounding_boxes.md").write_text("")
     (stage / "06_filter_ground.py").write_text("")
+    (stage / "my work.zip").write_bytes(b"")
     (stage / "01_point_clouds.ipynb").write_text("{}")
     (course.submitted / "ada" / "06_filter_ground.ipynb").write_text("{}")
     reasons = {str(path): reason for path, reason in unaccounted_files(course)}
     assert set(reasons.values()) == {
         "it is no notebook: 08_bounding_boxes.ipynb, as Jupyter saves it, would be judged",
         "it is no notebook: 06_filter_ground.ipynb, as Jupyter saves it, would be judged",
-        "01_point_clouds belongs to stage1_ransac",
-        "it does not lie in <student>/<stage>/",
+        "it is packed: python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
+        "--stage stage3_obstacles --who 'my work=ada', and delete it",
+        "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
+        "it does not lie in <student>/<stage>/: move it to ada/stage3_obstacles/",
     }
     assert len(find_submissions(course)) == 3
 
@@ -721,12 +725,13 @@ def test_every_file_is_accounted_for(course):
         "06_Filter_Ground.IPYNB",
         "ada_lovelace_123_456_06_filter_ground-2.ipynb",
         "homework/06_filter_ground.ipynb",
+        "8 final.ipynb",  # and what it says inside
     ],
 )
 def test_a_renamed_file_is_recognised_and_said_to_be(course, name):
     stage = course.submitted / "eve" / LESSON.stage
     (stage / name).parent.mkdir(parents=True)
-    (stage / name).write_text("{}")
+    (stage / name).write_bytes(notebook(LESSON.name))
     (found,) = [one for one in find_submissions(course) if one.student == "eve"]
     notes = found.read(course).notes
     assert bool(notes) == (found.path.name != "06_filter_ground.ipynb")

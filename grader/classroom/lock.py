@@ -47,6 +47,9 @@ def only_one(course: Course) -> Iterator[None]:
         for folder in (course.verdicts, course.report):
             for path in folder.rglob("*.part"):
                 path.unlink(missing_ok=True)
+        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # as `grader.classroom.collect` does
+            for path in course.submitted.glob(pattern):
+                path.unlink(missing_ok=True)
         for pattern in ("*/.*.part", "*/.*.old"):  # whole folders, as `grader.lms.gradebook` makes
             for path in course.autograded.glob(pattern):
                 shutil.rmtree(path, ignore_errors=True)

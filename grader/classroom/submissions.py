@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import re
+import shlex
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.lessons import Lesson, all_lessons, find_lesson, stages
+from grader.classroom.contents import copy_number, lesson_by_name, lesson_inside
+from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.intake.handed_in import HandedIn, read_handed_in
@@ -99,8 +100,9 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     """Everything under ``submitted/<student>/<stage>/`` that is a lesson of the course.
 
     Browsers and editors rename files, and put them into folders of their own: what a file is for
-    is read off its name. Of several for one lesson the newest counts. Whose a folder is, the roster
-    says: where it is spelt in two ways, the files of both are one student's.
+    is read off its name, or, where that says nothing, inside. Of several for one lesson the newest
+    counts. Whose a folder is, the roster says: where it is spelt in two ways, the files of both are
+    one student's.
 
     Parameters
     ----------
@@ -143,7 +145,7 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
     found = []
     for path in _files_below(course.submitted):
         if path not in judged and path.name != "timestamp.txt":
-            reason = _reason(path.relative_to(course.submitted))
+            reason = _reason(course, path)
             if reason:
                 found.append((path.relative_to(course.root), reason))
     return found
@@ -162,25 +164,31 @@ def _files_below(place: Path) -> Iterator[Path]:
 
 
 def _lesson_of_file(path: Path) -> Lesson | None:
+    """By its name; else by what it says inside."""
     is_notebook = path.suffix.lower() == ".ipynb"
-    return find_lesson(path.stem.lower()) if is_notebook else None
+    return (lesson_by_name(path.name) or lesson_inside(path)) if is_notebook else None
 
 
 def _age(path: Path) -> tuple[float, int, str]:
     """By when it was saved; else by the number of the copy."""
-    copies = re.findall(r"(?:Copy|\(|[-_ ])\s*(\d{1,4})\)?$", path.stem)
-    return path.lstat().st_mtime, int(copies[-1]) if copies else 0, path.name
+    return path.lstat().st_mtime, copy_number(path.name), path.name
 
 
-def _reason(path: Path) -> str:
-    """Why a file is no submission; empty where it belongs to one."""
+def _reason(course: Course, file: Path) -> str:
+    """Why a file is no submission, and what to do; empty where it belongs to one."""
+    path = file.relative_to(course.submitted)
+    student, *_ = path.parts
+    lesson = _lesson_of_file(file)
     if len(path.parts) < 3 or path.parts[1] not in stages():
-        return "it does not lie in <student>/<stage>/"
-    lesson = find_lesson(path.stem.lower())
-    if path.suffix == ".py" and lesson is None:
-        return ""  # a module that a notebook may import
-    if path.suffix.lower() != ".ipynb" and lesson is not None:
+        where = f"{student}/{lesson.stage}/" if lesson and len(path.parts) > 1 else ""
+        return "it does not lie in <student>/<stage>/" + (where and f": move it to {where}")
+    if lesson:
+        return f"{lesson.name} belongs to {lesson.stage}: move it to {student}/{lesson.stage}/"
+    if path.suffix.lower() == ".zip":
+        words = [file.relative_to(course.root).as_posix(), "--stage", path.parts[1], "--who"]
+        command = " ".join(map(shlex.quote, [*words, f"{path.stem}={student}"]))
+        return f"it is packed: python -m grader collect {command}, and delete it"
+    lesson = lesson_by_name(path.name)
+    if lesson:
         return f"it is no notebook: {lesson.name}.ipynb, as Jupyter saves it, would be judged"
-    if lesson is None:
-        return "it is no notebook of the course"
-    return f"{lesson.name} belongs to {lesson.stage}"
+    return "" if path.suffix == ".py" else "it is no notebook of the course"

@@ -61,10 +61,13 @@ class Deadlines:
     stages : dict of str to Dates
     roster : grader.course.roster.Roster or None
         It tells who is in which section.
+    zone : tzinfo or None
+        In which times stand that do not say; None for that of this machine.
     """
 
     stages: dict[str, Dates]
     roster: Roster | None = None
+    zone: tzinfo | None = None
 
     def due(self, person: Person | str, stage: str) -> datetime | None:
         """When a stage is due for somebody; aware, or None where no date is set."""
@@ -127,7 +130,7 @@ def read_deadlines(course: Course) -> Deadlines | None:
     read = {stage: _dates(f"{path.name}, [{stage}", value, zone) for stage, value in table.items()}
     for stage, dates in read.items():
         _check_names(f"{path.name}, [{stage}", dates, roster)
-    return Deadlines(read, roster)
+    return Deadlines(read, roster, zone)
 
 
 def _zone(file: str, name: object) -> tzinfo | None:

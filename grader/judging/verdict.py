@@ -171,13 +171,13 @@ def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
     write_atomically(json.dumps(dataclasses.asdict(verdict), indent=1), Path(path))
 
 
-def write_atomically(text: str, path: Path) -> None:
+def write_atomically(content: str | bytes, path: Path) -> None:
     """Write a file so that a reader finds all of it or none; fellow graders may read it."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, draft = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    descriptor, draft = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
     try:
-        with open(descriptor, "w", encoding="utf-8", errors="replace") as file:
-            file.write(text)
+        with open(descriptor, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode(errors="replace"))
         os.chmod(draft, 0o666 & ~_UMASK)
         os.replace(draft, path)
     except BaseException:  # a full disk, an impatient person

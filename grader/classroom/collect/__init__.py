@@ -1,0 +1,45 @@
+"""Collect what a class handed in: ``python -m grader collect ARCHIVE… --stage STAGE``.
+
+An archive is opened (`opening`, `zips`), one of `KINDS` says who handed in what, `owners` finds
+them on the roster, `looking` opens their files in a process of its own, `choosing` finds the newest
+for each lesson, `placing` puts it into ``submitted/``, and `collecting` does that for each student
+and asks about the rest.
+
+Another kind of archive is a module with a function from `Archive` to what was handed in, and a line
+in the table.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from grader.classroom.collect.canvas import canvas
+from grader.classroom.collect.folder import folder
+from grader.classroom.collect.github import github
+from grader.classroom.collect.moodle import moodle
+from grader.classroom.collect.opening import open_archive
+from grader.classroom.collect.protocol import CollectTrouble, Handed, Kind
+
+__all__ = ["KINDS", "CollectTrouble", "Handed", "open_all"]
+
+KINDS: dict[str, Kind] = {
+    "Moodle": moodle,
+    "Canvas": canvas,
+    "GitHub Classroom": github,
+    "a folder for each student": folder,
+}
+"""By what people call them, in the order in which they are tried; the last takes everything."""
+
+
+def open_all(paths: Iterable[Path]) -> list[tuple[Path, str, list[Handed]]]:
+    """Open archives; of each, what kind it is, and what was handed in.
+
+    Raises
+    ------
+    CollectTrouble
+    """
+    found = []
+    for path in paths:
+        archive = open_archive(path)
+        sorted_out = ((name, kind(archive)) for name, kind in KINDS.items())
+        found.append((path, *next(pair for pair in sorted_out if pair[1] is not None)))
+    return found

@@ -1,0 +1,57 @@
+"""Canvas: *Download Submissions* of an assignment.
+
+Its names are ``{name}[_LATE]_{user id}_{attachment id}_{file}``, all in one folder. In `name`
+nothing but letters and digits is left. Where names are hidden it is
+``[LATE_]anon_{anonymous id}_{attachment id}_{file}``. What was typed or linked has no attachment:
+``…_{user id}_text.html``, ``…_link.html``. Of a group one file comes, with the number of whoever
+speaks for it.
+"""
+
+from __future__ import annotations
+
+import re
+
+from grader.classroom.collect.protocol import Archive, Entry, Handed, Owner
+
+_WHO = (
+    r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
+    r"|(?P<name>[^/]+?)(?P<late>_LATE)?_(?P<user>\d+))"
+)
+_FILE = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
+_TYPED = re.compile(rf"{_WHO}_(?P<what>text|link)\.html", re.IGNORECASE)
+_REMARKS = {
+    "text": "was typed into Canvas, where no notebook can be: ask for the .ipynb file",
+    "link": "is a link, to what may have changed since: ask for the .ipynb file",
+}
+
+
+def canvas(archive: Archive) -> list[Handed] | None:
+    """See `Kind`."""
+    matches = [(entry, _match(entry)) for entry in archive.entries]
+    found = [_handed(entry, match) for entry, match in matches if match]
+    return found if 2 * len(found) > len(matches) else None
+
+
+def _match(entry: Entry) -> re.Match | None:
+    name = entry.path[-1]
+    return _TYPED.fullmatch(name) or _FILE.fullmatch(name)
+
+
+def _handed(entry: Entry, match: re.Match) -> Handed:
+    parts = match.groupdict()
+    anonymous = parts["anonymous"]
+    label = f"anon_{anonymous}" if anonymous else f"{parts['name']}_{parts['user']}"
+    owner = Owner(
+        label,
+        label,
+        () if anonymous else (parts["name"],),
+        lms_id=parts["user"] or "",
+    )
+    return Handed(
+        owner,
+        (parts.get("file") or entry.path[-1],),
+        entry,
+        order=int(parts.get("attachment") or 0),
+        late=bool(parts["late"] or parts["anonymous_late"]),
+        remark=_REMARKS.get((parts.get("what") or "").lower(), ""),
+    )

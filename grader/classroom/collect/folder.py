@@ -1,0 +1,54 @@
+"""Any other zip or folder: ``{student}/…``, ``{student}.zip``, ``{student}_06_….ipynb``.
+
+Where nobody is named, all of it is one person's, called like the archive.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePath
+
+from grader.classroom.collect.protocol import Archive, Entry, Handed, Owner
+from grader.classroom.contents import lesson_by_name
+from grader.course.lessons import all_lessons, stages
+
+
+def folder(archive: Archive) -> list[Handed]:
+    """See `Kind`."""
+    wrapped = _wrapper(archive)
+    return [_handed(archive, entry, entry.path[wrapped:]) for entry in archive.entries]
+
+
+def _wrapper(archive: Archive) -> int:
+    """How many folders are around those of the students."""
+    tops = {entry.path[0] for entry in archive.entries}
+    seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}
+    only_folders = all(len(entry.path) > 2 for entry in archive.entries)
+    ours = any(_is_of_the_course(name) for name in tops | seconds)
+    return int(len(tops) == 1 and only_folders and len(seconds) > 1 and not ours)
+
+
+def _handed(archive: Archive, entry: Entry, path: tuple[str, ...]) -> Handed:
+    whole = archive.path.name if archive.path.is_dir() else archive.path.stem
+    label, inner = whole, path
+    if len(path) > 1 and not _is_of_the_course(path[0]):
+        label, inner = path[0], path[1:]
+    elif len(path) == 1:
+        label = _named_in(path[0]) or whole
+    return Handed(Owner(label, label, (label,)), inner, entry, saved=entry.moment)
+
+
+def _named_in(name: str) -> str:
+    """Who the name of a file names; empty where it is that of a lesson alone."""
+    stem = PurePath(name).stem
+    lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
+    at = re.search(lessons, stem, re.IGNORECASE)
+    if at is None:
+        return stem if name.lower().endswith(".zip") else ""
+    rest = stem[: at.start()].strip(" _-.") or stem[at.end() :].strip(" _-.")
+    return "" if re.fullmatch(r"(?:copy of|copy|kopie von|kopie|\W|\d)*", rest.lower()) else rest
+
+
+def _is_of_the_course(name: str) -> bool:
+    """Whether a folder is called like one of ours, and so is nobody's name."""
+    return name in (*stages(), "notebooks") or lesson_by_name(name) is not None

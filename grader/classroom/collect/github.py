@@ -1,0 +1,63 @@
+"""GitHub Classroom: a folder of checkouts, called ``{assignment}-{login}`` or ``…-{team}``.
+
+``classroom_roster.csv`` beside them, or among them, joins logins and the identifiers that the
+teacher gave. A commit's date is the student's claim, and is not read. Everybody is given all
+notebooks, so that one in which nobody worked is none that was handed in.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+
+from grader.classroom.collect.protocol import Archive, Handed, Owner, Unreadable
+
+ROSTER = "classroom_roster.csv"
+
+
+def github(archive: Archive) -> list[Handed] | None:
+    """See `Kind`."""
+    repositories = sorted(folder for folder in archive.checkouts if folder)
+    if not repositories:
+        return None
+    identifiers = _identifiers(archive)
+    names = [folder[-1] for folder in repositories]
+    begin = os.path.commonprefix(names).rpartition("-")[0] if len(names) > 1 else ""
+    owners = {folder: _owner(folder[-1], begin, identifiers) for folder in repositories}
+    found = []
+    for entry in archive.entries:
+        inside = [folder for folder in repositories if entry.path[: len(folder)] == folder]
+        if inside:
+            folder = max(inside, key=len)
+            path = entry.path[len(folder) :]
+            found.append(Handed(owners[folder], path, entry, saved=entry.moment, given=True))
+    return found
+
+
+def _owner(repository: str, begin: str, identifiers: dict[str, str]) -> Owner:
+    """Logins may hold hyphens, so each ending of the name may be one."""
+    rest = repository.removeprefix(f"{begin}-") if begin else repository
+    parts = repository.split("-")
+    endings = tuple("-".join(parts[number:]) for number in range(len(parts)))
+    known = [identifiers[end.casefold()] for end in endings if end.casefold() in identifiers]
+    return Owner(repository, rest, (*known[:1], rest), logins=endings)
+
+
+def _identifiers(archive: Archive) -> dict[str, str]:
+    """What the teacher calls each login."""
+    texts = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
+    beside = archive.path.parent / ROSTER
+    if beside.is_file():
+        texts.append(beside.read_bytes)
+    found = {}
+    for read in texts:
+        try:
+            rows = csv.DictReader(io.StringIO(read().decode("utf-8-sig", "replace")))
+        except (Unreadable, OSError):
+            continue
+        for row in rows:
+            login, identifier = row.get("github_username"), row.get("identifier")
+            if login and identifier:
+                found[login.casefold()] = identifier
+    return found

@@ -1,0 +1,39 @@
+"""Moodle: *Download all submissions* of an assignment.
+
+A folder ``{name}_{number}_assignsubmission_{plugin}`` with what was handed in, subfolders and all;
+or, where the teacher prefers it, no folders, and ``_{file}`` behind each name. The number is that
+of a participant, as the grading worksheet has it. A team is ``{team}_{number of the team}``, and
+who is in none ``{default team}`` without a number. No ``_`` is left in names.
+"""
+
+from __future__ import annotations
+
+import re
+
+from grader.classroom.collect.protocol import Archive, Entry, Handed, Owner
+
+_WHO = re.compile(
+    r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
+    re.IGNORECASE,
+)
+_TYPED = "was typed into Moodle, where no notebook can be: ask for the .ipynb file"
+
+
+def moodle(archive: Archive) -> list[Handed] | None:
+    """See `Kind`."""
+    found = [handed for entry in archive.entries for handed in _handed(entry)]
+    return found if 2 * len(found) > len(archive.entries) else None
+
+
+def _handed(entry: Entry) -> list[Handed]:
+    for place, part in enumerate(entry.path):
+        match = _WHO.fullmatch(part)
+        if match is None:
+            continue
+        inner = entry.path[place + 1 :] or (match["file"] or part,)
+        number = match["number"] or ""
+        label = f"{match['name']}_{number}" if number else match["name"]
+        owner = Owner(label, label, (match["name"],), participant=number)
+        remark = "" if match["plugin"].lower() == "file" else _TYPED
+        return [Handed(owner, inner, entry, remark=remark)]
+    return []

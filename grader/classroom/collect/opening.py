@@ -1,0 +1,68 @@
+"""Open what was named on the command line: a zip, a folder, one file."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Callable, Iterator
+from datetime import datetime
+from pathlib import Path
+
+from grader.classroom.collect.protocol import Archive, CollectTrouble, Entry, Unreadable
+from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
+from grader.intake.notebook import read_file
+from utils.notebooks.reading import UnreadableNotebook
+
+
+def open_archive(path: Path) -> Archive:
+    """Open an archive.
+
+    Raises
+    ------
+    CollectTrouble
+    """
+    if path.is_dir():
+        found = list(_below(path))
+    elif not path.exists():
+        raise CollectTrouble(f"There is no file or folder {path}.")
+    elif zipfile.is_zipfile(path):
+        try:
+            found = open_zip(str(path), MOST_FILES)
+        except Unreadable as error:
+            raise CollectTrouble(f"{path} {error}. Download it again.") from None
+    elif path.suffix.lower() == ".zip":
+        raise CollectTrouble(f"{path} is no whole zip. Download it again.")
+    else:
+        found = [((path.name,), _entry(path, (path.name,)))]
+    entries = tuple(entry for parts, entry in found if not is_hidden(parts))
+    checkouts = {parts[: parts.index(".git")] for parts, _ in found if ".git" in parts}
+    return Archive(path, entries, frozenset(checkouts))
+
+
+def _below(root: Path) -> Iterator[tuple[tuple[str, ...], Entry]]:
+    """The files of a folder; a link to a folder is not followed, and of git's own one is shown."""
+    for folder, folders, files in os.walk(root):
+        folders.sort()
+        for name in sorted(files):
+            path = Path(folder) / name
+            parts = clean_path(path.relative_to(root).as_posix())
+            yield parts, _entry(path, parts)
+        if ".git" in folders:
+            folders.remove(".git")
+            parts = (*clean_path(Path(folder).relative_to(root).as_posix()), ".git")
+            yield parts, Entry(parts, datetime.min, bytes)
+
+
+def _entry(path: Path, parts: tuple[str, ...]) -> Entry:
+    moment = datetime.fromtimestamp(path.lstat().st_mtime)
+    return Entry(parts, moment, _reader(path))
+
+
+def _reader(path: Path) -> Callable[[], bytes]:
+    def read() -> bytes:
+        try:
+            return read_file(path)
+        except UnreadableNotebook as error:
+            raise Unreadable(str(error).removeprefix(path.name).strip(" .")) from None
+
+    return read

@@ -1,0 +1,180 @@
+"""Whose something is: by the answers that were given, the roster, and Moodle's worksheet."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import unicodedata
+from collections.abc import Iterable, Sequence
+
+from grader.classroom.collect.protocol import CollectTrouble, Owner
+from grader.classroom.collect.worksheet import Row, Worksheet
+from grader.course.roster import Person, Roster
+
+LONGEST = 80
+# Windows has no folders of these names, whatever stands behind a dot.
+_DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
+
+
+class Unknown(Exception):
+    """It cannot be told whose something is; `str()` is the question."""
+
+
+class Owners:
+    """Finds students.
+
+    Parameters
+    ----------
+    roster : grader.course.roster.Roster or None
+        Without one, folders are called as the archive calls people.
+    worksheet : Worksheet
+    answers : dict of str to (tuple of str)
+        Of whoever collects: the label of an owner, and the ids of all whose it is.
+
+    Raises
+    ------
+    CollectTrouble
+        An answer names somebody who is not on the roster.
+    """
+
+    def __init__(
+        self, roster: Roster | None, worksheet: Worksheet, answers: dict[str, tuple[str, ...]]
+    ) -> None:
+        self._roster = roster
+        self._worksheet = worksheet
+        self._answers = {_same(label): ids for label, ids in answers.items()}
+        self._folders: dict[str, str] = {}
+        for label, ids in answers.items():
+            for id in ids:
+                if roster and roster.person(id) is None:
+                    meant = " or ".join(person.id for person in roster.like(id))
+                    raise CollectTrouble(
+                        f"--who {shlex.quote(label)}=…: nobody on the roster has the id {id}. "
+                        + (
+                            f"Write {meant}."
+                            if meant
+                            else "Correct it, or add a line to roster.csv."
+                        )
+                    )
+
+    def whose(self, owner: Owner) -> tuple[str, ...]:
+        """Ids of all whose work it is: of one person, or of a team.
+
+        Raises
+        ------
+        Unknown
+        """
+        answer = self._answers.get(_same(owner.label))
+        if answer:
+            return answer
+        if self._roster is None:
+            return (self._folder(owner),)
+        people = self._people(owner)
+        if len(people) == 1:
+            return (people[0].id,)
+        if people:
+            several = ", ".join(person.id for person in people)
+            raise Unknown(f"They may be {several}: add {_who(owner, people[0].id)}, or the other")
+        team = self._team(owner)
+        if team:
+            return tuple(person.id for person in team)
+        raise Unknown(self._question(owner))
+
+    def doubt(self, owner: Owner, ids: Sequence[str]) -> str:
+        """A question about who may have handed in for others, too; empty where there is none.
+
+        Canvas gives the work of a group the number of one of them, and the name of the group.
+        """
+        if _same(owner.label) in self._answers or not self._roster or not owner.lms_id:
+            return ""
+        person = self._roster.person(ids[0])
+        names = [_letters(name) for name in (person.first_name, person.last_name) if name]
+        called = _letters(owner.names[0]) if owner.names else ""
+        if not called or not names or any(name in called for name in names):
+            return ""
+        return (
+            f"has the number of {person.id}, and another name. If it is a team, whose work came "
+            f"only once, add {_who(owner, f'{person.id},ID')}; if not, {_who(owner, person.id)}"
+        )
+
+    def rows(self, owner: Owner, id: str) -> Iterable[Row]:
+        """Lines of the worksheet about a student, the likeliest first."""
+        person = self._roster.person(id) if self._roster else None
+        if person is None:
+            row = self._worksheet.participant(owner.participant)
+            return [row] if row else self._worksheet.naming(id)
+        return [row for row in self._worksheet.rows if person in self._people_of(row)]
+
+    def _people(self, owner: Owner) -> tuple[Person, ...]:
+        people = self._roster.people
+        if owner.lms_id:
+            found = tuple(person for person in people if person.lms_id == owner.lms_id)
+            if found:
+                return found
+        row = self._worksheet.participant(owner.participant)
+        found = self._people_of(row) if row else ()
+        logins = {login.casefold() for login in owner.logins}
+        found = found or tuple(
+            person for person in people if person.github and person.github.casefold() in logins
+        )
+        for name in owner.names:
+            found = found or self._roster.like(name)
+        return found
+
+    def _people_of(self, row: Row) -> tuple[Person, ...]:
+        for text in row.identifying:
+            found = self._roster.like(text)
+            if found:
+                return found
+        return ()
+
+    def _team(self, owner: Owner) -> list[Person]:
+        """The members of a team, where the worksheet has a column for it, and all are known."""
+        members = [
+            self._people_of(row) for name in owner.names for row in self._worksheet.team(name)
+        ]
+        return [found[0] for found in members] if all(len(one) == 1 for one in members) else []
+
+    def _question(self, owner: Owner) -> str:
+        if owner.label.startswith("anon_"):
+            return (
+                f"has no name: show names in Canvas and download again, or add {_who(owner, 'ID')}"
+            )
+        where = ""
+        if owner.lms_id:
+            where = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
+        elif owner.logins:
+            where = "write the login into their line of roster.csv, column github, or "
+        elif owner.participant and not self._worksheet.rows:
+            where = "give Moodle's worksheet with --timestamps FILE, or "
+        return (
+            f"Nobody on the roster is called so: {where}add {_who(owner, 'ID')} (of a team, ID,ID)"
+        )
+
+    def _folder(self, owner: Owner) -> str:
+        name = safe_folder(owner.folder)
+        before = self._folders.setdefault(_same(name), owner.folder)
+        if before != owner.folder:
+            raise Unknown(f"Their folder would be that of {before}: add {_who(owner, 'ID')}")
+        return name
+
+
+def safe_folder(name: str) -> str:
+    """A name that every system takes for a folder, as near to the given one as possible."""
+    text = unicodedata.normalize("NFC", name)
+    text = "".join(c if c.isalnum() or c in " _-.@+()" else "-" for c in text)
+    text = " ".join(text.split())[:LONGEST].strip(" .-").lstrip("_") or "unnamed"
+    return f"{text}_" if _DEVICES.fullmatch(text) else text
+
+
+def _who(owner: Owner, ids: str) -> str:
+    return f"--who {shlex.quote(f'{owner.label}={ids}')}"
+
+
+def _same(text: str) -> str:
+    return unicodedata.normalize("NFC", text).casefold().strip()
+
+
+def _letters(text: str) -> str:
+    folded = unicodedata.normalize("NFC", text).casefold()
+    return "".join(character for character in folded if character.isalnum())

@@ -1,0 +1,118 @@
+"""What was collected into a student's folder, and from where; and who is late without a time.
+
+It is kept beside the work, as ``.collected.json``, so that it goes when the student's folder does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from grader.course.lessons import stages
+from grader.course.paths import Course
+from grader.judging.verdict import write_atomically
+
+NAME = ".collected.json"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a file came from.
+
+    Attributes
+    ----------
+    digest : str
+        SHA-256 of what was placed.
+    archive : str
+        Name of the archive, and of the file in it.
+    moment : str
+        What the archive has for its time, in ISO 8601.
+    order : int
+        Higher is newer, in every archive of this kind; 0 where nothing is known.
+    late : bool
+        That the learning platform marked it so.
+    """
+
+    digest: str
+    archive: str
+    moment: str
+    order: int = 0
+    late: bool = False
+
+    def newer_than(self, other: Source) -> bool | None:
+        """Whether it was handed in after another; None where nothing tells."""
+        mine, others = (self.moment, other.moment)
+        if self.order and other.order:
+            mine, others = (self.order, other.order)
+        return None if mine == others else mine > others
+
+
+@dataclass(frozen=True)
+class Record:
+    """What was collected into one folder.
+
+    Attributes
+    ----------
+    files : dict of str to Source
+        By the name under which each lies there.
+    undecided : str
+        Why nobody knows when the work was handed in; empty where somebody does, or was not asked.
+    """
+
+    files: dict[str, Source] = field(default_factory=dict)
+    undecided: str = ""
+
+
+@dataclass(frozen=True)
+class Untimed:
+    """Work that may be late, and has no time.
+
+    Attributes
+    ----------
+    student, stage : str
+    late : bool
+        That the learning platform marked it so.
+    reason : str
+        Why there is no time.
+    """
+
+    student: str
+    stage: str
+    late: bool
+    reason: str
+
+
+def read_record(folder: Path) -> Record:
+    """What was collected into a folder; nothing where that is not known."""
+    with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
+        content = json.loads((folder / NAME).read_text("utf-8"))
+        files = {name: Source(**source) for name, source in content["files"].items()}
+        return Record(files, content["undecided"])
+    return Record()
+
+
+def write_record(record: Record, folder: Path) -> None:
+    """Keep what was collected into a folder."""
+    write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
+
+
+def untimed_work(course: Course) -> Iterator[Untimed]:
+    """Work that may be late and of which no time is known, by student and stage.
+
+    A ``timestamp.txt`` beside it settles the matter.
+    """
+    for path in sorted(course.submitted.glob(f"*/*/{NAME}")):
+        folder = path.parent
+        if folder.name not in stages() or (folder / "timestamp.txt").is_file():
+            continue
+        record = read_record(folder)
+        late = any(
+            source.late and (folder / name).is_file() for name, source in record.files.items()
+        )
+        if late or record.undecided:
+            reason = record.undecided or "the learning platform marks it late, and gives no time"
+            yield Untimed(folder.parent.name, folder.name, late, reason)

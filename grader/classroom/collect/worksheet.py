@@ -1,0 +1,213 @@
+"""When work was handed in, by a table: Moodle's grading worksheet, or one that somebody wrote.
+
+Moodle writes titles and dates in the language of whoever downloads. Its first column has the
+participant's number behind a word, the second the full name. A table of one's own has an id in the
+first column, and a title that is known here above the times.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+import io
+import re
+import unicodedata
+from dataclasses import dataclass
+from datetime import datetime, tzinfo
+from pathlib import Path
+
+import babel
+
+from grader.classroom.collect.protocol import CollectTrouble
+
+# What Moodle calls "Last modified (submission)", and the language in which its dates then are.
+TITLES = {
+    "last modified (submission)": "en",
+    "zuletzt geändert (abgabe)": "de",
+    "dernière modification (travail remis)": "fr",
+    "última modificación (entrega)": "es",
+    "ultima modifica (consegna)": "it",
+    "última modificação (envio)": "pt",
+    "laatst gewijzigd (inzending)": "nl",
+    "ostatnia modyfikacja (zadanie)": "pl",
+    "последнее изменение (ответ)": "ru",
+    "上次修改（作业）": "zh",
+}
+STATUS = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
+_NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word, and a number
+_ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{1,2}:\d{2}.*")
+_CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,，\s]*(?:星期\w)?[,，\s]*(\d\d:\d\d)")
+_CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
+SEPARATORS = ",;\t"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a table says about one person.
+
+    Attributes
+    ----------
+    identifying : tuple of str
+        What tells who it is, the surest first: e-mail, numbers, names.
+    others : tuple of str
+        All else; of a team's member its name.
+    participant : str
+        Moodle's number; empty in a table of one's own.
+    when : datetime or None
+        Aware; None where no time can be read.
+    said : str
+        What stands there for a time.
+    """
+
+    identifying: tuple[str, ...]
+    others: tuple[str, ...] = ()
+    participant: str = ""
+    when: datetime | None = None
+    said: str = ""
+
+
+@dataclass(frozen=True)
+class Worksheet:
+    """A table of who handed in when."""
+
+    rows: tuple[Row, ...] = ()
+
+    def participant(self, number: str) -> Row | None:
+        """The row of one of Moodle's participants."""
+        return self._by_number.get(number) if number else None
+
+    def naming(self, text: str) -> list[Row]:
+        """The rows in which a text stands."""
+        return [row for row in self.rows if text in row.identifying]
+
+    def team(self, name: str) -> list[Row]:
+        """The rows of those who are in a team."""
+        return [row for row in self.rows if name in row.others]
+
+    @functools.cached_property
+    def _by_number(self) -> dict[str, Row]:
+        return {row.participant: row for row in self.rows if row.participant}
+
+
+def read_worksheet(path: Path, zone: tzinfo | None) -> Worksheet:
+    """Read a table.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    zone : tzinfo or None
+        Of its times; None for that of this machine.
+
+    Raises
+    ------
+    CollectTrouble
+    """
+    try:
+        text = path.read_text("utf-8-sig")
+    except OSError as error:
+        raise CollectTrouble(f"{path} cannot be read: {error.strerror}.") from None
+    except UnicodeDecodeError:
+        raise CollectTrouble(f"{path} is not in UTF-8. Save it as CSV UTF-8.") from None
+    head = text.partition("\n")[0]
+    separator = max(SEPARATORS, key=head.count)
+    rows = list(csv.reader(io.StringIO(text), delimiter=separator))
+    titles = [_folded(cell) for cell in rows[0]] if rows else []
+    column = next((place for place, title in enumerate(titles) if title in TITLES), None)
+    if column is None:
+        raise CollectTrouble(
+            f"{path}: none of its columns is known to say when work was handed in. They are: "
+            f"{', '.join(rows[0]) if rows else 'none'}. Call the right one "
+            '"Last modified (submission)", and write times like 2026-10-12 23:59.'
+        )
+    language = TITLES[titles[column]]
+    status = next((place for place, title in enumerate(titles) if title in STATUS), 1)
+    return Worksheet(
+        tuple(_row(cells, column, status, language, zone) for cells in rows[1:] if any(cells))
+    )
+
+
+def _row(cells: list[str], column: int, status: int, language: str, zone: tzinfo | None) -> Row:
+    """One line; behind the status stand marks, which may look like somebody's number."""
+    cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
+    said = cells[column] if column < len(cells) else ""
+    number = _NUMBER.fullmatch(cells[0])
+    identifying = [
+        cell for place, cell in enumerate(cells) if cell and (place < status or "@" in cell)
+    ]
+    identifying.sort(key=lambda cell: ("@" not in cell, not _has_digit(cell)))
+    return Row(
+        tuple(identifying),
+        tuple(cells[status:]),
+        number[1] if number else "",
+        read_time(said, language, zone),
+        said,
+    )
+
+
+def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
+    """A time, if there is only one that the text can mean; aware.
+
+    Months in figures are not read, but in the order of ISO 8601: nobody knows which is the month.
+    """
+    chinese = _CHINESE.fullmatch(text)
+    if chinese:
+        text = "{}-{:>02}-{:>02} {}".format(*chinese.groups())
+    if _ISO.fullmatch(text):
+        try:
+            return _aware(datetime.fromisoformat(text.replace(" UTC", "+00:00")), zone)
+        except ValueError:
+            return None
+    folded = _folded(text)
+    clock = _CLOCK.search(folded)
+    year = re.search(r"(?<!\d)\d{4}(?!\d)", folded)
+    if not clock or not year:
+        return None
+    days = re.findall(r"(?<![\d:.])\d{1,2}(?!\d)", folded[: clock.start()])
+    month = _month(folded, language)
+    if len(days) != 1 or month is None:
+        return None
+    hour = int(clock[1])
+    half = _half_of_day(folded[clock.end() :])
+    if half:
+        hour = hour % 12 + 12 * (half == "pm")
+    try:
+        when = datetime(int(year[0]), month, int(days[0]), hour, int(clock[2]), int(clock[3] or 0))
+    except ValueError:
+        return None
+    return _aware(when, zone)
+
+
+def _month(text: str, language: str) -> int | None:
+    words = set(re.findall(r"[^\W\d]+", text))
+    found = {number for number, names in _months(language).items() if names & words}
+    return found.pop() if len(found) == 1 else None
+
+
+@functools.cache
+def _months(language: str) -> dict[int, set[str]]:
+    """What each month is called, by number: in full and short, alone and in a date."""
+    found: dict[int, set[str]] = {number: set() for number in range(1, 13)}
+    for use in babel.Locale(language).months.values():
+        for width in ("wide", "abbreviated"):
+            for number, name in use.get(width, {}).items():
+                found[number].add(_folded(name).strip("."))
+    return found
+
+
+def _half_of_day(text: str) -> str:
+    match = re.match(r"\s*([ap])\.?\s?m", text)
+    return f"{match[1]}m" if match else ""
+
+
+def _aware(when: datetime, zone: tzinfo | None) -> datetime:
+    if when.tzinfo:
+        return when
+    return when.replace(tzinfo=zone) if zone else when.astimezone()
+
+
+def _folded(text: str) -> str:
+    return " ".join(unicodedata.normalize("NFC", text).casefold().split())
+
+
+def _has_digit(text: str) -> bool:
+    return any(character.isdigit() for character in text)

@@ -1,0 +1,124 @@
+"""Zips that strangers made: their names are only looked at, and what they claim is checked.
+
+No name in an archive becomes the name of a file here: where a file goes is decided by the roster
+and by the lessons of the course.
+"""
+
+from __future__ import annotations
+
+import lzma
+import stat
+import struct
+import unicodedata
+import zipfile
+import zlib
+from collections.abc import Callable
+from datetime import datetime
+from typing import IO
+
+from grader.classroom.collect.protocol import Entry, Unreadable
+from grader.intake.notebook import LARGEST_FILE
+
+MOST_FILES = 200_000
+MOST_FILES_OF_A_STUDENT = 5_000
+MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
+# Notebooks full of zeros come to 150; a bomb to a thousand.
+MOST_SHRUNK = 300
+_WORTH_A_LOOK = 2**20
+_DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    struct.error,
+    EOFError,
+    OSError,
+    ValueError,
+    NotImplementedError,  # a way to compress that Python does not know
+    RuntimeError,  # a password
+)
+_JUNK = ("__MACOSX", "__pycache__")
+
+
+def clean_path(name: str) -> tuple[str, ...]:
+    """Folders and name of a file, without what leads elsewhere: drives, roots, ``..``, NUL."""
+    text = unicodedata.normalize("NFC", name.replace("\\", "/").replace("\0", ""))
+    parts = [part for part in text.split("/") if part.strip(". ")]
+    if parts and len(parts[0]) == 2 and parts[0].endswith(":"):
+        del parts[0]
+    return tuple(parts)
+
+
+def is_hidden(path: tuple[str, ...]) -> bool:
+    """Whether nobody wrote it: what systems, editors and git leave behind."""
+    return any(part.startswith(".") or part in _JUNK for part in path)
+
+
+def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], Entry]]:
+    """The files of a zip, each with its path as it stands there.
+
+    Raises
+    ------
+    Unreadable
+    """
+    try:
+        archive = zipfile.ZipFile(file)
+    except _DAMAGE as error:
+        raise Unreadable(f"cannot be opened as a zip: {_reason(error)}") from None
+    infos = [info for info in archive.infolist() if not info.is_dir()]
+    if len(infos) > most:
+        raise Unreadable(f"holds {len(infos):,} files; more than {most:,} are not opened")
+    return [
+        (path, Entry(path, _moment(info), _reader(archive, info)))
+        for info in infos
+        if (path := clean_path(_name(info)))
+    ]
+
+
+def _name(info: zipfile.ZipInfo) -> str:
+    """The name of a file. Canvas and Macs write UTF-8 and do not say so."""
+    if info.flag_bits & 0x800:
+        return info.filename
+    try:
+        return info.filename.encode("cp437").decode("utf-8")
+    except UnicodeError:
+        return info.filename
+
+
+def _moment(info: zipfile.ZipInfo) -> datetime:
+    try:
+        return datetime(*info.date_time)
+    except ValueError:
+        return datetime(1980, 1, 1)
+
+
+def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], bytes]:
+    def read() -> bytes:
+        _check(info)
+        try:
+            with archive.open(info) as file:
+                return file.read(LARGEST_FILE)
+        except _DAMAGE as error:
+            raise Unreadable(f"cannot be unpacked: {_reason(error)}") from None
+
+    return read
+
+
+def _check(info: zipfile.ZipInfo) -> None:
+    """Look at what a file claims before any of it is unpacked; no more than that ever is."""
+    if stat.S_ISLNK(info.external_attr >> 16):
+        raise Unreadable("is a link to another file: hand in the file itself")
+    if info.flag_bits & 0x1:
+        raise Unreadable("has a password: hand it in without")
+    if info.file_size > LARGEST_FILE:
+        raise Unreadable(
+            f"is larger than {LARGEST_FILE // 2**20} MB: clear its outputs and hand it in again"
+        )
+    if info.file_size > max(_WORTH_A_LOOK, MOST_SHRUNK * info.compress_size):
+        raise Unreadable(
+            f"unpacks to {info.file_size / max(1, info.compress_size):,.0f} times its size, as "
+            "bombs do: clear its outputs and hand it in again"
+        )
+
+
+def _reason(error: Exception) -> str:
+    return str(error).rstrip(".") or type(error).__name__

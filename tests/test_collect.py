@@ -1,0 +1,769 @@
+"""What a class handed in, from the archives of learning platforms to ``submitted/``."""
+
+import csv
+import os
+import struct
+import unicodedata
+import zipfile
+
+import pytest
+
+from grader import cli, commands
+from grader.classroom.collect import CollectTrouble, zips
+from grader.classroom.collect import collecting as module
+from grader.classroom.collect.owners import safe_folder
+from grader.classroom.collect.record import read_record, untimed_work
+from grader.classroom.submissions import find_submissions, unaccounted_files
+from grader.course.paths import Course
+from tests.archives import (
+    EIGHT,
+    NINE,
+    SEVEN,
+    SIX,
+    STAGE3,
+    canvas_files,
+    canvas_prefix,
+    moodle_files,
+    notebook,
+    released,
+    worksheet,
+    zipped,
+)
+
+STAGE = "stage3_obstacles"
+PEOPLE = (
+    ("ada", "Ada", "Lovelace", "ada@x.edu", "4001", "ada-l"),
+    ("bjorn", "Björn", "Müller", "bm@x.edu", "4002", "bmu"),
+    ("cy", "Cy", "O'Neil", "cy@x.edu", "", ""),
+)
+
+
+@pytest.fixture
+def course(tmp_path):
+    made = Course(tmp_path / "course")
+    made.root.mkdir()
+    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["id", "first_name", "last_name", "email", "lms_id", "github"])
+        table.writerows(PEOPLE)
+    return made
+
+
+@pytest.fixture
+def anonymous_course(course):
+    (course.root / "roster.csv").unlink()
+    return course
+
+
+def archive(course, files, name="submissions.zip", **options):
+    path = course.root / name
+    path.write_bytes(zipped(files, **options))
+    return path
+
+
+def collect(course, *paths, stages=(STAGE,), times=None, who=None, lessons=None):
+    return module.collect(
+        course, paths, stages, times, who or {}, lessons or {}, lambda done, total, what: None
+    )
+
+
+def states(outcome):
+    return {
+        student: {lesson.number: state for lesson, state in found.items()}
+        for student, found in outcome.states.items()
+    }
+
+
+def placed(course, student, stage=STAGE):
+    """Names and contents of the files that lie in a student's folder, and are not hidden."""
+    folder = course.submitted / student / stage
+    return {path.name: path.read_bytes() for path in folder.glob("[!.]*")}
+
+
+def older(course, student, stage=STAGE):
+    return sorted(
+        path.read_bytes() for path in (course.submitted / student / stage / ".older").glob("*")
+    )
+
+
+def asked(outcome):
+    return {question.name: question.text for question in outcome.questions}
+
+
+# ---- Canvas -------------------------------------------------------------------------------------
+
+
+def test_canvas_one_attempt_with_four_lessons_has_four_attachments(course):
+    """The highest number counts for each lesson, and not for each student."""
+    files = canvas_files(
+        "Lovelace, Ada",
+        4001,
+        [
+            (901, f"{SIX}.ipynb", notebook(SIX, "first")),
+            (907, f"{SIX}-1.ipynb", notebook(SIX, "second")),
+            (905, f"{SIX}-2.ipynb", notebook(SIX, "third name, second number")),
+            (902, f"{SEVEN}.ipynb", notebook(SEVEN)),
+            (99, f"{EIGHT}.ipynb", notebook(EIGHT, "ninety-nine")),
+            (100, f"{EIGHT}.ipynb", notebook(EIGHT, "a hundred")),
+        ],
+    )
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new", "07": "new", "08": "new"}}
+    assert placed(course, "ada") == {
+        f"{SIX}.ipynb": notebook(SIX, "second"),
+        f"{SEVEN}.ipynb": notebook(SEVEN),
+        f"{EIGHT}.ipynb": notebook(EIGHT, "a hundred"),
+    }
+    assert outcome.questions == []
+    assert outcome.archives[0][1:] == ("Canvas", 6)
+
+
+def test_canvas_marks_late_work_and_gives_no_time(course):
+    files = [
+        *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True),
+        *canvas_files("Müller, Björn", 4002, [(2, f"{SIX}.ipynb", notebook())]),
+    ]
+    assert files[0][0] == f"lovelaceada_LATE_4001_1_{SIX}.ipynb"
+    outcome = collect(course, archive(course, files))
+    assert outcome.late == ["ada"]
+    assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
+    marked = [(one.student, one.stage, one.late) for one in untimed_work(course)]
+    assert marked == [("ada", STAGE, True)]
+    (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
+    assert list(untimed_work(course)) == []
+
+
+@pytest.mark.parametrize("form", ["NFC", "NFD"])
+@pytest.mark.parametrize("flagged", [True, False], ids=["marked as UTF-8", "not marked"])
+def test_canvas_names_are_found_without_a_number(course, form, flagged):
+    """`cy` has none on the roster; Canvas leaves no apostrophe, blank or capital."""
+    files = canvas_files("O'Neil, Cy", 4711, [(1, f"{SIX}.ipynb", notebook())])
+    files += canvas_files("Müller, Björn", 4002, [(2, f"{SEVEN}.ipynb", notebook(SEVEN))])
+    path = archive(course, [(unicodedata.normalize(form, name), data) for name, data in files])
+    if not flagged:
+        forget_utf8(path)
+    assert states(collect(course, path)) == {"cy": {"06": "new"}, "bjorn": {"07": "new"}}
+
+
+def forget_utf8(path):
+    """Clear the bit that says in which encoding a zip's names are, as Canvas's writer does."""
+    data = bytearray(path.read_bytes())
+    for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        at = data.find(signature)
+        while at >= 0:
+            flags = struct.unpack_from("<H", data, at + place)[0]
+            struct.pack_into("<H", data, at + place, flags & ~0x800)
+            at = data.find(signature, at + 4)
+    path.write_bytes(data)
+
+
+def test_canvas_texts_and_links_are_told_and_not_dropped(course):
+    files = [
+        (canvas_prefix("Lovelace, Ada", 4001) + "_text.html", b"<p>my code</p>"),
+        (canvas_prefix("Müller, Björn", 4002, late=True) + "_link.html", b"<a>"),
+        *canvas_files("O'Neil, Cy", 4003, [(1, f"{SIX}.ipynb", notebook())]),
+    ]
+    outcome = collect(course, archive(course, files))
+    said = asked(outcome)
+    assert said["lovelaceada_4001/lovelaceada_4001_text.html"].startswith("was typed")
+    assert said["müllerbjörn_4002/müllerbjörn_LATE_4002_link.html"].startswith("is a link")
+
+
+def test_canvas_anonymous_work_is_asked_about(course, anonymous_course):
+    files = canvas_files("", 1, [(5, f"{SIX}.ipynb", notebook())], late=True, anonymous="aB3x9")
+    assert files[0][0] == f"LATE_anon_aB3x9_5_{SIX}.ipynb"
+    path = archive(anonymous_course, files)
+    outcome = collect(anonymous_course, path)
+    assert states(outcome) == {"anon_aB3x9": {"06": "new"}}
+    assert outcome.late == ["anon_aB3x9"]
+
+
+def test_canvas_group_came_once_and_the_rest_of_it_is_asked_for(course):
+    files = canvas_files("Team Rot", 4001, [(1, f"{SIX}.ipynb", notebook())])
+    path = archive(course, files)
+    outcome = collect(course, path)
+    assert states(outcome) == {"ada": {"06": "new"}}
+    assert "--who teamrot_4001=ada,ID" in asked(outcome)["teamrot_4001"]
+    outcome = collect(course, path, who={"teamrot_4001": "ada,cy"})
+    assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "new"}}
+    assert outcome.questions == []
+
+
+def test_names_with_which_nobody_reckoned(course, anonymous_course):
+    """Canvas makes `_` of what no name of a file may hold; blanks and umlauts stay."""
+    name = f'a/b\\c:d*e?"f<g>h|{SIX} (1) Übung.ipynb'
+    (made,) = canvas_files("Jr., Cy 2", 77, [(3, name, notebook())])
+    assert made[0] == f"jrcy2_77_3_a_b_c_d_e_f_g_h_{SIX} (1) Übung.ipynb"
+    outcome = collect(anonymous_course, archive(anonymous_course, [made]))
+    assert states(outcome) == {"jrcy2_77": {"06": "new"}}
+    assert set(placed(anonymous_course, "jrcy2_77")) == {f"{SIX}.ipynb"}
+
+
+# ---- Moodle -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
+def test_moodle_people_are_found_by_name(course, folders):
+    files = [
+        *moodle_files(
+            "Ada Lovelace",
+            5001,
+            [(f"{SIX}.ipynb", notebook()), (f"{SEVEN}.ipynb", notebook(SEVEN))],
+            folders,
+        ),
+        *moodle_files("Björn Müller", 5002, [(f"{EIGHT}.ipynb", notebook(EIGHT))], folders),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert outcome.archives[0][1] == "Moodle"
+    assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"08": "new"}}
+
+
+def test_moodle_keeps_folders(course):
+    files = moodle_files("Ada Lovelace", 5001, [(f"my work/deep/{SIX}.ipynb", notebook())])
+    assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
+
+
+@pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
+def test_moodle_texts_are_told(course, folders):
+    files = moodle_files(
+        "Ada Lovelace", 5001, [("onlinetext.html", b"<p>")], folders, plugin="onlinetext"
+    )
+    (text,) = asked(collect(course, archive(course, files))).values()
+    assert text.startswith("was typed into Moodle")
+
+
+TIMES = {
+    "en": ("Wednesday, 14 October 2026, 2:14 PM", "Tuesday, October 13, 2026, 12:05 AM"),
+    "de": ("Mittwoch, 14. Oktober 2026, 14:14", "Dienstag, 13. Oktober 2026, 00:05"),
+}
+
+
+@pytest.mark.parametrize("language", TIMES)
+def test_moodle_worksheet_joins_participants_and_tells_when(course, language):
+    """Its titles and dates are in the language of whoever downloads; here UTC is the zone."""
+    (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
+    files = [
+        *moodle_files("A. L.", 5001, [(f"{SIX}.ipynb", notebook())]),
+        *moodle_files("B. M.", 5002, [(f"{SIX}.ipynb", notebook())]),
+    ]
+    table = course.root / "worksheet.csv"
+    late, early = TIMES[language]
+    table.write_text(
+        worksheet(
+            [(5001, "A. L.", "4711", "ADA@x.edu", late), (5002, "B. M.", "bjorn", "", early)],
+            language,
+        ),
+        "utf-8",
+    )
+    path = archive(course, files)
+    assert set(asked(collect(course, path))) == {"A. L._5001", "B. M._5002"}
+    outcome = collect(course, path, times=table)
+    assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
+    stamps = {
+        student: placed(course, student)["timestamp.txt"].decode().strip()
+        for student in ("ada", "bjorn")
+    }
+    assert stamps == {"ada": "2026-10-14 14:14:00 UTC", "bjorn": "2026-10-13 00:05:00 UTC"}
+
+
+@pytest.mark.parametrize("said", ["-", "", "10/11/2026 14:14", "yesterday", "14 Oktobre 2026, 3"])
+def test_an_unreadable_time_is_undecided_and_not_free(course, said):
+    files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
+    table = course.root / "worksheet.csv"
+    table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", said)]), "utf-8")
+    outcome = collect(course, archive(course, files), times=table)
+    assert repr(said or "nothing") in outcome.undecided["ada"]
+    assert "timestamp.txt" not in placed(course, "ada")
+    assert [one.student for one in untimed_work(course)] == ["ada"]
+
+
+def test_times_of_ones_own_stand_beside_ids(course):
+    table = course.root / "times.csv"
+    table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
+    files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
+    outcome = collect(course, archive(course, files), times=table)
+    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
+    assert not outcome.late and not outcome.undecided
+
+
+def test_a_table_without_times_is_refused_with_its_columns(course):
+    table = course.root / "times.csv"
+    table.write_text("id,Abgabezeit\nada,2026-10-14 14:14\n")
+    with pytest.raises(CollectTrouble, match="They are: id, Abgabezeit"):
+        collect(course, course.root, times=table)
+
+
+def test_moodle_teams(course):
+    """Of the worksheet's column, or by an answer; the default team has no number."""
+    path = archive(
+        course,
+        [
+            *moodle_files("Team_Rot", 77, [(f"{SIX}.ipynb", notebook())]),
+            *moodle_files("Default group", "", [(f"{SEVEN}.ipynb", notebook(SEVEN))]),
+        ],
+    )
+    outcome = collect(course, path)
+    assert set(asked(outcome)) == {"Team Rot_77", "Default group"}
+    outcome = collect(course, path, who={"Team Rot_77": "ada,cy", "Default group": "bjorn"})
+    assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}, "bjorn": {"07": "new"}}
+    table = course.root / "worksheet.csv"
+    titles = "Identifier,Full name,Email address,Status,Group,Grade,Last modified (submission)"
+    rows = (f"Participant {n},{n},{m}@x.edu,x,Team Rot,,-" for n, m in ((1, "ada"), (2, "cy")))
+    table.write_text("\n".join((titles, *rows)))
+    outcome = collect(course, path, times=table)
+    assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "same"}}
+
+
+# ---- GitHub Classroom, folders ------------------------------------------------------------------
+
+
+def checkout(root, name, files):
+    for path, data in {".git/HEAD": b"ref", **files}.items():
+        (root / name / path).parent.mkdir(parents=True, exist_ok=True)
+        (root / name / path).write_bytes(data)
+
+
+def test_github_checkouts_are_found_by_login(course, tmp_path):
+    root = tmp_path / "stage-3-submissions"
+    mine = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
+    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
+    checkout(root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"})
+    checkout(root, "stage-3-someone", mine)
+    outcome = collect(course, root)
+    assert outcome.archives[0][1] == "GitHub Classroom"
+    assert states(outcome) == {"ada": {"06": "new"}}, "what nobody worked in was not handed in"
+    assert "column github" in asked(outcome)["stage-3-someone"]
+    (root / "classroom_roster.csv").write_text(
+        '"identifier","github_username","github_id","name"\n"cy@x.edu","Someone","1",""\n'
+    )
+    assert states(collect(course, root))["cy"] == {"06": "new"}
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        "{}/06_filter_ground.ipynb",
+        "{}/stage3_obstacles/06_filter_ground.ipynb",
+        "class/{}/notebooks/stage3_obstacles/06_filter_ground.ipynb",
+        "{}_06_filter_ground.ipynb",
+        "06_filter_ground_{}.ipynb",
+        "{}/Copy of 06_Filter_Ground (2).IPYNB",
+        "{}/8.ipynb",
+        "{}/06_filter_ground.ipynb.txt",
+        "{}/06_filter_ground.json",
+    ],
+)
+def test_folders_for_each_student(course, layout):
+    files = [(layout.format(name), notebook()) for name in ("Ada ", "BJORN")]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
+    assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
+
+
+def test_a_folder_of_zips_and_a_single_file(course, tmp_path):
+    folder = tmp_path / "downloads"
+    folder.mkdir()
+    (folder / "ada.zip").write_bytes(zipped([(f"{SIX}.ipynb", notebook())]))
+    (folder / "bjorn.zip").write_bytes(zipped([(f"w/{SIX}.ipynb", notebook(text="b"))]))
+    assert states(collect(course, folder)) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
+    single = tmp_path / "8.ipynb"
+    single.write_bytes(notebook(EIGHT))
+    assert "--who 8=ID" in asked(collect(course, single))["8"]
+    assert states(collect(course, single, who={"8": "cy"})) == {"cy": {"08": "new"}}
+
+
+def test_without_a_roster_folders_are_called_as_the_archive_does(anonymous_course):
+    path = archive(
+        anonymous_course,
+        [(f"{name}/{SIX}.ipynb", notebook()) for name in ("mary jane", "aux", "Ærø: Ö")],
+    )
+    outcome = collect(anonymous_course, path)
+    assert set(outcome.states) == {"mary jane", "aux_", "Ærø- Ö"}
+    assert outcome.roster is None and outcome.questions == []
+
+
+@pytest.mark.parametrize(
+    ("given", "made"),
+    [
+        ("", "unnamed"),
+        ("..", "unnamed"),
+        ("CON", "CON_"),
+        ("nul.txt", "nul.txt_"),
+        ("a/b", "a-b"),
+        ("a\0b", "a-b"),
+        ("C:x", "C-x"),
+        (" yan ", "yan"),
+        ("dot.", "dot"),
+        ("__x", "x"),
+        ("o\u0308", "ö"),
+        ("x" * 300, "x" * 80),
+    ],
+)
+def test_a_folder_is_safe_on_every_system(given, made):
+    assert safe_folder(given) == made
+
+
+# ---- what a file is for -------------------------------------------------------------------------
+
+
+def test_what_is_inside_decides_where_the_name_says_nothing(course):
+    files = [("ada/8.ipynb", notebook(EIGHT)), ("ada/x/final.ipynb", notebook(NINE))]
+    assert states(collect(course, archive(course, files))) == {"ada": {"08": "new", "09": "new"}}
+
+
+def test_graded_cells_tell_the_lesson_where_nothing_else_does(course):
+    unnamed = released(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
+    path = archive(course, [("ada/x.ipynb", unnamed)])
+    assert states(collect(course, path)) == {"ada": {"08": "new"}}
+
+
+def test_where_name_and_inside_disagree_it_asks(course):
+    files = [(f"ada/{SIX}.ipynb", notebook(EIGHT)), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
+    path = archive(course, files)
+    outcome = collect(course, path)
+    assert states(outcome)["ada"] == {"06": "?", "07": "new", "08": "?"}
+    name = f"ada/{SIX}.ipynb"
+    assert f"--lesson {name}=08 or --lesson {name}=06" in asked(outcome)[name]
+    assert set(placed(course, "ada")) == {f"{SEVEN}.ipynb"}
+    outcome = collect(course, path, lessons={name: "06"})
+    assert states(outcome)["ada"] == {"06": "new", "07": "same"}
+    assert collect(course, path).questions == [], "what was answered is not asked again"
+
+
+def test_a_file_of_another_stage_is_placed_where_it_belongs_when_asked_to(course):
+    files = [
+        (f"ada/{SIX}.ipynb", notebook()),
+        ("ada/01_point_clouds.ipynb", notebook("01_point_clouds")),
+    ]
+    path = archive(course, files)
+    outcome = collect(course, path)
+    assert "--stage stage3_obstacles stage1_ransac" in asked(outcome)["ada/01_point_clouds.ipynb"]
+    outcome = collect(course, path, stages=(STAGE, "stage1_ransac"))
+    assert states(outcome)["ada"] == {"01": "new", "06": "same"}
+    assert set(placed(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
+    assert collect(course, path).questions == []
+
+
+def test_the_whole_course_was_handed_in(course):
+    """Who zips all of it hands in what they worked in; the rest came with it."""
+    files = [
+        (f"ada/lab/notebooks/{STAGE}/{SIX}.ipynb", notebook()),
+        ("ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb", released("01_point_clouds")),
+        ("ada/lab/utils/clouds.py", b"x = 1"),
+        ("ada/lab/data/cloud.txt", b"1 2 3"),
+        ("ada/__MACOSX/._06_filter_ground.ipynb", b"junk"),
+        ("ada/lab/.ipynb_checkpoints/06_filter_ground-checkpoint.ipynb", notebook(text="old")),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
+    assert outcome.questions == []
+
+
+def test_modules_beside_a_notebook_come_with_it(course):
+    files = [
+        (f"ada/{SIX}.ipynb", notebook()),
+        ("ada/helper.py", b"x = 1"),
+        ("ada/no module.py", b"x"),
+        (f"ada/{SEVEN}.py", b"exported"),
+        ("ada/elsewhere/other.py", b"y = 2"),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
+    assert asked(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
+
+
+def test_what_may_be_meant_is_asked_about_only_while_a_lesson_is_missing(course):
+    files = [("ada/scratch.ipynb", notebook(named=False)), ("ada/report.pdf", b"%PDF")]
+    one = collect(course, archive(course, files))
+    assert set(asked(one)) == {"ada/scratch.ipynb", "ada/report.pdf"}
+    assert "--lesson ada/scratch.ipynb=NN" in asked(one)["ada/scratch.ipynb"]
+    files += [(f"ada/{lesson}.ipynb", notebook(lesson)) for lesson in STAGE3]
+    outcome = collect(course, archive(course, files))
+    assert outcome.questions == []
+    assert {remark.name for remark in outcome.remarks} == {"ada/scratch.ipynb", "ada/report.pdf"}
+
+
+def test_who_handed_in_a_picture_alone_is_named(course):
+    outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
+    assert asked(outcome) == {"ada": "handed in no notebook: photo.png"}
+
+
+# ---- which of several ---------------------------------------------------------------------------
+
+
+def test_an_untouched_copy_is_no_answer(course):
+    """A second download is called (1), and looks newer."""
+    files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released())]
+    collect(course, archive(course, files))
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
+
+
+def test_a_damaged_file_is_placed_if_there_is_no_other(course):
+    broken = notebook()[:60]
+    files = moodle_files("Ada Lovelace", 1, [(f"{SIX}.ipynb", broken)])
+    assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
+    assert placed(course, "ada") == {f"{SIX}.ipynb": broken}
+
+
+def test_copies_are_counted_and_zips_know_when(course):
+    moodle = moodle_files(
+        "Ada Lovelace",
+        1,
+        [(f"{SIX} ({n}).ipynb", notebook(text=f"copy {n}")) for n in (2, 10, 9)],
+    )
+    inner = zipped(
+        [
+            (f"a/{SEVEN}.ipynb", notebook(SEVEN, "new"), (2026, 10, 2, 8, 0, 0)),
+            (f"b/{SEVEN}.ipynb", notebook(SEVEN, "old"), (2026, 10, 1, 8, 0, 0)),
+        ]
+    )
+    moodle += moodle_files("Ada Lovelace", 1, [("homework.zip", inner)])
+    collect(course, archive(course, moodle))
+    assert placed(course, "ada") == {
+        f"{SIX}.ipynb": notebook(text="copy 10"),
+        f"{SEVEN}.ipynb": notebook(SEVEN, "new"),
+    }
+
+
+def test_where_nothing_tells_which_is_newer_it_asks(course):
+    """Moodle's times are those of the download."""
+    names = (f"a/{SIX}.ipynb", f"b/{SIX}.ipynb")
+    files = moodle_files("Ada Lovelace", 1, [(name, notebook(text=name)) for name in names])
+    files[1] = (*files[1], (2027, 1, 1, 0, 0, 0))
+    path = archive(course, files)
+    outcome = collect(course, path)
+    assert states(outcome) == {"ada": {"06": "?"}}
+    collect(course, path, lessons={f"Ada Lovelace_1/b/{SIX}.ipynb": "06"})
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text=names[1])}
+
+
+# ---- a second time ------------------------------------------------------------------------------
+
+MONDAY, TUESDAY = (2026, 10, 12, 9, 0, 0), (2026, 10, 13, 9, 0, 0)
+
+
+def resubmission(course, one, two, **options):
+    first = archive(course, [(f"ada/{SIX}.ipynb", one)], "first.zip", when=MONDAY)
+    second = archive(course, [(f"ada/{SIX}.ipynb", two)], "second.zip", when=TUESDAY)
+    return first, second
+
+
+def test_the_same_bytes_are_left_alone(course):
+    first, second = resubmission(course, notebook(), notebook())
+    collect(course, first)
+    path = course.submitted / "ada" / STAGE / f"{SIX}.ipynb"
+    before = path.stat()
+    assert states(collect(course, second)) == {"ada": {"06": "same"}}
+    assert path.stat() == before
+
+
+def test_what_is_handed_in_again_takes_the_place_and_the_older_is_kept(course):
+    first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
+    collect(course, first)
+    assert states(collect(course, second)) == {"ada": {"06": "newer"}}
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert older(course, "ada") == [notebook(text="first")]
+    assert [one.path.name for one in find_submissions(course)] == [f"{SIX}.ipynb"]
+    assert find_submissions(course)[0].older == ()
+    assert unaccounted_files(course) == []
+
+
+def test_an_older_archive_takes_nothing_back(course):
+    first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
+    collect(course, second)
+    assert states(collect(course, first)) == {"ada": {"06": "kept"}}
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
+
+
+def test_canvas_numbers_go_before_the_time_of_the_download(course):
+    for number, name, when in ((9, "new", MONDAY), (8, "old", TUESDAY)):
+        files = canvas_files("L, Ada", 4001, [(number, f"{SIX}.ipynb", notebook(text=name))])
+        outcome = collect(course, archive(course, files, f"{name}.zip", when=when))
+    assert states(outcome) == {"ada": {"06": "kept"}}
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="new")}
+
+
+@pytest.mark.parametrize("hand", ["changed", "put there"])
+def test_what_a_person_did_is_never_overwritten(course, hand):
+    first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
+    path = course.submitted / "ada" / STAGE / f"{SIX}.ipynb"
+    if hand == "changed":
+        collect(course, first)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"by hand")
+    outcome = collect(course, second)
+    assert states(outcome) == {"ada": {"06": "?"}}
+    assert f"submitted/ada/{STAGE}/{SIX}.ipynb" in asked(outcome)[f"ada/{SIX}.ipynb"]
+    assert path.read_bytes() == b"by hand"
+    path.unlink()
+    assert states(collect(course, second)) == {"ada": {"06": "new"}}
+
+
+def test_a_time_belongs_to_the_files_with_which_it_came(course):
+    first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
+    table = course.root / "times.csv"
+    head = "id,Last modified (submission)\n"
+    table.write_text(head + "ada,2026-10-12 10:00:00 UTC\n")
+    collect(course, first, times=table)
+    table.write_text(head + "ada,2026-10-19 10:00:00 UTC\n")
+    collect(course, first, times=table)
+    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
+    outcome = collect(course, second)
+    assert "timestamp.txt" not in placed(course, "ada"), "it is the time of older work"
+    assert outcome.undecided["ada"] == "it was handed in again, and no time is known"
+    assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older(course, "ada")
+    collect(course, second, times=table)
+    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
+    assert read_record(course.submitted / "ada" / STAGE).undecided == ""
+
+
+# ---- hostile archives ---------------------------------------------------------------------------
+
+
+def everything_below(root):
+    return {path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        f"../../../{SIX}.ipynb",
+        f"/etc/{SIX}.ipynb",
+        f"C:\\Windows\\{SIX}.ipynb",
+        f"..\\..\\{SIX}.ipynb",
+        f"{SIX}.ipynb\0.txt",
+        f"aux/{SIX}.ipynb",
+        f"a/../../../{SIX}.ipynb",
+        f"//server/share/{SIX}.ipynb",
+    ],
+)
+@pytest.mark.parametrize("within", ["", "homework.zip"])
+def test_no_name_leads_outside(course, name, within, tmp_path):
+    """And who meant no harm, and has an old zipper, loses nothing."""
+    data = zipped([(name, notebook())])
+    files = [("ada/homework.zip", data)] if within else [("ada/" + name, notebook())]
+    outside = everything_below(tmp_path)
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}}
+    made = everything_below(tmp_path) - outside
+    folder = f"course/submitted/ada/{STAGE}/"
+    assert made == {
+        "course/submissions.zip",
+        f"{folder}{SIX}.ipynb",
+        f"{folder}.collected.json",
+    }
+
+
+def test_a_link_is_not_followed(course, tmp_path):
+    secret = tmp_path / f"{SEVEN}.ipynb"
+    secret.write_bytes(notebook(SEVEN, "secret"))
+    info = zipfile.ZipInfo(f"ada/{SEVEN}.ipynb")
+    info.external_attr = 0o120777 << 16
+    with zipfile.ZipFile(course.root / "links.zip", "w") as file:
+        file.writestr(info, str(secret))
+    assert "is a link" in asked(collect(course, course.root / "links.zip"))[f"ada/{SEVEN}.ipynb"]
+    folder = tmp_path / "class"
+    (folder / "ada").mkdir(parents=True)
+    (folder / "ada" / f"{SEVEN}.ipynb").symlink_to(secret)
+    (folder / "bjorn").symlink_to(tmp_path)
+    os.mkfifo(folder / "ada" / f"{EIGHT}.ipynb")
+    outcome = collect(course, folder)
+    assert "link" in asked(outcome)[f"ada/{SEVEN}.ipynb"]
+    assert "ordinary" in asked(outcome)[f"ada/{EIGHT}.ipynb"]
+    assert not course.submitted.exists()
+
+
+def test_bombs_are_refused_with_a_sentence(course, monkeypatch):
+    zeros = b'{"cells": [], "x": "' + b"0" * (8 * 2**20) + b'"}'
+    deep = notebook(NINE)
+    for _ in range(4):
+        deep = zipped([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
+    many = zipped([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
+    files = [
+        (f"ada/{SIX}.ipynb", zeros),
+        ("ada/ratio.zip", zipped([(f"{SEVEN}.ipynb", zeros)])),
+        ("ada/many.zip", many),
+        ("ada/deep.zip", deep),
+        ("ada/broken.zip", zipped([("x.txt", b"x" * 999)])[:-40]),
+        ("bjorn/" + f"{SIX}.ipynb", notebook()),
+    ]
+    outcome = collect(course, archive(course, files))
+    said = asked(outcome)
+    assert "as bombs do" in said[f"ada/{SIX}.ipynb"]
+    assert "as bombs do" in said[f"ada/ratio.zip/{SEVEN}.ipynb"]
+    assert "holds 5,001 files" in said["ada/many.zip"]
+    assert "zips deep" in said["ada/deep.zip/more.zip/more.zip/more.zip"]
+    assert "cannot be opened as a zip" in said["ada/broken.zip"]
+    assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "the class goes on"
+
+
+def test_much_in_one_zip_is_refused(course, monkeypatch):
+    monkeypatch.setattr("grader.classroom.collect.looking.MOST_BYTES_OF_A_STUDENT", 2000)
+    inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
+    outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
+    assert "unpacks to more than" in asked(outcome)["ada/homework.zip"]
+
+
+def test_a_zip_with_a_password_is_named(course, tmp_path):
+    data = bytearray(zipped([(f"{SIX}.ipynb", notebook())]))
+    for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        data[data.find(signature) + place] |= 1
+    outcome = collect(course, archive(course, [("ada/homework.zip", bytes(data))]))
+    assert "password" in asked(outcome)[f"ada/homework.zip/{SIX}.ipynb"]
+
+
+# ---- the command --------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def command(course, monkeypatch):
+    monkeypatch.setattr(commands, "Course", lambda: course)
+
+    def run(*words):
+        return cli.main(["collect", *map(str, words), "--stage", STAGE])
+
+    return run
+
+
+def test_what_waits_for_an_answer_is_the_exit_status(course, command, capsys):
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook())])
+    assert command(path) == 1
+    said = capsys.readouterr().out
+    assert "waiting for an answer" in said and "--who eve=ID" in said
+    assert "Nothing from 2 on the roster: bjorn, cy." in said
+    assert command(path, "--who", "eve=cy") == 0
+    assert "waiting" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["none.zip"], "There is no file or folder"),
+        (["empty.zip"], "is no whole zip"),
+        ([".", "--who", "x=nobody"], "nobody on the roster has the id nobody"),
+        ([".", "--who", "x=Ada Lovelace"], "Write ada"),
+        ([".", "--lesson", "x=99"], "there is no lesson 99"),
+        ([".", "--timestamps", "none.csv"], "cannot be read"),
+    ],
+)
+def test_a_wrong_call_is_told(course, command, words, says, capsys, monkeypatch):
+    monkeypatch.chdir(course.root)
+    (course.root / "empty.zip").write_bytes(b"")
+    assert command(*words) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_what_is_graded_is_collected_later(course, command, capsys):
+    from grader.classroom.lock import only_one
+
+    with only_one(course):
+        assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    assert "Another run is grading" in capsys.readouterr().err
+
+
+def test_a_full_disk_leaves_nothing_half_written(course, monkeypatch):
+    monkeypatch.setattr(os, "replace", lambda *about: (_ for _ in ()).throw(OSError(28, "full")))
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
+    with pytest.raises(OSError, match="full"):
+        collect(course, path)
+    assert [path.name for path in course.submitted.rglob("*") if path.is_file()] == []
