@@ -302,7 +302,9 @@ def test_moodle_gets_each_mark_and_nothing_else_changes(fill, settings):
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
     assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "anew"
     assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
-    assert "4 of these marks are new, or differ from what the file had." in exported.notes
+    mark = settings.get("decimal_mark", ".")
+    said = f"Marks that the file had, and that are replaced: björn (Björn Müller) 12{mark}00 by 31{mark}25."
+    assert said in exported.notes
 
 
 def test_a_worksheet_keeps_its_columns_and_its_manner(fill):

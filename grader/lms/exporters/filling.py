@@ -74,7 +74,7 @@ def fill(
     """
     joined = join([place.who for place in places], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
-    lost, changed = [], 0
+    lost, replaced = [], []
     for mark in marks.marks:
         points = mark.points * column.times
         place = joined.rows.get(mark.person.id)
@@ -86,11 +86,10 @@ def fill(
         if why:
             lost.append(f"{called(mark.person)}, {write_number(points)} points: {why}.")
         else:
-            rows[place] = _written(
-                places[place].row, column, write_number(points, column.decimal_mark)
-            )
-            before = read_number(places[place].row[column.place])
-            changed += before is None or abs(before - points) >= CLOSE
+            row, cell = places[place].row, write_number(points, column.decimal_mark)
+            rows[place] = _written(row, column, cell)
+            if not _same(row[column.place], points):
+                replaced.append(f"{called(mark.person)} {row[column.place].strip()} by {cell}")
     placed = len(rows)
     for person in marks.without[EXCUSED] if column.excused else ():
         place = joined.rows.get(person.id)
@@ -104,7 +103,7 @@ def fill(
     }
     notes = (
         *marks.notes,
-        f"{changed} of these marks are new, or differ from what the file had.",
+        listed("Marks that the file had, and that are replaced", replaced),
         listed("Found by their name alone", joined.by_name),
         listed("Under another name in the file", joined.renamed),
         listed("In the file, and not on the roster", joined.strangers),
@@ -167,6 +166,12 @@ def guess(
         f"{file} has {'no' if not found else 'more than one'} {what}. Name the one that is meant "
         f"with --column; there is: {there}."
     )
+
+
+def _same(before: str, points: float) -> bool:
+    """Whether nothing that somebody has entered is replaced by other points."""
+    number = read_number(before)
+    return not before.strip() or (number is not None and abs(number - points) < CLOSE)
 
 
 def _written(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:
