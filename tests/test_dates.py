@@ -1,0 +1,182 @@
+"""Dates of the file are the gradebook's, so that every penalty agrees with them."""
+
+import shutil
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from grader.course import paths
+from grader.course.deadlines import read_deadlines
+from grader.course.paths import Course
+from grader.lms import gradebook
+from grader.lms.gradebook import enter
+from grader.lms.notes import notes
+from tests.postgresql import NotInstalled, server
+from tests.test_gradebook import EARNED, LATE, STAGE, make_course, penalties, quiet, verdicts
+
+ROSTER = "id,section\nada,A\nbob,B\n"
+HEAD = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
+ALL = 30.0  # what Ada earned in two lessons: 10 % of it are 3 points
+
+
+@pytest.fixture(scope="module")
+def entered_once(tmp_path_factory):
+    made = make_course(tmp_path_factory.mktemp("dates") / "course")
+    (made.root / "nbgrader_config.py").write_text(LATE)
+    (made.root / "roster.csv").write_text(ROSTER)
+    for student in EARNED:  # 13:00 in Berlin
+        when = made.submitted / student / STAGE / "timestamp.txt"
+        when.write_text("2026-03-01 12:00:00 UTC")
+    enter(made, verdicts(made), [STAGE], quiet)
+    return made.root
+
+
+@pytest.fixture
+def course(entered_once, tmp_path):
+    """Ada and Bob handed in at 12:00 UTC; nothing is due yet."""
+    shutil.copytree(entered_once, tmp_path / "course")
+    paths._folder.cache_clear()
+    return Course(tmp_path / "course")
+
+
+def grade_with(course, dates):
+    (course.root / "deadlines.toml").write_text(dates)
+    enter(course, verdicts(course), [STAGE], quiet)
+    return penalties(course)
+
+
+def late(course):
+    stages = gradebook.class_results(course).stages
+    return {one.student: one.late for one in stages if one.late}
+
+
+def grant(course, student, **time):
+    with gradebook.open_gradebook(course) as book:
+        book.grant_extension(STAGE, student, **time)
+
+
+def told(course):
+    return list(notes(course, gradebook.class_results(course), read_deadlines(course)))
+
+
+def test_the_date_of_everybody_is_the_gradebooks(course):
+    assert penalties(course) == {}
+    lost = grade_with(course, HEAD)
+    assert lost == {"ada": pytest.approx(3.0), "bob": pytest.approx(2.075)}
+    with gradebook.open_gradebook(course) as book:
+        assert book.find_assignment(STAGE).duedate == datetime(2026, 3, 1, 11)
+    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=1))
+    assert grade_with(course, HEAD.replace("T12", "T14")) == {}  # somebody is kind
+
+
+def test_a_section_may_be_due_at_another_time(course):
+    lost = grade_with(course, HEAD + f"[{STAGE}.sections]\nB = 2026-03-01T13:00:00\n")
+    assert lost == {"ada": pytest.approx(3.0)}
+    earlier = HEAD.replace("T12", "T18") + f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
+    assert grade_with(course, earlier) == {"bob": pytest.approx(2 * 2.075)}
+    assert late(course) == {"bob": timedelta(hours=25)}
+    assert told(course) == []
+
+
+def test_an_extension_counts_as_soon_as_something_is_handed_in(entered_once, tmp_path):
+    course = make_course(tmp_path / "course")
+    (course.root / "nbgrader_config.py").write_text(LATE)
+    when = course.submitted / "ada" / STAGE / "timestamp.txt"
+    when.write_text("2026-03-03 12:00:00 UTC")
+    kept = course.submitted.rename(course.root / "later")
+    dates = HEAD + f"[{STAGE}.students]\nada = 2026-03-03T13:00:00\n"
+    (course.root / "deadlines.toml").write_text(dates)
+    enter(course, [], [STAGE], quiet)  # nobody has handed in anything
+    kept.rename(course.submitted)
+    enter(course, verdicts(course), [STAGE], quiet)
+    assert penalties(course) == {}
+    assert gradebook.class_results(course).stage("ada", STAGE).due == datetime(
+        2026, 3, 3, 12, tzinfo=UTC
+    )
+
+
+def test_what_is_taken_back_in_the_file_is_taken_back(course):
+    extended = HEAD + f"[{STAGE}.students]\nada = 2026-03-09T12:00:00\n"
+    assert "ada" not in grade_with(course, extended)
+    assert "ada" in grade_with(course, HEAD)
+    assert told(course) == []
+
+
+def test_a_later_date_in_the_file_moves_who_has_their_own(course):
+    section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
+    grade_with(course, HEAD + section)
+    grade_with(course, HEAD.replace("-01T", "-06T") + section)
+    due = {one.student: one.due for one in gradebook.class_results(course).stages}
+    assert due == {
+        "ada": datetime(2026, 3, 6, 11, tzinfo=UTC),
+        "bob": datetime(2026, 3, 8, 11, tzinfo=UTC),
+    }
+    assert told(course) == []
+
+
+def test_what_a_person_grants_in_the_gradebook_counts_until_the_file_names_the_student(course):
+    assert "ada" in grade_with(course, HEAD)
+    grant(course, "ada", days=3)
+    assert "ada" not in grade_with(course, HEAD)
+    (sentence,) = told(course)
+    assert sentence.startswith(f"ada, {STAGE}: the gradebook grants more time than deadlines.toml")
+    line = sentence.partition("students]: ")[2].partition(". Another")[0]
+    assert line == '"ada" = 2026-03-04T11:00:00Z'
+    assert "ada" not in grade_with(course, f"{HEAD}[{STAGE}.students]\n{line}\n")
+    assert told(course) == []
+    assert "ada" in grade_with(course, f"{HEAD}[{STAGE}.students]\nada = 2026-03-01T12:00:00\n")
+    assert told(course) == []
+
+
+def test_less_time_in_the_gradebook_than_in_the_file_is_mended(course):
+    section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
+    grade_with(course, HEAD + section)
+    grant(course, "bob", hours=-5)
+    assert "bob" not in grade_with(course, HEAD + section)
+
+
+def test_a_stage_that_the_file_does_not_name_keeps_the_gradebooks_dates(course):
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate="2026-03-01 11:00:00")
+    grant(course, "ada", days=1)
+    other = HEAD.replace(STAGE, "stage1_ransac")
+    assert grade_with(course, other) == {"bob": pytest.approx(2.075)}
+    (course.root / "deadlines.toml").unlink()
+    enter(course, verdicts(course), [STAGE], quiet)
+    assert penalties(course) == {"bob": pytest.approx(2.075)}
+    assert told(course) == []
+
+
+def test_another_extension_is_a_difference(course):
+    grade_with(course, HEAD)
+    deadlines = read_deadlines(course)
+    entry = gradebook.Entry("ada", STAGE, tuple(verdicts(course)[:2]))
+    with gradebook.open_gradebook(course) as book:
+        about = (course, book, entry, gradebook._late_penalties(course), deadlines)
+        assert gradebook.differences(*about) == []
+        book.find_submission(STAGE, "ada").extension = -timedelta(hours=1)
+        found = gradebook.differences(*about)
+    assert found[0] == f"ada, {STAGE}: the gradebook has another extension"
+
+
+@pytest.fixture
+def postgresql():
+    try:
+        with server() as address:
+            yield address
+    except NotInstalled as missing:
+        pytest.skip(str(missing))
+
+
+@pytest.mark.slow
+def test_on_a_server_dates_are_the_same(course, postgresql):
+    with (course.root / "nbgrader_config.py").open("a") as file:
+        file.write(f"c.CourseDirectory.db_url = {postgresql!r}\n")
+    dates = (
+        HEAD + f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
+        f"[{STAGE}.students]\nada = 2026-03-09T12:00:00\n"
+    )
+    assert grade_with(course, dates) == {"bob": pytest.approx(2 * 2.075)}
+    assert late(course) == {"bob": timedelta(hours=25)}
+    stage = gradebook.class_results(course).stage("ada", STAGE)
+    assert stage.due == datetime(2026, 3, 9, 11, tzinfo=UTC)

@@ -1,0 +1,199 @@
+"""Who is on the roster is entered, and nobody else; no folder of theirs loses anything."""
+
+import os
+import shlex
+import subprocess
+
+import pytest
+
+from grader.classroom.folders import spelt_otherwise, strangers
+from grader.classroom.submissions import find_submissions
+from grader.course.roster import read_roster
+from grader.lms import gradebook
+from grader.lms.gradebook import GradebookTrouble, enter
+from grader.lms.notes import notes
+from tests.test_gradebook import (
+    DISTANCE,
+    EARNED,
+    GROUND,
+    STAGE,
+    hand_in,
+    inode,
+    make_course,
+    marks,
+    quiet,
+    verdicts,
+)
+
+ROSTER = (
+    "id,first_name,last_name,email,section,lms_id\n"
+    "ada,Ada,Ash,ada@x.edu,A,8\n"
+    "bob,Bob,Bell,,B,7\n"
+    "idle,Ida,Ling,ida@x.edu,B,9\n"
+    "yan,Yan,Yip,,A,126\n"
+)
+
+
+@pytest.fixture
+def course(tmp_path):
+    """A course with a roster; Ada and Bob handed in."""
+    made = make_course(tmp_path / "course")
+    (made.root / "roster.csv").write_text(ROSTER)
+    return made
+
+
+def students(course):
+    with gradebook.open_gradebook(course) as book:
+        return {
+            one.id: (one.first_name, one.last_name, one.email, one.lms_user_id)
+            for one in book.students
+        }
+
+
+def trouble_in(course, earned=EARNED):
+    with pytest.raises(GradebookTrouble) as trouble:
+        enter(course, verdicts(course, earned), [STAGE], quiet)
+    return str(trouble.value).splitlines()[1:]
+
+
+def test_everybody_on_the_roster_is_in_the_gradebook_by_name(course):
+    enter(course, verdicts(course), [STAGE], quiet)
+    assert students(course) == {
+        "ada": ("Ada", "Ash", "ada@x.edu", "8"),
+        "bob": ("Bob", "Bell", None, "7"),
+        "idle": ("Ida", "Ling", "ida@x.edu", "9"),
+        "yan": ("Yan", "Yip", None, "126"),
+    }
+    assert {student for student, _ in marks(course)} == {"ada", "bob"}
+
+
+def test_what_changes_on_the_roster_arrives_and_what_it_leaves_blank_stays(course):
+    enter(course, verdicts(course), [STAGE], quiet)
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_student("bob", email="bob@home.edu")
+    (course.root / "roster.csv").write_text(ROSTER.replace("Bell", "Bell-Ash"))
+    enter(course, verdicts(course), [STAGE], quiet)
+    assert students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
+
+
+def test_who_is_not_on_the_roster_is_asked_about_and_not_entered(course):
+    hand_in(course, "ghost", GROUND)
+    sentences = trouble_in(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
+    assert sentences == [
+        "'ghost' is not on the roster, so that its marks are not entered. Either add a line for "
+        "'ghost' to roster.csv, or rename the folder to the id of whoever it is."
+    ]
+    assert "ghost" not in students(course) and {one for one, _ in marks(course)} == {"ada", "bob"}
+    assert not (course.autograded / "ghost").exists()
+    (course.root / "roster.csv").write_text(ROSTER + "ghost\n")
+    enter(course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet)
+    assert marks(course)["ghost", "test_voxel_grid"][0] == 20
+
+
+def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
+    enter(course, verdicts(course), [STAGE], quiet)
+    (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
+    assert len(trouble_in(course)) == 1
+    assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
+    (sentence,) = notes(course, gradebook.class_results(course), None)
+    assert sentence.startswith("'ada' has marks in the gradebook and is not on the roster")
+    assert sentence.endswith("nbgrader db student remove ada --force")
+
+
+@pytest.mark.parametrize("folder", ["yan ", "YAN", "  Yan"])
+def test_an_id_that_is_spelt_otherwise_is_the_persons(course, folder):
+    hand_in(course, folder, GROUND)
+    earned = EARNED | {"yan": {GROUND: (1.0, 12.5)}}
+    enter(course, verdicts(course, earned), [STAGE], quiet)
+    assert marks(course)["yan", "test_voxel_grid"][0] == 12.5
+    assert folder not in students(course)
+    roster = read_roster(course)
+    assert strangers(course, roster) == {}
+    assert list(spelt_otherwise(course, roster)) == [
+        f"{folder!r} in submitted/ is taken for yan (Yan Yip)."
+    ]
+
+
+def test_two_folders_of_one_student_lose_nothing(course):
+    hand_in(course, "yan", GROUND)
+    hand_in(course, "yan ", DISTANCE)
+    place = course.submitted / "yan " / STAGE
+    (place / "helper.py").write_text("x = 1")
+    (place / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
+    (course.submitted / "yan" / STAGE / "timestamp.txt").write_text("2026-02-01 13:00:00 UTC")
+    (course.submitted / "yan" / STAGE / "plan.txt").write_text("mine")
+    earned = EARNED | {"yan": {GROUND: (1.0, 12.5), DISTANCE: (3.0, 2.0, 1.0)}}
+    enter(course, verdicts(course, earned), [STAGE], quiet)
+    entered = marks(course)
+    assert entered["yan", "test_voxel_grid"][0] == 12.5
+    assert {entered["yan", exercise.cell][0] for exercise in DISTANCE.machine_graded} == {3, 2, 1}
+    copies = course.autograded / "yan" / STAGE
+    assert {path.name for path in copies.iterdir()} == {
+        f"{GROUND.name}.ipynb",
+        f"{DISTANCE.name}.ipynb",
+        "helper.py",
+        "plan.txt",
+        "timestamp.txt",
+    }
+    stage = gradebook.class_results(course).stage("yan", STAGE)
+    assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the last that was handed in
+    (sentence,) = spelt_otherwise(course, read_roster(course))
+    assert sentence.endswith("taken for yan (Yan Yip) beside what lies in the folder of that name.")
+    before = inode(course, "yan")
+    enter(course, verdicts(course, earned), [STAGE], quiet)
+    assert inode(course, "yan") == before
+
+
+def test_of_one_lesson_in_two_folders_the_newest_counts_and_the_other_is_named(course):
+    for age, folder in enumerate(("yan ", "yan")):
+        hand_in(course, folder, GROUND, " " * age)
+        path = course.submitted / folder / STAGE / f"{GROUND.name}.ipynb"
+        os.utime(path, (1e9 - 1e6 * age,) * 2)
+    (found,) = [one for one in find_submissions(course) if one.student == "yan"]
+    assert found.path.parent.parent.name == "yan "
+    (note,) = found.read(course).notes
+    paths_named = [f"{folder}/{STAGE}/{GROUND.name}.ipynb" for folder in ("yan ", "yan")]
+    assert f"The newest, {paths_named[0]}, was judged, and not {paths_named[1]}." in note
+
+
+def test_whose_a_folder_may_be_is_asked_with_a_command_that_loses_nothing(course):
+    hand_in(course, "Yip, Yan", GROUND)
+    (sentence,) = strangers(course, read_roster(course)).values()
+    command = "mv -n 'submitted/Yip, Yan' submitted/yan"
+    assert f"If it is of yan (Yan Yip): {command}; else add a line for 'Yip, Yan' to" in sentence
+    hand_in(course, "yan", GROUND, " ")
+    hand_in(course, "yan", DISTANCE)
+    (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
+    (sentence,) = strangers(course, read_roster(course)).values()
+    commands = sentence.partition("Yip): ")[2].partition("; else")[0]
+    assert all(shlex.split(one)[:2] == ["mv", "-n"] for one in commands.split(" && "))
+    before = {path.read_bytes() for path in course.submitted.rglob("*.ipynb")}
+    subprocess.run(commands, shell=True, check=True, cwd=course.root)
+    assert {path.read_bytes() for path in course.submitted.rglob("*.ipynb")} == before
+    assert strangers(course, read_roster(course)) == {}
+    found = {one.lesson: one for one in find_submissions(course) if one.student == "yan"}
+    assert len(found[GROUND].older) == 1 and found[DISTANCE].older == ()
+
+
+def test_where_it_may_be_of_two_both_are_named(course):
+    (course.root / "roster.csv").write_text(ROSTER + "yan2,Yan,Yip,,,\n")
+    hand_in(course, "yanyip", GROUND)
+    (sentence,) = strangers(course, read_roster(course)).values()
+    assert (
+        "It may be of yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right" in sentence
+    )
+
+
+def test_without_a_roster_everybody_is_entered(course):
+    (course.root / "roster.csv").unlink()
+    hand_in(course, "ghost", GROUND)
+    enter(course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet)
+    assert set(students(course)) == {"ada", "bob", "ghost"}
+
+
+def test_nbgrader_is_told_not_to_make_students_where_there_is_a_roster(course):
+    from grader.course.nbgrader_settings import course_settings
+
+    assert course_settings(course.root).Autograde.create_student is False
+    (course.root / "roster.csv").unlink()
+    assert course_settings(course.root).Autograde.create_student is True
