@@ -303,8 +303,8 @@ def test_moodle_gets_each_mark_and_nothing_else_changes(fill, settings):
     assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "anew"
     assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
     mark = settings.get("decimal_mark", ".")
-    said = f"Marks that the file had, and that are replaced: björn (Björn Müller) 12{mark}00 by 31{mark}25."
-    assert said in exported.notes
+    replaced = f"björn (Björn Müller) 12{mark}00 by 31{mark}25"
+    assert f"Marks that the file had, and that are replaced: {replaced}." in exported.notes
 
 
 def test_a_worksheet_keeps_its_columns_and_its_manner(fill):

@@ -50,8 +50,8 @@ EXPORTERS = {
         ".moodle.csv",
         "the offline grading worksheet that Moodle offers for the assignment",
         "In Moodle: the assignment's Submissions, Actions, Upload grading worksheet. It lists each "
-        "change before you confirm; a mark that is not listed is there already, or was changed there "
-        "since the download.",
+        "change before you confirm; a mark that it does not list is there already, or was changed "
+        "there since the download.",
     ),
     "gradescope": Exporter(
         gradescope,
