@@ -3,8 +3,10 @@
     make mutants                              # everything; goes on where it was stopped
     .venv/bin/python tests/mutants.py points  # the modules with this in their path
 
-The changes ("mutants") are cosmic-ray's. Each is made in memory, in a fork of this process, which
-has run the tests before and holds all that takes long to import. What came of each is kept in
+The changes ("mutants") are cosmic-ray's. Each is made in memory, in a fork of a process that has
+collected the tests: a changed function gets other code, and of the tests those are run that enter
+it, the shortest first. Where more than functions change, all is imported again, and all tests are
+run, unless one fails. What came of each is kept in
 ``.pytest_cache``: who survived is tried again, as tests may have come; delete that file to try all.
 Survivors that change nothing anybody could notice are listed in ``mutants.txt``, with the reason.
 """
@@ -15,9 +17,11 @@ import ast
 import contextlib
 import difflib
 import functools
+import gc
 import hashlib
 import importlib.machinery
 import importlib.util
+import inspect
 import json
 import os
 import random
@@ -28,9 +32,10 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import CodeType, FrameType, FunctionType
 
 import hypothesis
 import pytest
@@ -56,7 +61,7 @@ TESTS = {
     "grader/judging/verdict.py": ("test_verdict.py",),
     "grader/judging/samples.py": ("test_samples.py",),
     "grader/judging/messages.py": ("test_messages.py",),
-    "grader/intake/apart.py": ("attacks/test_apart.py",),
+    "grader/intake/apart.py": ("test_apart.py",),
     "grader/intake/handed_in.py": ("test_handed_in.py",),
     "grader/intake/notebook.py": ("test_handed_in.py",),
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
@@ -88,6 +93,8 @@ for ways in places.values():
 
 
 DEAD = ("killed", "stopped")
+# Not 0: a mutant may well end its process as if all were well.
+SURVIVED = 57
 
 
 @dataclass(frozen=True)
@@ -171,8 +178,7 @@ class _Changed(importlib.machinery.SourceFileLoader):
 
     def __init__(self, mutant: Mutant) -> None:
         self.mutant = mutant
-        name = mutant.module.removesuffix(".py").replace("/", ".")
-        super().__init__(name, str(PROJECT / mutant.module))
+        super().__init__(_module_name(mutant.module), str(PROJECT / mutant.module))
 
     def find_spec(
         self, name: str, path: object = None, target: object = None
@@ -187,14 +193,48 @@ class _Changed(importlib.machinery.SourceFileLoader):
         return compile(self.mutant.source, self.path, "exec", dont_inherit=True)
 
 
-def run_tests(module: str, folder: str) -> int:
-    """Run the nearest tests of a module until one fails; pytest's exit code."""
-    options = ("-o", "addopts=", "--import-mode=importlib", "-x", "-q", "-p", "no:cacheprovider")
-    options += ("-m", "not slow and not proof and not colab", f"--basetemp={folder}")
-    for tests in TESTS[module]:
-        if code := pytest.main([f"tests/{tests}", *options]):
-            return int(code)
-    return 0
+def _module_name(path: str) -> str:
+    return path.removesuffix(".py").replace("/", ".")
+
+
+def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
+    """(name, code) of each function of a module or class, and the rest under an empty name."""
+    rest = []
+    for part in code.co_consts:
+        if not isinstance(part, CodeType) or "<" in part.co_name:
+            rest.append(part)
+        elif part.co_flags & inspect.CO_OPTIMIZED:  # a function
+            yield part.co_qualname, part
+        else:
+            yield from _parts(part)
+    yield "", (code.co_qualname, code.co_code, code.co_names, rest)
+
+
+def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
+    """The functions that a mutant changes, by name; None if it changes more than functions."""
+    sources = (PROJECT / mutant.module).read_text("utf-8"), mutant.source
+    path = str(PROJECT / mutant.module)
+    before, after = (list(_parts(compile(text, path, "exec", 0, True))) for text in sources)
+    functions = {}
+    if [name for name, _ in before] != [name for name, _ in after]:
+        return None
+    for (name, was), (_, becomes) in zip(before, after, strict=True):
+        if was != becomes:
+            if not name or was.co_freevars != becomes.co_freevars:
+                return None
+            functions[name] = becomes
+    return functions
+
+
+def become(mutant: Mutant, functions: dict[str, CodeType]) -> None:
+    """Let functions that are there do what they do in a mutant, and forget what they know."""
+    path = str(PROJECT / mutant.module)
+    for function in gc.get_objects():
+        if isinstance(function, FunctionType) and function.__code__.co_filename == path:
+            function.__code__ = functions.get(function.__qualname__, function.__code__)
+    for known in vars(sys.modules[_module_name(mutant.module)]).values():
+        if hasattr(known, "cache_clear"):
+            known.cache_clear()
 
 
 def forget_ours() -> None:
@@ -204,8 +244,144 @@ def forget_ours() -> None:
             del sys.modules[name]
 
 
-def begin(mutant: Mutant, seconds: float, folder: str) -> int:
-    """Try a mutant in a process of its own, for so many seconds of a processor; its id."""
+@dataclass(frozen=True)
+class Run:
+    """How a test went with the module as it is.
+
+    Attributes
+    ----------
+    seconds, wall : float
+        Of the processor, and by the clock.
+    entered : frozenset of str
+        The functions of the module that it ran, in its own process.
+    """
+
+    seconds: float
+    wall: float
+    entered: frozenset[str]
+
+
+class Trying:
+    """A plugin of pytest that collects the tests of a module once, and tries mutants on them.
+
+    Parameters
+    ----------
+    module : str
+    mutants : list of Mutant
+    folder : str
+        Where tests may write.
+    report : callable
+        Is told each mutant and what became of it.
+    """
+
+    def __init__(
+        self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
+    ) -> None:
+        self.module, self.mutants, self.folder, self.report = module, mutants, folder, report
+        self.runs: dict[str, Run] = {}
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Run nothing here: all happens in forks."""
+        self.runs = self._in_a_fork(session)
+        for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
+            self.report(mutant, outcome)
+        return True
+
+    def _in_a_fork(self, session: pytest.Session) -> dict[str, Run]:
+        """How each test goes with the module as it is; they have to hold."""
+        path = Path(self.folder, "runs")
+        process = begin(functools.partial(self._watch, session, path), 3600, self.folder)
+        if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
+            said = path.read_text("utf-8") if path.is_file() else "They were stopped."
+            sys.exit(f"{self.module}: the nearest tests fail on the module as it is.\n{said}")
+        found = json.loads(path.read_text("utf-8"))
+        return {name: Run(a, b, frozenset(entered)) for name, (a, b, entered) in found.items()}
+
+    def _watch(self, session: pytest.Session, path: Path) -> int:
+        file, entered, found = str(PROJECT / self.module), set(), {}
+
+        def enter(frame: FrameType, event: str, argument: object) -> None:
+            if frame.f_code.co_filename == file:
+                entered.add(frame.f_code.co_qualname.partition(".<locals>")[0])
+
+        for item in session.items:
+            entered.clear()
+            begun, clock = time.process_time(), time.monotonic()
+            sys.settrace(enter)
+            # Without a next one, what a fixture of the next one enters is counted there.
+            item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
+            sys.settrace(None)
+            took = time.process_time() - begun, time.monotonic() - clock
+            found[item.nodeid] = (*took, sorted(entered))
+            if session.testsfailed:
+                path.write_text(item.nodeid, "utf-8")
+                return 1
+        path.write_text(json.dumps(found), "utf-8")
+        return 0
+
+    def _begin(self, session: pytest.Session, mutant: Mutant) -> tuple[int, float]:
+        """Try a mutant in a process of its own; its id, and how many seconds it may take.
+
+        Only tests that enter what is changed can notice. Some functions run in other processes
+        only: then nobody is known to enter them, and all tests are asked.
+        """
+        functions, items = changed_functions(mutant), self._shortest_first(session.items)
+        near = [i for i in items if functions and self.runs[i.nodeid].entered & {*functions}]
+        items = near or items
+        seconds = 3 + 3 * sum(self.runs[item.nodeid].seconds for item in items)
+        wall = 60 + 6 * sum(self.runs[item.nodeid].wall for item in items)
+        work = functools.partial(self._ask_anew, mutant)
+        if functions:
+            work = functools.partial(self._ask, items, mutant, functions)
+        return begin(work, seconds, f"{self.folder}/{mutant.digest}"), wall
+
+    def _shortest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
+        return sorted(items, key=lambda item: self.runs[item.nodeid].seconds)
+
+    def _ask(self, items: list[pytest.Item], mutant: Mutant, functions: dict[str, CodeType]) -> int:
+        become(mutant, functions)
+        return first_failure(items)
+
+    def _ask_anew(self, mutant: Mutant) -> int:
+        """Import all that is ours again, and run the tests."""
+        forget_ours()
+        sys.meta_path.insert(0, _Changed(mutant))
+        run_tests(self.module, _Anew(self._shortest_first))
+        return 1  # they could not be collected
+
+
+class _Anew:
+    """A plugin of pytest that runs tests in another order, and ends the process with them."""
+
+    def __init__(self, order: Callable[[list[pytest.Item]], list[pytest.Item]]) -> None:
+        self.order = order
+
+    def pytest_runtestloop(self, session: pytest.Session) -> None:
+        """Clear nothing away, which takes longer than most tests."""
+        os._exit(first_failure(self.order(session.items)) or SURVIVED)
+
+
+def first_failure(items: list[pytest.Item]) -> int:
+    """Run tests until one fails; how many did."""
+    for item, after in zip(items, [*items[1:], None], strict=True):
+        item.ihook.pytest_runtest_protocol(item=item, nextitem=after)
+        if failed := item.session.testsfailed:
+            return failed
+    return 0
+
+
+def run_tests(module: str, plugin: object) -> int:
+    """Have pytest collect the nearest tests of a module; its exit code."""
+    options = ("-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider")
+    options += ("-p", "no:terminal", "-m", "not slow and not proof and not colab")
+    return pytest.main([*(f"tests/{name}" for name in TESTS[module]), *options], [plugin])
+
+
+def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
+    """Do something in a process of its own, for so many seconds of a processor; its id.
+
+    It ends with `SURVIVED` where 0 is what comes of it.
+    """
     if process := os.fork():
         return process
     os.setsid()
@@ -213,48 +389,36 @@ def begin(mutant: Mutant, seconds: float, folder: str) -> int:
     for stream in (0, 1, 2):
         os.dup2(quiet, stream)
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
-    sys.meta_path.insert(0, _Changed(mutant))
+    os.makedirs(folder, exist_ok=True)
+    os.environ["PYTEST_DEBUG_TEMPROOT"] = folder
     code = 1
     try:
-        code = run_tests(mutant.module, folder)
+        code = work() or SURVIVED
     finally:
         os._exit(code)
 
 
-def seconds_for(module: str) -> float:
-    """How long the nearest tests may take; they have to hold for the module as it is."""
-    untouched = Mutant(module, "", "", (PROJECT / module).read_text("utf-8"))
-    with tempfile.TemporaryDirectory() as folder:
-        code = run_tests(module, f"{folder}/first")
-        forget_ours()
-        if not code:
-            process = begin(untouched, 600, f"{folder}/second")
-            _, code, usage = os.wait4(process, 0)
-    if code:
-        sys.exit(f"{module}: the nearest tests fail on the module as it is.")
-    return 5 + 4 * (usage.ru_utime + usage.ru_stime)
-
-
-def try_all(mutants: list[Mutant], seconds: float) -> Iterator[tuple[Mutant, str]]:
+def try_all(
+    mutants: list[Mutant], begin_one: Callable[[Mutant], tuple[int, float]]
+) -> Iterator[tuple[Mutant, str]]:
     """Try mutants side by side; each with what became of it, as soon as that is known."""
     waiting, running = mutants[::-1], {}
-    with tempfile.TemporaryDirectory() as folder:
-        while waiting or running:
-            while waiting and len(running) < len(os.sched_getaffinity(0)):
-                mutant = waiting.pop()
-                process = begin(mutant, seconds, f"{folder}/{mutant.digest}")
-                running[process] = mutant, time.monotonic() + 6 * seconds
-            process, status = os.waitpid(-1, os.WNOHANG)
-            if not process:
-                time.sleep(0.02)
-                for late in [one for one, (_, end) in running.items() if time.monotonic() > end]:
-                    os.kill(late, signal.SIGKILL)
-                continue
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process, signal.SIGKILL)  # whoever it started
-            mutant, _ = running.pop(process)
-            code = os.waitstatus_to_exitcode(status)
-            yield mutant, "survived" if code == 0 else "killed" if code > 0 else "stopped"
+    while waiting or running:
+        while waiting and len(running) < len(os.sched_getaffinity(0)):
+            mutant = waiting.pop()
+            process, wall = begin_one(mutant)
+            running[process] = mutant, time.monotonic() + wall
+        process, status = os.waitpid(-1, os.WNOHANG)
+        if not process:
+            time.sleep(0.02)
+            for late in [one for one, (_, end) in running.items() if time.monotonic() > end]:
+                os.kill(late, signal.SIGKILL)
+            continue
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process, signal.SIGKILL)  # whoever it started
+        mutant, _ = running.pop(process)
+        code = os.waitstatus_to_exitcode(status)
+        yield mutant, {SURVIVED: "survived"}.get(code, "killed" if code >= 0 else "stopped")
 
 
 @functools.cache
@@ -287,10 +451,10 @@ def try_module(module: str, forgiven: set[str]) -> Counter[str]:
     ended = Counter(known[one.digest] for one in mutants if known.get(one.digest, "") in DEAD)
     waiting = [one for one in mutants if known.get(one.digest, "") not in DEAD]
     if waiting:
-        seconds = seconds_for(module)
         RESULTS.parent.mkdir(parents=True, exist_ok=True)
-        with open(RESULTS, "a", encoding="utf-8") as file:
-            for mutant, outcome in try_all(waiting, seconds):
+        with open(RESULTS, "a", encoding="utf-8") as file, tempfile.TemporaryDirectory() as folder:
+
+            def report(mutant: Mutant, outcome: str) -> None:
                 print(json.dumps({"digest": mutant.digest, "outcome": outcome}), file=file)
                 file.flush()
                 if outcome == "survived" and str(mutant) in forgiven:
@@ -298,6 +462,9 @@ def try_module(module: str, forgiven: set[str]) -> Counter[str]:
                 elif outcome == "survived":
                     print(mutant, flush=True)
                 ended[outcome] += 1
+
+            if code := run_tests(module, Trying(module, waiting, folder, report)):
+                sys.exit(int(code))
     return ended
 
 

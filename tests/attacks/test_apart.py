@@ -3,9 +3,6 @@
 import itertools
 import json
 import os
-import re
-import signal
-import time
 
 import nbformat
 import pytest
@@ -22,9 +19,7 @@ from grader.lms import autograded
 from grader.lms.autograded import graded_cells
 from grader.lms.gradebook import class_results
 from grader.lms.results import WAITING
-from tests.running import children
 from tests.test_faults import Inline, rehearsed
-from utils.notebooks.reading import UnreadableNotebook
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
@@ -50,103 +45,16 @@ def for_ever():
         pass
 
 
-def in_a_pattern():
-    re.match("(a*)*b", "a" * 40)
-
-
-def fill_the_memory():
-    return [bytearray(2**24) for _ in range(1000)]
-
-
-def answer_at_length():
-    return "a" * (apart.LARGEST_REPLY + 1)
-
-
-def stop_its_process():
-    os.kill(os.getpid(), signal.SIGSTOP)
-
-
-def end_its_process():
-    os._exit(0)
-
-
-def wait():
-    time.sleep(1000)
-
-
 def fail():
     raise RuntimeError("a fault of ours")
 
 
 @pytest.fixture
 def soon(monkeypatch):
-    """Small limits; the clock on the wall goes fast only where a test says so."""
+    """Small limits."""
     monkeypatch.setattr(apart, "SECONDS", 1)
     monkeypatch.setattr(apart, "MEGABYTES", 128)
     monkeypatch.setattr(apart, "LARGEST_REPLY", 2**22)
-    return lambda: monkeypatch.setattr(apart, "PATIENCE", 2)
-
-
-@pytest.mark.parametrize(
-    ("work", "says"),
-    [
-        (for_ever, "more than 1 seconds"),
-        (in_a_pattern, "more than 1 seconds"),
-        (fill_the_memory, "more than 128 MB of memory"),
-        (answer_at_length, "more than 128 MB of memory"),
-    ],
-)
-def test_too_much_is_said_in_a_sentence(work, says, soon):
-    with pytest.raises(apart.TooMuch) as caught:
-        apart.apart("file.ipynb", work)
-    assert f"Reading file.ipynb takes {says}" in str(caught.value)
-    assert "hand it in again" in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("work", "says"),
-    [
-        (stop_its_process, "no answer"),
-        (end_its_process, "no answer"),
-        (wait, "no answer"),
-        (fail, "RuntimeError: a fault of ours"),
-    ],
-)
-def test_what_is_no_fault_of_the_files_is_told_apart(work, says, soon):
-    soon()
-    with pytest.raises(apart.ReadingFailed, match=says):
-        apart.apart("file.ipynb", work)
-
-
-def test_nothing_is_left_behind(soon):
-    def open_files():
-        return sorted(os.listdir("/dev/fd"))
-
-    soon()
-    before, others = open_files(), children()
-    for work in (for_ever, wait, fail, end_its_process):
-        with pytest.raises((apart.TooMuch, apart.ReadingFailed)):
-            apart.apart("file.ipynb", work)
-    assert open_files() == before
-    assert children() <= others
-
-
-def test_nobodys_files_are_held_open():
-    """Whoever waits for the end of what judges does not wait for what it began."""
-    reading, writing = os.pipe()
-    held = apart.apart("file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")])
-    os.close(reading)
-    os.close(writing)
-    assert not {reading, writing} & set(held)
-    assert len(held) <= 5
-
-
-def test_words_arrive_as_they_are():
-    for text in ("\udcff", "\U0001f697", "\0", "\u2028", "a" * 10**6):
-        assert apart.apart("file.ipynb", lambda text=text: text) == text
-    with pytest.raises(UnreadableNotebook, match="no file") as caught:
-        apart.apart("file.ipynb", lambda: preflight.prepare(HandedIn("x", b"", "no file"), LESSON))
-    assert type(caught.value) is UnreadableNotebook
 
 
 def test_the_judge_reads_what_is_shown():
