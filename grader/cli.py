@@ -113,11 +113,11 @@ def _collect(kinds: argparse._SubParsersAction) -> None:
     )
     collect.add_argument(
         "--stage",
-        nargs="+",
+        action="append",
         required=True,
         dest="stages",
         metavar="STAGE",
-        help="what was handed in, such as stage3_obstacles",
+        help="what was handed in, such as stage3_obstacles; may be given more than once",
     )
     collect.add_argument(
         "--timestamps",

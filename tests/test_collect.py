@@ -5,6 +5,7 @@ import os
 import struct
 import unicodedata
 import zipfile
+from datetime import UTC, datetime
 
 import pytest
 
@@ -12,9 +13,10 @@ from grader import cli, commands
 from grader.classroom.collect import CollectTrouble, zips
 from grader.classroom.collect import collecting as module
 from grader.classroom.collect.owners import safe_folder
-from grader.classroom.collect.record import read_record, untimed_work
+from grader.classroom.collect.record import read_record, why_untimed
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import Course
+from grader.lms.times import Undecided, handed_in_at
 from tests.archives import (
     EIGHT,
     NINE,
@@ -127,10 +129,12 @@ def test_canvas_marks_late_work_and_gives_no_time(course):
     outcome = collect(course, archive(course, files))
     assert outcome.late == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
-    marked = [(one.student, one.stage, one.late) for one in untimed_work(course)]
-    assert marked == [("ada", STAGE, True)]
-    (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
-    assert list(untimed_work(course)) == []
+    folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
+    with pytest.raises(Undecided, match="marks it late"):
+        handed_in_at(folders[:1])
+    assert handed_in_at(folders[1:]) is None
+    (folders[0] / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
+    assert handed_in_at(folders[:1]) == datetime(2026, 11, 22, 18, 30, tzinfo=UTC)
 
 
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
@@ -274,7 +278,7 @@ def test_an_unreadable_time_is_undecided_and_not_free(course, said):
     outcome = collect(course, archive(course, files), times=table)
     assert repr(said or "nothing") in outcome.undecided["ada"]
     assert "timestamp.txt" not in placed(course, "ada")
-    assert [one.student for one in untimed_work(course)] == ["ada"]
+    assert why_untimed(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
 def test_times_of_ones_own_stand_beside_ids(course):
@@ -437,7 +441,7 @@ def test_a_file_of_another_stage_is_placed_where_it_belongs_when_asked_to(course
     ]
     path = archive(course, files)
     outcome = collect(course, path)
-    assert "--stage stage3_obstacles stage1_ransac" in asked(outcome)["ada/01_point_clouds.ipynb"]
+    assert "--stage stage1_ransac" in asked(outcome)["ada/01_point_clouds.ipynb"]
     outcome = collect(course, path, stages=(STAGE, "stage1_ransac"))
     assert states(outcome)["ada"] == {"01": "new", "06": "same"}
     assert set(placed(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
@@ -486,6 +490,21 @@ def test_what_may_be_meant_is_asked_about_only_while_a_lesson_is_missing(course)
 def test_who_handed_in_a_picture_alone_is_named(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
     assert asked(outcome) == {"ada": "handed in no notebook: photo.png"}
+
+
+def test_two_are_not_one_student_unless_somebody_says_so(course):
+    """Else one's work would be judged as another's."""
+    files = [
+        *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook(text="ada"))]),
+        *canvas_files("Byron, Annabella", 77, [(2, f"{SIX}.ipynb", notebook(text="bella"))]),
+    ]
+    path = archive(course, files)
+    who = {"byronannabella_77": "ada"}
+    outcome = collect(course, path, who=who)
+    assert states(outcome) == {} and not course.submitted.exists()
+    assert "--who lovelaceada_4001=ada" in asked(outcome)["lovelaceada_4001"]
+    collect(course, path, who={**who, "lovelaceada_4001": "ada"})
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
 
 
 # ---- which of several ---------------------------------------------------------------------------
@@ -554,7 +573,7 @@ def test_the_same_bytes_are_left_alone(course):
     path = course.submitted / "ada" / STAGE / f"{SIX}.ipynb"
     before = path.stat()
     assert states(collect(course, second)) == {"ada": {"06": "same"}}
-    assert path.stat() == before
+    assert (path.stat().st_ino, path.stat().st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
 
 
 def test_what_is_handed_in_again_takes_the_place_and_the_older_is_kept(course):
@@ -720,7 +739,7 @@ def command(course, monkeypatch):
     monkeypatch.setattr(commands, "Course", lambda: course)
 
     def run(*words):
-        return cli.main(["collect", *map(str, words), "--stage", STAGE])
+        return cli.main(["collect", "--stage", STAGE, *map(str, words)])
 
     return run
 
@@ -759,6 +778,19 @@ def test_what_is_graded_is_collected_later(course, command, capsys):
     with only_one(course):
         assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert "Another run is grading" in capsys.readouterr().err
+
+
+def test_stopped_it_goes_on_from_there(course):
+    path = archive(course, [(f"{name}/{SIX}.ipynb", notebook()) for name in ("ada", "bjorn", "cy")])
+
+    def stop(done, total, what):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        module.collect(course, [path], [STAGE], None, {}, {}, stop)
+    found = states(collect(course, path))
+    assert found == {"ada": {"06": "same"}, "bjorn": {"06": "same"}, "cy": {"06": "new"}}
 
 
 def test_a_full_disk_leaves_nothing_half_written(course, monkeypatch):

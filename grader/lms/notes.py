@@ -17,9 +17,9 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         where = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{where}: timestamp.txt does not say a time that can be read, such as "
-                "2026-11-22 18:30:00 UTC; whether the work is late is undecided. Write the time, "
-                "and run grade again."
+                f"{where}: {stage.undecided}; whether the work is late is undecided. Write the "
+                "time into timestamp.txt beside it, such as 2026-11-22 18:30:00 UTC, and run grade "
+                "again."
             )
         if deadlines and _is_granted(stage, deadlines):
             until = stage.due.astimezone(UTC)

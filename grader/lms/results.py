@@ -68,9 +68,9 @@ class StageResult:
         Aware; None where nobody has said so.
     late : timedelta
         Since it was due; zero in time.
-    undecided : bool
-        True where it is due, and a time is given that cannot be read: whether it is late, a person
-        has to say.
+    undecided : str
+        Where it is due, why nobody knows when it was handed in: whether it is late, a person has to
+        say. Empty where it is known, and where there is nothing to say so.
     """
 
     student: str
@@ -82,7 +82,7 @@ class StageResult:
     handed_in: datetime | None = None
     due: datetime | None = None
     late: timedelta = timedelta()
-    undecided: bool = False
+    undecided: str = ""
 
     @property
     def points(self) -> float | None:

@@ -156,12 +156,12 @@ def _stage(
     due = deadlines.due(student, stage)
     if row and row.due:
         due = (row.due + (row.extension or timedelta())).replace(tzinfo=UTC)
-    handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), False
+    handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), ""
     if not handed_in:
         try:
             handed_in = handed_in_at({one.place(course) for one in files})
-        except Undecided:
-            undecided = due is not None
+        except Undecided as error:
+            undecided = str(error) if due else ""
     return StageResult(
         student,
         stage,

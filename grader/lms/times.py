@@ -8,12 +8,13 @@ from pathlib import Path
 
 from nbgrader.utils import parse_utc
 
+from grader.classroom.collect.record import why_untimed
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
 
 
 class Undecided(Exception):
-    """A ``timestamp.txt`` does not say a time; `str()` is its path."""
+    """Nobody knows when something was handed in; `str()` is the reason."""
 
 
 def handed_in_at(places: Iterable[Path]) -> datetime | None:
@@ -32,9 +33,14 @@ def handed_in_at(places: Iterable[Path]) -> datetime | None:
     Raises
     ------
     Undecided
-        Work whose time cannot be read is neither late nor in time.
+        Work whose time cannot be read is neither late nor in time; nor is work that was collected
+        late, or from a table that has no time for it.
     """
+    places = sorted(places)
     times = [time for place in places if (time := _time(place / "timestamp.txt"))]
+    for reason in (why_untimed(place) for place in places):
+        if reason and not times:
+            raise Undecided(reason)
     return max(times, default=None)
 
 
@@ -45,4 +51,4 @@ def _time(path: Path) -> datetime | None:
         text = read_file(path).decode().strip()
         return parse_utc(text).replace(tzinfo=UTC) if text else None
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
-        raise Undecided(str(path)) from error
+        raise Undecided("timestamp.txt does not say a time that can be read") from error

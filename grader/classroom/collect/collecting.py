@@ -14,7 +14,7 @@ from grader.classroom.collect.choosing import File, newest
 from grader.classroom.collect.looking import MODULE, NOTEBOOK, OTHER, kind_of, look_at
 from grader.classroom.collect.owners import Owners, Unknown
 from grader.classroom.collect.placing import KEPT, StageFolder, Unsure
-from grader.classroom.collect.protocol import CollectTrouble, Handed
+from grader.classroom.collect.protocol import CollectTrouble, Handed, Owner
 from grader.classroom.collect.worksheet import Worksheet, read_worksheet
 from grader.classroom.contents import lesson_by_name
 from grader.classroom.submissions import find_submissions
@@ -190,23 +190,30 @@ class Collector:
         self, handed: Sequence[tuple[Path, Handed]]
     ) -> Iterable[tuple[tuple[str, ...], list[tuple[Path, Handed]]]]:
         """What each handed in, with the ids of whom it is."""
-        groups: dict[tuple, list[tuple[Path, Handed]]] = {}
+        groups: dict[tuple[Path, Owner], list[tuple[Path, Handed]]] = {}
         for archive, one in handed:
             groups.setdefault((archive, one.owner), []).append((archive, one))
+        found: dict[tuple[Path, Owner], tuple[str, ...]] = {}
         for (archive, owner), mine in groups.items():
             nobody = owner.label in (archive.name, archive.stem)  # the archive's own files
             if nobody and all(_is_of_no_use(one) for _, one in mine):
                 self.outcome.left.update(one.path[-1] for _, one in mine)
                 continue
             try:
-                ids = self._owners.whose(owner)
+                found[archive, owner] = self._owners.whose(owner)
             except Unknown as question:
                 self._ask(owner.label, f"{_files(len(mine))} of theirs. {question}")
-                continue
-            doubt = self._owners.doubt(owner, ids)
-            if doubt:
-                self._ask(owner.label, doubt)
-            yield ids, mine
+        for (archive, owner), ids in found.items():
+            same = [
+                other
+                for (place, other), theirs in found.items()
+                if place == archive and set(ids) & set(theirs)
+            ]
+            question = self._owners.doubt(owner, ids, [one for one in same if one != owner])
+            if question:
+                self._ask(owner.label, question)
+            if len(same) == 1 or all(map(self._owners.is_answered, same)):
+                yield ids, groups[archive, owner]
 
     def _collect_from(self, student: str, handed: list[tuple[Path, Handed]]) -> None:
         """Place all of one student's."""
@@ -339,8 +346,7 @@ class Collector:
         several = [file for file in worked if not self._is_placed(student, lesson, file)]
         if not several:
             return
-        stages = " ".join((*self._stages, lesson.stage))
-        text = f"belongs to {lesson.stage}. To place it there, too: --stage {stages}"
+        text = f"belongs to {lesson.stage}. To place it there, add --stage {lesson.stage}"
         if (student, lesson) in self._there:
             self.outcome.remarks.append(Question(several[0].name, text))
         else:

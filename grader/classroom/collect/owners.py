@@ -80,20 +80,39 @@ class Owners:
             return tuple(person.id for person in team)
         raise Unknown(self._question(owner))
 
-    def doubt(self, owner: Owner, ids: Sequence[str]) -> str:
-        """A question about who may have handed in for others, too; empty where there is none.
+    def is_answered(self, owner: Owner) -> bool:
+        """Whether somebody has said whose it is."""
+        return _same(owner.label) in self._answers
+
+    def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
+        """A question about who is known only by what an archive calls them; empty without one.
 
         Canvas gives the work of a group the number of one of them, and the name of the group.
+
+        Parameters
+        ----------
+        owner : Owner
+        ids : sequence of str
+            Whose it is taken to be.
+        others : sequence of Owner
+            Those in the same archive who are taken to be the same.
         """
-        if _same(owner.label) in self._answers or not self._roster or not owner.lms_id:
+        if self.is_answered(owner):
             return ""
-        person = self._roster.person(ids[0])
+        if others:
+            names = ", ".join(other.label for other in others)
+            return (
+                f"Taken to be {ids[0]}, as is {names}, so that nothing of either is placed. If "
+                f"both are: add {_who(owner, ids[0])}, and the same for the other"
+            )
+        person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
+        if person is None or not owner.names:
+            return ""
         names = [_letters(name) for name in (person.first_name, person.last_name) if name]
-        called = _letters(owner.names[0]) if owner.names else ""
-        if not called or not names or any(name in called for name in names):
+        if not names or any(name in _letters(owner.names[0]) for name in names):
             return ""
         return (
-            f"has the number of {person.id}, and another name. If it is a team, whose work came "
+            f"Has the number of {person.id}, and another name. If it is a team, whose work came "
             f"only once, add {_who(owner, f'{person.id},ID')}; if not, {_who(owner, person.id)}"
         )
 

@@ -8,12 +8,9 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.course.lessons import stages
-from grader.course.paths import Course
 from grader.judging.verdict import write_atomically
 
 NAME = ".collected.json"
@@ -67,25 +64,6 @@ class Record:
     undecided: str = ""
 
 
-@dataclass(frozen=True)
-class Untimed:
-    """Work that may be late, and has no time.
-
-    Attributes
-    ----------
-    student, stage : str
-    late : bool
-        That the learning platform marked it so.
-    reason : str
-        Why there is no time.
-    """
-
-    student: str
-    stage: str
-    late: bool
-    reason: str
-
-
 def read_record(folder: Path) -> Record:
     """What was collected into a folder; nothing where that is not known."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
@@ -100,19 +78,15 @@ def write_record(record: Record, folder: Path) -> None:
     write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
 
 
-def untimed_work(course: Course) -> Iterator[Untimed]:
-    """Work that may be late and of which no time is known, by student and stage.
+def why_untimed(folder: Path) -> str:
+    """Why nobody knows when what was collected into a folder was handed in.
 
-    A ``timestamp.txt`` beside it settles the matter.
+    Empty where a ``timestamp.txt`` says it, and where the learning platform had nothing against it
+    and no table of times was given.
     """
-    for path in sorted(course.submitted.glob(f"*/*/{NAME}")):
-        folder = path.parent
-        if folder.name not in stages() or (folder / "timestamp.txt").is_file():
-            continue
-        record = read_record(folder)
-        late = any(
-            source.late and (folder / name).is_file() for name, source in record.files.items()
-        )
-        if late or record.undecided:
-            reason = record.undecided or "the learning platform marks it late, and gives no time"
-            yield Untimed(folder.parent.name, folder.name, late, reason)
+    if (folder / "timestamp.txt").is_file():
+        return ""
+    record = read_record(folder)
+    late = any(source.late and (folder / name).is_file() for name, source in record.files.items())
+    marked = "the learning platform marks it late, and gives no time"
+    return record.undecided or (marked if late else "")
