@@ -28,7 +28,16 @@ from grader.lms import gradebook
 from grader.lms.late import PercentPerDay
 from tests.postgresql import NotInstalled, server
 from tests.test_faults import Inline
-from tests.test_grade import CONFIGURATION, SEED, answer, entered, make_course, nbgrader, rehearsed
+from tests.test_grade import (
+    CONFIGURATION,
+    SEED,
+    answer,
+    entered,
+    judge_it,
+    make_course,
+    nbgrader,
+    rehearsed,
+)
 from tests.test_gradebook import penalties
 from tests.test_preflight import EARNS_EVERYTHING, changed
 
@@ -56,9 +65,18 @@ def hand_in(course, student, lesson, text, when=None, name=None):
         (path.parent / "timestamp.txt").write_text(when)
 
 
+@pytest.fixture(scope="module")
+def verdicts(tmp_path_factory, sandbox):
+    """What was judged of these two; nothing tells one course's verdicts from another's."""
+    texts = {"ada": answer(), "bob": answer("voxel_grid")}
+    made = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
+    judge_it(made, sandbox)
+    return made.verdicts
+
+
 @pytest.fixture
-def course(tmp_path, sandbox, monkeypatch):
-    """A course of two lessons; two students handed in."""
+def course(tmp_path, sandbox, monkeypatch, verdicts):
+    """A course of two lessons; two students handed in, and were judged."""
     made = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
     for folder in ("solutions", "notebooks"):
         (made.root / folder / WRITTEN.stage).mkdir()
@@ -66,6 +84,7 @@ def course(tmp_path, sandbox, monkeypatch):
     shutil.copy(WRITTEN.released, made.root / "notebooks" / WRITTEN.stage)
     rehearsed(made, WRITTEN)
     hand_in(made, "bob", LESSON, answer("voxel_grid"))
+    shutil.copytree(verdicts, made.verdicts, dirs_exist_ok=True)
     monkeypatch.setitem(EXECUTORS, "processes", Inline)
     paths._folder.cache_clear()
     return made
@@ -341,7 +360,7 @@ def test_a_second_run_waits_for_its_turn(course, sandbox, capsys):
 @pytest.mark.slow
 def test_nothing_half_done_stays(course, sandbox):
     for folder in (course.verdicts / "ada", course.report):
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
         (folder / "x.part").write_text("half")
     for name in (".stage3_obstacles.part", ".stage3_obstacles.old"):
         (course.autograded / "ada" / name).mkdir(parents=True)

@@ -115,7 +115,7 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
         "def test_quick(number): pass\n"
     )
     command = [sys.executable, "-m", "pytest", "-c", PROJECT / "pyproject.toml", "-n", processes]
-    options = ["-p", "tests.conftest", "-o", "faulthandler_timeout=2", "-v", "test_still.py"]
+    options = ["-p", "tests.conftest", "-o", "faulthandler_timeout=1", "-v", "test_still.py"]
     done = subprocess.run(
         [*map(str, command), *options],
         cwd=tmp_path,

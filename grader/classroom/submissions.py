@@ -51,14 +51,19 @@ class Submission:
 
     def read(self, course: Course) -> HandedIn:
         """What lies there; not what lies elsewhere, in another student's folder."""
-        place = course.submitted.resolve() / self.place(course).relative_to(course.submitted)
-        if not self.path.parent.resolve().is_relative_to(place):
+        if not self._lies_in_its_place(course):
             return HandedIn(
                 self.path.name,
                 b"",
                 f"{self.path.name} lies behind a link to another folder. Hand in the file itself.",
             )
         return dataclasses.replace(read_handed_in(self.path), notes=tuple(self._notes(course)))
+
+    def _lies_in_its_place(self, course: Course) -> bool:
+        if not self.path.is_relative_to(course.submitted):
+            return False
+        place = course.submitted.resolve() / self.place(course).relative_to(course.submitted)
+        return self.path.parent.resolve().is_relative_to(place)
 
     def read_again(self, course: Course, fingerprint: str) -> HandedIn:
         """What lies there, if it is what was judged.

@@ -400,7 +400,7 @@ def test_calls_itself_a_path(course, filtering):
     (outside / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
     assert [one.student for one in find_submissions(course)] == ["good"]
     handed_in = Submission("../x", filtering, outside / f"{filtering.name}.ipynb").read(course)
-    assert handed_in.data or "link" in handed_in.complaint
+    assert not handed_in.data and "another folder" in handed_in.complaint
 
 
 def test_a_pipe_beside_the_notebook(course, filtering):
