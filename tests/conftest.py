@@ -12,7 +12,6 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 from tests.demands import demand_walls
 
-
 MEMORY = Path("/dev/shm")
 ENOUGH = 2**31  # bytes
 
