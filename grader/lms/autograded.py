@@ -18,6 +18,7 @@ from nbformat import NotebookNode
 from nbgrader.utils import is_grade, is_solution
 
 from grader.course.lessons import Lesson
+from grader.course.paths import Course
 from grader.course.standalone import TITLE, is_setup_cell
 from grader.intake.apart import TooMuch, apart
 from grader.intake.handed_in import HandedIn
@@ -145,6 +146,15 @@ def write_into(notebook: NotebookNode, verdict: Verdict) -> None:
         about = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
         notebook.cells.insert(0, about)
     notebook.metadata["verdict_key"] = verdict.key
+
+
+def key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> str | None:
+    """Key of the verdict that a copy in ``autograded/`` shows; None where there is none."""
+    path = course.autograded / student / stage / f"{lesson_name}.ipynb"
+    try:
+        return json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def score_output(exercise: ExerciseResult) -> NotebookNode:

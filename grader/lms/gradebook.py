@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import json
 import os
 import shutil
 import stat
@@ -47,8 +46,9 @@ from grader.course.roster import Person, read_roster
 from grader.intake.notebook import read_file
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
-from grader.lms.autograded import graded_cells, judged_copy
+from grader.lms.autograded import graded_cells, judged_copy, key_of_copy
 from grader.lms.dates import enter_due_dates, extend, extension
+from grader.lms.history import note_changes
 from grader.lms.people import enrol
 from grader.lms.results import ClassResults
 from grader.lms.standings import Row, standings
@@ -109,8 +109,9 @@ def enter(
     judged: Sequence[tuple[Submission, Verdict]],
     stages: Iterable[str],
     progress: Callable[[int, int, object], None],
+    student: str | None = None,
 ) -> None:
-    """Make the gradebook say what the verdicts say.
+    """Make the gradebook say what the verdicts say, and note which marks have changed.
 
     Parameters
     ----------
@@ -120,6 +121,8 @@ def enter(
         What was graded; there nobody else has a submission.
     progress : callable
         Called with (done, total, student) after each student's stage.
+    student : str, optional
+        Who alone was graded; the others stay as they are.
 
     Raises
     ------
@@ -131,17 +134,20 @@ def enter(
     unknown = strangers(course, roster) if roster else {}
     entries, trouble = _entries(course, judged, unknown)
     with open_gradebook(course) as book:
+        note_changes(course, book)  # what was graded by hand since
         late = _late_penalties(course)
         trouble += register(course, book, dict.fromkeys(stages))
         if roster:
             enrol(book, roster)
         enter_due_dates(book, deadlines)
         known = {(submission.student, submission.lesson.stage) for submission, _ in judged}
-        trouble += _withdraw(course, book, stages, known)
+        trouble += _withdraw(course, book, stages, known, student)
         for done, entry in enumerate(entries, start=1):
             if differences(course, book, entry, late, deadlines):
                 trouble += _enter_or_say_why_not(course, book, entry, late, deadlines)
             progress(done, len(entries), entry.student)
+        keys = {(one.student, one.lesson.name): verdict.key for one, verdict in judged}
+        note_changes(course, book, keys)
     if trouble:
         raise GradebookTrouble(
             "The gradebook does not hold everything:\n" + "\n".join(dict.fromkeys(trouble))
@@ -213,7 +219,10 @@ def differences(
                 found.append(f"{where}: {grade.name} is worth {grade.max_score} points, not {most}")
         if not _same(notebook.late_submission_penalty, _penalty(submission, notebook, late)):
             found.append(f"{where}: the penalty for lateness is another")
-        if verdict and _key_of_copy(course, entry, notebook.name) != verdict.key:
+        if (
+            verdict
+            and key_of_copy(course, entry.student, entry.stage, notebook.name) != verdict.key
+        ):
             found.append(f"{where}: the autograded copy is of another verdict")
     missing = set(verdicts) - {notebook.name for notebook in submission.notebooks}
     return found + [f"{entry.name}, {name}: it is not in the gradebook" for name in sorted(missing)]
@@ -391,7 +400,11 @@ def _same(one: float | None, other: float | None) -> bool:
 
 
 def _withdraw(
-    course: Course, book: Gradebook, stages: Iterable[str], known: set[tuple[str, str]]
+    course: Course,
+    book: Gradebook,
+    stages: Iterable[str],
+    known: set[tuple[str, str]],
+    only: str | None,
 ) -> list[str]:
     """Take out what is no longer handed in; what a person has graded is named and stays."""
     trouble = []
@@ -399,7 +412,7 @@ def _withdraw(
         with contextlib.suppress(MissingEntry):
             for submission in list(book.find_assignment(stage).submissions):
                 student = submission.student.id
-                if (student, stage) in known:
+                if (student, stage) in known or only not in (None, student):
                     continue
                 if any(
                     grade.manual_score is not None
@@ -477,14 +490,6 @@ def _timestamp(course: Course, entry: Entry) -> datetime | None:
         time = handed_in_at(entry.places(course))
         return time and time.replace(tzinfo=None)
     return None
-
-
-def _key_of_copy(course: Course, entry: Entry, lesson_name: str) -> str | None:
-    path = course.autograded / entry.student / entry.stage / f"{lesson_name}.ipynb"
-    try:
-        return json.loads(path.read_text("utf-8"))["metadata"]["verdict_key"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
 
 
 def _write_files(
