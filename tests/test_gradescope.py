@@ -150,6 +150,18 @@ def test_a_team_gets_the_mark_of_whose_work_it_is(course, run):
     assert run(write(course), "bo", "cy@x.edu bo@x.edu")["score"] == 12.5
 
 
+def test_marks_of_a_team_that_differ_are_a_question(course, run):
+    folders = [course.submitted / student / STAGE for student in ("anna", "bo")]
+    shutil.copytree(*folders, dirs_exist_ok=True)
+    judge(course)
+    exported = write(course)
+    assert run(exported, "bo", "anna@x.edu bo@x.edu")["score"] == 12.5
+    anna, bo = results((ANNA,)), results((BO,), score=20.0)
+    both = (getattr(anna, kind) + getattr(bo, kind) for kind in ("people", "notebooks", "stages"))
+    differing = gradescope(Order(course, ClassResults(*both), STAGE))
+    assert "differ, and the submission is one" in run(differing, "bo", "anna@x.edu bo@x.edu")
+
+
 def test_a_mark_that_cannot_be_handed_out_is_named(course):
     without = Person("anna", "Anna", "Schmidt")
     (lost,) = write(course, (without, BO)).lost

@@ -365,6 +365,18 @@ def test_moodles_own_points_are_kept(fill):
     assert course.grades == {311: 0.85, 312: 3.12, 313: 10.0, 314: 0.0}
 
 
+def test_where_two_columns_may_be_the_grade_a_person_says_which(fill):
+    """Without submissions Moodle leaves the status blank; then equal grades look like a maximum."""
+    course = moodle_course()
+    course.grades = dict.fromkeys(range(311, 317), 10.0)
+    for student in course.students:
+        student.status = ""
+    with pytest.raises(ExportTrouble, match="with --column; there is: 'Status', 'Grade'"):
+        fill(course, marks())
+    course.import_(fill(course, marks(), column="Grade").content, ignore_modified=True)
+    assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 10.0, 316: 10.0}
+
+
 def test_a_site_that_shows_no_fraction_gets_points_that_any_site_reads(fill):
     course = moodle_course(words=GERMAN, decimal_mark=",")
     course.grades = {}
