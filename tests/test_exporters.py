@@ -107,7 +107,7 @@ def test_the_table_has_names_scores_times_penalties_standings_and_totals():
         [*("dee", "", "Dee", "", "", "", "8", "2026-10-12 22:00:00 UTC", "0", "0")]
         + [f"marked; missing: {SIX}", "", "", "", "0", "excused", "8", "50"],
     ]
-    assert exported.lost == ()
+    assert (exported.placed, exported.lost) == (3, ())
 
 
 def test_the_table_of_a_lesson_has_that_lesson_alone():

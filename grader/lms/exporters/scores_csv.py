@@ -43,7 +43,8 @@ def scores_csv(order: Order) -> Exported:
         mine = [one for one in notebooks if one.student == person.id]
         table.writerow(_row(order, person, mine, stages))
     content = file.getvalue().encode("utf-8", "replace")
-    return Exported(content, len(order.results.people), not_on_the_roster(order.results))
+    marked = {one.student for one in notebooks if one.standing != EXCUSED and one.score is not None}
+    return Exported(content, len(marked), not_on_the_roster(order.results))
 
 
 def _head(stages: dict[str, dict[str, float]]) -> list[str]:
