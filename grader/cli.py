@@ -209,6 +209,27 @@ def _export(kinds: argparse._SubParsersAction) -> None:
     export.set_defaults(run=commands.run_export)
 
 
+def _feedback(kinds: argparse._SubParsersAction) -> None:
+    feedback = kinds.add_parser("feedback", help="write a page for each student: what to mend")
+    feedback.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
+    feedback.add_argument(
+        "--student", action="append", default=[], metavar="ID", help="only for them"
+    )
+    feedback.add_argument(
+        "--for",
+        dest="platform",
+        choices=("moodle", "canvas"),
+        help="also a zip of all, with which the learning platform gives each their own",
+    )
+    feedback.add_argument(
+        "--to",
+        type=Path,
+        metavar="DIR",
+        help="where to write (default: handed_back/ in the course's folder)",
+    )
+    feedback.set_defaults(run=commands.run_feedback)
+
+
 def _doctor(kinds: argparse._SubParsersAction) -> None:
     doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
     add_workers(doctor)
@@ -242,6 +263,7 @@ COMMANDS = (
     _grade,
     _report,
     _export,
+    _feedback,
     _doctor,
     _demo,
 )

@@ -232,6 +232,28 @@ def run_export(options: argparse.Namespace) -> int:
     return FAULT if exported.lost else GOOD
 
 
+def run_feedback(options: argparse.Namespace) -> int:
+    """Run ``feedback [STAGE ...]``."""
+    from grader.lms.handing_back import PLATFORMS, write_feedback
+
+    if not are_stages(options.stages):
+        return WRONG_CALL
+    course = Course()
+    folder = options.to or course.root / "handed_back"
+    with console.progress_bar("Writing feedback") as advance:
+        done = [
+            write_feedback(course, stage, options.student, folder, options.platform, advance)
+            for stage in options.stages or stages()
+        ]
+    console.print_feedback(done)
+    if not any(one.pages for one in done):
+        print("There is nothing to hand back. Run: python -m grader grade", file=sys.stderr)
+        return WRONG_CALL
+    if any(one.archive for one in done):
+        print(PLATFORMS[options.platform].next_step)
+    return FAULT if any(one.left for one in done) else GOOD
+
+
 def run_doctor(options: argparse.Namespace) -> int:
     """Run ``doctor``."""
     from grader.classroom.doctor import examine

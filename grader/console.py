@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from grader.classroom.submissions import Submission
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import Exported
+    from grader.lms.handing_back import Written
     from grader.sandbox import Sandbox
 
 
@@ -158,6 +159,22 @@ def print_exported(exported: Exported, path: Path, before: Path | None, next_ste
         )
     if next_step:
         print(next_step)
+
+
+def print_feedback(done: Sequence[Written]) -> None:
+    """Print what was written for whom, and for whom not."""
+    for one in done:
+        if one.pages:
+            count = f"{len(one.pages)} page{'s' * (len(one.pages) > 1)}"
+            zipped = f", and {plain(one.archive)} for upload" if one.archive else ""
+            text = f"{plain(one.pages[0].parent)}: {count}{zipped}"
+            Console(highlight=False, soft_wrap=True).print(text, markup=False)
+    left = [sentence for one in done for sentence in one.left]
+    if left:
+        text = "\n  ".join(["Not handed back so:", *map(plain, left)])
+        Console(highlight=False, soft_wrap=True, stderr=True).print(
+            text, markup=False, style="bold red"
+        )
 
 
 def print_collected(outcome: Outcome) -> None:

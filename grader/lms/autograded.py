@@ -24,6 +24,7 @@ from grader.intake.apart import TooMuch, apart
 from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import Answer, Prepared, prepare_to_show, prepare_without
 from grader.judging.verdict import ExerciseResult, Verdict
+from grader.lms.folding import fold
 from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
 from utils.notebooks.reading import Cell
 
@@ -168,29 +169,33 @@ def score_output(exercise: ExerciseResult) -> NotebookNode:
     -------
     nbformat.NotebookNode
     """
-    rows = "".join(
-        f"<tr><td style='text-align:left;vertical-align:top;white-space:nowrap;"
-        f"padding-right:1em'>{'✓ passed' if test.passed else '✗ failed'} </td>"
-        f"<td style='text-align:left'><b>{escape(test.title)}</b>"
-        f"{''.join(f'<br>{escape(line)}' for line in test.message.splitlines())} </td>"
-        f"<td style='vertical-align:top;white-space:nowrap;padding-left:1em'>"
-        f"{test.score:g} / {test.max_score:g}</td></tr>"
-        for test in exercise.tests
-    )
+    folded = fold(exercise)
+    told = [test for test in (folded.first, *folded.others) if test]
+    rows = [_row("✗ failed", test.title, test.message) for test in told]
+    rows += [_row("✗ failed", one.says, "; ".join(one.titles)) for one in folded.folds]
     if exercise.slip:
         kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
-        rows += (
-            f"<tr><td></td><td style='text-align:left'><b>{escape(exercise.slip.sentence)}</b></td>"
-            f"<td style='white-space:nowrap;padding-left:1em'>{kept}</td></tr>"
-        )
+        rows.append(_row(kept, exercise.slip.sentence, ""))
+    rows += [_row("✓ passed", test.title, test.message) for test in folded.passed]
     return nbformat.v4.new_output(
         "execute_result",
         execution_count=1,
         data={
             "text/plain": json.dumps(exercise.score),
             "text/html": f"<p><b>{escape(exercise.name)}: {exercise.score:g} of "
-            f"{exercise.max_score:g} points</b></p><table>{rows}</table>",
+            f"{exercise.max_score:g} points</b>; {folded.in_words}</p>"
+            f"<table>{''.join(rows)}</table>",
         },
+    )
+
+
+def _row(mark: str, title: str, message: str) -> str:
+    """A line of the table under an exercise. Points are those of the whole."""
+    lines = "".join(f"<br>{escape(line)}" for line in message.splitlines())
+    return (
+        f"<tr><td style='text-align:left;vertical-align:top;white-space:nowrap;"
+        f"padding-right:1em'>{mark} </td>"
+        f"<td style='text-align:left'><b>{escape(title)}</b>{lines} </td></tr>"
     )
 
 

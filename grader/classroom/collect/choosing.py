@@ -59,6 +59,7 @@ class File:
             handed.entry.moment.isoformat(),
             handed.order,
             handed.late,
+            handed.owner.participant,
         )
 
 

@@ -32,6 +32,8 @@ class Source:
         Higher is newer, in every archive of this kind; 0 where nothing is known.
     late : bool
         That the learning platform marked it so.
+    participant : str
+        Moodle's number of whose it is, a person or a team.
     """
 
     digest: str
@@ -39,6 +41,7 @@ class Source:
     moment: str
     order: int = 0
     late: bool = False
+    participant: str = ""
 
     def newer_than(self, other: Source) -> bool | None:
         """Whether it was handed in after another; None where nothing tells."""

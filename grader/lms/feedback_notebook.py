@@ -1,0 +1,43 @@
+"""Feedback on a lesson as a notebook.
+
+Canvas gives what is handed back the name of the file that it answers, and that is a notebook's: a
+page of that name nobody could open. Its programs show HTML, but neither style nor MathML, so that
+formulas stay as they were written.
+"""
+
+from __future__ import annotations
+
+import re
+
+import nbformat
+
+from grader.lms.feedback import Feedback, LessonFeedback, Text
+from grader.lms.feedback_page import rendered
+
+SENTENCE = "Your own notebook is where you left it: this one holds the feedback on it."
+
+
+def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
+    """The notebook about one lesson, with what is to be known about the whole stage."""
+    head = rendered("notebook.html", feedback=feedback, lesson=lesson, sentence=SENTENCE)
+    cells = [_html(head)]
+    for one in lesson.exercises:
+        cells.append(_html(rendered("exercise.html", one=one)))
+        cells += [_markdown(one.answer)] if one.answer else []
+        cells += [_html("<b>Comment</b>"), _markdown(one.comment)] if one.comment else []
+    for number, cell in enumerate(cells):
+        cell.id = f"feedback-{number}"
+    notebook = nbformat.v4.new_notebook(cells=cells)
+    return (nbformat.writes(notebook) + "\n").encode()
+
+
+def _html(text: str) -> nbformat.NotebookNode:
+    """HTML that Markdown takes for one block, which an empty line would end."""
+    block = re.sub(r"\n\s*\n", "\n", text).strip()
+    # A pair of dollars would be a formula.
+    return nbformat.v4.new_markdown_cell(f"<div>\n{block}\n</div>".replace("$", "&#36;"))
+
+
+def _markdown(text: Text) -> nbformat.NotebookNode:
+    more = {"attachments": text.attachments} if text.attachments else {}
+    return nbformat.v4.new_markdown_cell(text.markdown, **more)

@@ -1,0 +1,457 @@
+"""What students get back: pages, and zips that learning platforms know how to hand out."""
+
+import csv
+import html
+import io
+import json
+import re
+import zipfile
+from datetime import UTC, datetime, timedelta
+
+import nbformat
+import pytest
+
+from grader import cli, commands
+from grader.classroom.collect import collecting
+from grader.classroom.submissions import find_submissions
+from grader.course import paths
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.course.variants import fill_in
+from grader.judging.verdict import (
+    JUDGED,
+    CheckResult,
+    ExerciseResult,
+    Slip,
+    Verdict,
+    write_verdict,
+)
+from grader.lms import gradebook
+from grader.lms.feedback import lateness
+from grader.lms.folding import fold
+from grader.lms.gradebook import open_gradebook
+from grader.lms.results import MARKED, StageResult
+from tests import browser
+from tests.archives import canvas_files, moodle_files, zipped
+
+STAGE = "stage4_realtime"
+TEN, TWELVE = find_lesson("10_accelerated_clustering"), find_lesson("12_streaming_obstacles")
+PEOPLE = (
+    ("ada", "Ada", "Lovelace", "ada@x.edu", "4001"),
+    ("bjorn", "Björn", "Müller", "bm@x.edu", "4002"),
+    ("cy", "Cy", "O'Neil", "cy@x.edu", "4003"),
+    ("noshow", "No", "Show", "", ""),
+)
+HOSTILE = (
+    "I saw $F_1 = \\frac{1}{2}$.\n\n<script>alert('me')</script> ![x](http://example.org/a.png)"
+)
+MISTAKE = (
+    "Points of different clusters have the same label.\n3 rows too many.\nHint: Compare <cells>.\n"
+    "The check in the notebook shows your answer beside the right one."
+)
+
+
+def check(name, message="", visible=True, title=""):
+    passed = not message
+    return CheckResult(name, title or f"It {name}", passed, float(passed), 1.0, message, visible)
+
+
+WRONG = ExerciseResult(
+    "euclidean_clustering_accelerated",
+    6.25,
+    30.0,
+    (
+        check("joins"),
+        check("parts", MISTAKE),
+        check("keeps", "For the same reason as “It parts”."),
+        *(check(f"waits {n}", "Cannot be judged yet. First: parts are apart.") for n in range(12)),
+        check("hidden[1]", "… rows too many.", False, "Right elsewhere"),
+        check("hidden[2]", "… rows too many.", False, "Right elsewhere"),
+        check("hastens", "It took `1` minute.", False),
+    ),
+    cause=MISTAKE,
+    first="parts",
+    slip=Slip(3, 7, "    return a < b", "    return a <= b", 2.5),
+)
+RIGHT = ExerciseResult(WRONG.name, 30.0, 30.0, (check("joins"), check("parts")))
+
+
+# ---- folding ------------------------------------------------------------------------------------
+
+
+def test_the_first_failure_is_told_and_the_rest_folded():
+    folded = fold(WRONG)
+    assert folded.first.name == "parts"
+    assert [test.name for test in folded.others] == ["hastens"]
+    assert {one.says: one.count for one in folded.folds} == {
+        "1 more fails for the same reason.": 1,
+        "12 more cannot be judged before this is right.": 12,
+        "2 more fail in the same way.": 2,
+    }
+    assert folded.folds[-1].titles == ("Right elsewhere (2 times)",)
+    assert folded.in_words == "1 of 18 checks hold" and folded.started
+
+
+def test_every_check_is_told_once():
+    folded = fold(WRONG)
+    told = 1 + len(folded.others) + len(folded.passed) + sum(one.count for one in folded.folds)
+    assert told == len(WRONG.tests)
+
+
+def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
+    tests = (check("a", "One.\n2 rows."), check("b", "4 metres."), check("c", "5 metres."))
+    folded = fold(ExerciseResult("f", 0.0, 3.0, tests, "One.", "a"))
+    assert (folded.others, [one.says for one in folded.folds]) == ((), ["2 more fail: … metres."])
+    folded = fold(ExerciseResult("f", 0.0, 3.0, tests[:2], "One.", "a"))
+    assert (folded.others, folded.folds) == ((tests[1],), ())
+
+
+@pytest.mark.parametrize(
+    ("tests", "first", "words", "started"),
+    [
+        ((), "", "nothing could be checked", True),
+        ((check("a"), check("b")), "", "all 2 checks hold", True),
+        ((check("a", "f is not started."),), "", "none of 1 checks hold", False),
+    ],
+)
+def test_checks_in_words(tests, first, words, started):
+    folded = fold(ExerciseResult("f", 0.0, 1.0, tests, "", first))
+    assert (folded.in_words, folded.started) == (words, started)
+
+
+# ---- lateness -----------------------------------------------------------------------------------
+
+DUE = datetime(2026, 11, 20, 12, tzinfo=UTC)
+
+
+def said(late=timedelta(), **more):
+    about = {"handed_in": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
+    return list(lateness(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **about)))
+
+
+def test_lateness_and_penalty_in_words(monkeypatch):
+    (sentence,) = said(-timedelta(hours=1))
+    assert sentence.startswith("Handed in in time, on 20 November 2026 at ")
+    late, off = said(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
+    assert late.startswith("Handed in 2 days and 3 hours late, on 22 November 2026 at ")
+    assert "it was due on 20 November 2026 at " in late
+    assert off == "For lateness 12.5 points are taken off."
+    assert said(timedelta(seconds=5))[0].startswith("Handed in 1 minute late, ")
+    assert said(timedelta(hours=1))[0].startswith("Handed in 1 hour late, ")
+    assert said(handed_in=None) == said(due=None) == []
+    (sentence,) = said(handed_in=None, undecided=True)
+    assert "a person has still to decide" in sentence
+
+
+# ---- pages --------------------------------------------------------------------------------------
+
+
+def verdict(lesson, student, exercises):
+    return Verdict(
+        lesson=lesson.name,
+        student=student,
+        status=JUDGED,
+        score=sum(one.score for one in exercises),
+        max_score=sum(one.max_score for one in exercises),
+        exercises=exercises,
+        problems=("The last cell <b>breaks</b> off.",) if student == "bjorn" else (),
+        seconds=0.0,
+        key=f"of {student}",
+    )
+
+
+def judged(lesson, student):
+    """What is said of a student's notebook: bjorn's is wrong, and the others' are right."""
+    if lesson == TEN:
+        return verdict(lesson, student, (WRONG if student == "bjorn" else RIGHT,))
+    exercises = tuple(
+        ExerciseResult(one.name, one.points, one.points, (check("runs"),))
+        for one in lesson.machine_graded
+    )
+    return verdict(lesson, student, exercises)
+
+
+def grade(course):
+    """Enter made-up verdicts on all that lies in the course, and keep them."""
+    entered = []
+    for submission in find_submissions(course):
+        content = judged(submission.lesson, submission.student)
+        print_of = submission.read(course).fingerprint()
+        content = Verdict(**{**vars(content), "fingerprint": print_of})
+        write_verdict(content, submission.verdict_path(course))
+        entered.append((submission, content))
+    gradebook.enter(course, entered, [STAGE], lambda done, total, student: None)
+
+
+def notebook(lesson, write_up=""):
+    """What a student hands in, with something written."""
+    content = json.loads(fill_in(lesson, {}))
+    for cell in content["cells"]:
+        if write_up and cell["metadata"].get("nbgrader", {}).get("grade_id") == "write_up":
+            cell["source"] = write_up
+    return json.dumps(content).encode()
+
+
+def handed_in(lessons_of):
+    """Attachments of each student for Canvas: number, name and content."""
+    return {
+        student: [
+            (7000 + 10 * number + int(lesson.number), f"{lesson.name}.ipynb", data)
+            for lesson, data in lessons
+        ]
+        for number, (student, lessons) in enumerate(lessons_of.items())
+    }
+
+
+WORK = {
+    "ada": [(TEN, notebook(TEN)), (TWELVE, notebook(TWELVE, "It works."))],
+    "bjorn": [(TEN, notebook(TEN)), (TWELVE, notebook(TWELVE, HOSTILE))],
+    "cy": [(TWELVE, notebook(TWELVE))],
+}
+
+
+def make_course(root, files, who=None):
+    """A course into which a zip was collected, which was graded."""
+    course = Course(root)
+    root.mkdir()
+    with open(root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["id", "first_name", "last_name", "email", "lms_id"])
+        table.writerows(PEOPLE)
+    (root / "submissions.zip").write_bytes(zipped(files))
+    paths._folder.cache_clear()
+    collecting.collect(
+        course, [root / "submissions.zip"], [STAGE], None, who or {}, {}, lambda *news: None
+    )
+    grade(course)
+    return course
+
+
+@pytest.fixture(scope="module")
+def canvas_course(tmp_path_factory):
+    files = []
+    for (student, first, last, _, number), (_, given) in zip(
+        PEOPLE, handed_in(WORK).items(), strict=False
+    ):
+        files += canvas_files(f"{last}, {first}", number, given, late=student == "ada")
+    course = make_course(tmp_path_factory.mktemp("canvas") / "course", files)
+    with open_gradebook(course) as book:
+        place = (TWELVE.name, STAGE, "bjorn")
+        mark, comment = (book.find_grade("write_up", *place), book.find_comment("write_up", *place))
+        mark.manual_score, mark.needs_manual_grade = 7.5, False
+        comment.manual_comment = "Mind the *unit*: $m$. <i>No</i>"
+        machine = book.find_grade("test_match_boxes", *place)
+        machine.manual_score = 2.25
+        book.db.commit()
+    return course
+
+
+def write(course, monkeypatch, *options):
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    paths._folder.cache_clear()
+    return cli.main(["feedback", STAGE, *options])
+
+
+@pytest.fixture
+def pages(canvas_course, tmp_path, monkeypatch):
+    assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 0
+    return {path.stem: path.read_text("utf-8") for path in (tmp_path / STAGE).iterdir()}
+
+
+def words(page):
+    """What a page shows, without tags, in one line."""
+    body = page.partition("<body>")[2]
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
+
+
+def test_a_page_for_each_who_handed_in(pages):
+    assert sorted(pages) == ["ada", "bjorn", "cy"]
+
+
+def test_each_score_says_which_function_it_is_of(pages):
+    text = words(pages["bjorn"])
+    assert "euclidean_clustering_accelerated 6.25 of 30" in text
+    assert "match_boxes 2.25 of 5" in text
+    assert "These points were set by a person; the checks earned 5." in text
+    assert "Björn Müller: 36 of 70 points" in text  # 6.25 + 20 + 2.25 + 7.5
+
+
+def test_first_failure_in_full_with_its_hint_and_the_rest_in_lines(pages):
+    text = words(pages["bjorn"])
+    assert "✗ Begin here: It parts" in text
+    assert "Hint: Compare <cells>." in text
+    assert "12 more cannot be judged before this is right." in text
+    assert text.count("Cannot be judged yet") == 0
+    assert "code cell 3, line 7 ( return a < b )" in text and "return a <= b" not in text
+    assert "The last cell <b>breaks</b> off." in text
+
+
+def test_written_answers_come_with_mark_and_comment(pages):
+    page = pages["bjorn"]
+    assert "write up 7.5 of 10" in words(page)
+    assert "<em>unit</em>" in page and page.count("<math ") == 2
+    assert "to be graded, of 10" in words(pages["ada"])
+    assert "A person has still to grade a part of this" in words(pages["ada"])
+    assert "You left this empty." in words(pages["cy"])
+
+
+def test_what_was_not_handed_in_is_missing_and_not_0(pages):
+    assert "10 · Clustering in real time missing, of 30" in words(pages["cy"])
+    assert "Nothing was handed in." in words(pages["cy"])
+
+
+def test_text_of_strangers_is_text_and_nothing_is_fetched(pages):
+    page = pages["bjorn"]
+    assert "<script" not in page and "<i>" not in page and "<b>breaks" not in page
+    assert 'src="' not in page and "url(" not in page
+    assert set(re.findall(r'href="([^"]{,4})', page)) - {"http"} <= {
+        link[:4] for link in ("#10_", "#12_", "#test_", "#second", "#write")
+    }
+    assert "default-src 'none'" in page
+
+
+def test_the_same_page_again(canvas_course, pages, tmp_path, monkeypatch):
+    write(canvas_course, monkeypatch, "--student", "bjorn", "--to", str(tmp_path / "again"))
+    (path,) = (tmp_path / "again" / STAGE).iterdir()
+    assert path.read_text("utf-8") == pages["bjorn"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not browser.BROWSER, reason="no browser here")
+def test_a_browser_fetches_nothing_for_a_page_and_draws_its_formulas(pages, tmp_path):
+    shown, asked = browser.seen(pages["bjorn"], tmp_path, "example.org")
+    assert asked == []
+    assert "alert(" in shown and "<script" not in shown and "<mfrac>" in shown
+
+
+def test_feedback_waits_until_what_was_judged_is_entered(
+    canvas_course, tmp_path, monkeypatch, capsys
+):
+    path = canvas_course.verdicts / "ada" / STAGE / f"{TEN.name}.json"
+    before = path.read_text("utf-8")
+    try:
+        path.write_text(before.replace("of ada", "of ada, again"), "utf-8")
+        assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
+    finally:
+        path.write_text(before, "utf-8")
+    assert sorted(one.stem for one in (tmp_path / STAGE).iterdir()) == ["bjorn", "cy"]
+    assert (
+        f"ada, {TEN.name}: what was handed in and judged last is not in" in capsys.readouterr().err
+    )
+
+
+def test_where_nothing_was_graded_that_is_said(tmp_path, monkeypatch, capsys):
+    assert write(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
+    assert "There is nothing to hand back" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+# ---- Canvas -------------------------------------------------------------------------------------
+
+
+def by_canvas(name):
+    """(user, attachment) that Canvas reads in a name: of ``app/models/abstract_assignment.rb``."""
+    parts = [part for part in name.split("_") if part != "LATE"]
+    user, attachment = [part for part in parts if re.fullmatch(r"\d+", part)][:2]
+    return user, int(attachment)
+
+
+def archive(path):
+    with zipfile.ZipFile(path) as opened:
+        return {name: opened.read(name) for name in opened.namelist()}
+
+
+def test_canvas_gives_each_the_feedback_on_each_file(canvas_course, tmp_path, monkeypatch):
+    assert write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    files = archive(tmp_path / f"{STAGE}_canvas.zip")
+    answered = {by_canvas(name): name for name in files}
+    numbers = {student: number for student, *_, number in PEOPLE}
+    assert answered.keys() == {
+        (numbers[student], attachment)
+        for student, given in handed_in(WORK).items()
+        for attachment, _, _ in given
+    }
+    for name, content in files.items():
+        lesson = find_lesson(name)
+        notebook = nbformat.reads(content.decode(), as_version=4)
+        nbformat.validate(notebook)
+        head = html.unescape(notebook.cells[0].source)
+        assert head.startswith("<div>") and f"<h1>{lesson.number} · " in head
+    (mine,) = [name for (user, _), name in answered.items() if user == "4002" and "12_" in name]
+    text = "\n".join(cell.source for cell in nbformat.reads(files[mine].decode(), 4).cells)
+    assert "7.5 of 10" in text and "Mind the *unit*: $m$." in text
+    assert "<script" not in text and "<i>" not in text
+
+
+def test_html_in_a_notebook_is_one_block_of_markdown(canvas_course, tmp_path, monkeypatch):
+    write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path))
+    for content in archive(tmp_path / f"{STAGE}_canvas.zip").values():
+        for cell in nbformat.reads(content.decode(), as_version=4).cells:
+            if cell.source.startswith("<div>"):
+                assert "\n\n" not in cell.source and "$" not in cell.source
+
+
+def test_the_same_zip_again(canvas_course, tmp_path, monkeypatch):
+    for folder in ("one", "two"):
+        write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path / folder))
+    name = f"{STAGE}_canvas.zip"
+    assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_who_handed_in_a_zip_gets_a_zip(tmp_path, monkeypatch):
+    inner = io.BytesIO(zipped([(f"{lesson.name}.ipynb", data) for lesson, data in WORK["ada"]]))
+    files = canvas_files("Lovelace, Ada", "4001", [(8123, "my work.zip", inner.getvalue())])
+    course = make_course(tmp_path / "course", files)
+    assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    ((name, content),) = archive(tmp_path / f"{STAGE}_canvas.zip").items()
+    assert by_canvas(name) == ("4001", 8123) and name.endswith("_my work.zip")
+    with zipfile.ZipFile(io.BytesIO(content)) as opened:
+        assert opened.namelist() == [f"{STAGE}_feedback.html"]
+
+
+# ---- Moodle -------------------------------------------------------------------------------------
+
+
+def by_moodle(name):
+    """(participant, file) that Moodle reads in a name: of ``importziplib.php``."""
+    full_name, number, kind, plugin, file = name.split("_", 4)
+    assert (kind, plugin) == ("assignsubmission", "file") and full_name
+    return number, file
+
+
+def moodle_course(root, teams=(), who=None):
+    files, teams = [], dict(teams)
+    for number, (student, first, last, *_) in enumerate(PEOPLE[:3], start=51):
+        given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
+        if student not in list(teams)[1:]:  # a team hands in once
+            files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
+    return make_course(root, files, who)
+
+
+def test_moodle_gives_each_their_page(tmp_path, monkeypatch, capsys):
+    course = moodle_course(tmp_path / "course")
+    assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
+    files = archive(tmp_path / f"{STAGE}_moodle.zip")
+    assert {by_moodle(name) for name in files} == {
+        (str(number), f"{STAGE}_feedback.html") for number in (51, 52, 53)
+    }
+    (mine,) = [content for name, content in files.items() if by_moodle(name)[0] == "52"]
+    assert mine == (tmp_path / STAGE / "bjorn.html").read_bytes()
+    assert "Upload multiple feedback files in a zip" in capsys.readouterr().out
+
+
+def test_who_was_not_collected_from_there_is_named(canvas_course, tmp_path, monkeypatch, capsys):
+    assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
+    # Canvas's numbers look like Moodle's.
+    assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
+    assert "bjorn: their work was not collected from a zip of Moodle's" in capsys.readouterr().err
+
+
+def test_a_team_is_nobody_s_participant(tmp_path, monkeypatch, capsys):
+    answers = {"Team Red_53": "ada,bjorn"}
+    teams = {"ada": ("Team Red", 53), "bjorn": ("Team Red", 53)}
+    course = moodle_course(tmp_path / "course", teams, answers)
+    assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
+    assert [by_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
+    assert "bjorn: handed in as Team Red, which may be a team" in capsys.readouterr().err
+    assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]
