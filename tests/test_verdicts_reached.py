@@ -169,9 +169,14 @@ def test_where_not_every_check_could_be_asked_nobody_is_judged(judge_made_of):
 @pytest.mark.parametrize("second", [False, True])
 @pytest.mark.parametrize("late", [False, True])
 def test_who_lacked_a_processor_at_any_time_is_called_starved(judge_made_of, first, second, late):
-    tries = (ended((ODD, None), starved=first), ended(starved=second))
+    tries = (ended((ODD, NO), starved=first), ended(starved=second))
     verdict, _ = judge_made_of(*tries, late=late)
     assert verdict.starved == (first or second or late)
+
+
+def test_who_lacked_a_processor_and_lost_nothing_is_not_judged_again(judge_made_of):
+    verdict, _ = judge_made_of(ended((ODD, None), starved=True), ended(starved=True), late=True)
+    assert (verdict.score, verdict.starved) == (30, False)
 
 
 def test_who_writes_an_exercise_twice_is_told_if_it_loses_points(judge_made_of):

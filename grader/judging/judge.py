@@ -155,7 +155,8 @@ def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Rea
         *(better.sentence for better in followed.values()),
         *(to_judge.versions[name] for name in lost if name in to_judge.versions),
     )
-    return _Reached(exercises, problems, (), asked.starved or starved)
+    # Who has lost nothing has nothing to gain by another try.
+    return _Reached(exercises, problems, (), bool(lost) and (asked.starved or starved))
 
 
 def _odd_ones_again(setting: Setting, program: Program, asked: Asked) -> Asked:

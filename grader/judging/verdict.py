@@ -111,7 +111,7 @@ class Verdict:
     faults : tuple of str
         What went wrong in the judge, with tracebacks, for whoever grades.
     starved : bool
-        Whether a time limit was reached by code that hardly had a processor.
+        Whether points were lost, and a time limit reached by code that hardly had a processor.
     fingerprint : str
         Of what was judged; empty where that is not known.
     """
