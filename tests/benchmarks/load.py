@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from pathlib import Path
 
 from grader.classroom.executors import EXECUTORS, processors
@@ -58,7 +59,7 @@ def busy(count):
 
 
 def judge_beside(load, course, sandbox):
-    """What came of a class beside some load: (verdicts, how many were judged again, seconds)."""
+    """What came of a class beside some load: (verdicts, who was judged again, seconds)."""
     for verdicts in course.verdicts.glob("student*"):
         shutil.rmtree(verdicts)
     told = []
@@ -71,7 +72,8 @@ def judge_beside(load, course, sandbox):
         judged = judge_class(
             course, (), SEED, sandbox, EXECUTORS["processes"], processors(), progress
         )
-        return judged, len(told) - len(judged), time.perf_counter() - begin
+        again = [submission for submission, times in Counter(told).items() if times > 1]
+        return judged, again, time.perf_counter() - begin
 
 
 def main(count=NOTEBOOKS):
@@ -82,7 +84,7 @@ def main(count=NOTEBOOKS):
 
 def try_loads(course, count):
     """The exit status; prints a line for each load, and what was lost."""
-    sandbox, lost = choose_sandbox(), []
+    sandbox, lost, twice = choose_sandbox(), [], []
     hand_in(course, count)
     with EXECUTORS["processes"](processors()) as executor:
         Rehearsals(course, all_lessons()[:count], SEED, sandbox).finish(executor)
@@ -93,11 +95,13 @@ def try_loads(course, count):
         points = sum(verdict.max_score - verdict.score for _, verdict in short)
         slowest = max(verdict.seconds for _, verdict in judged)
         print(
-            f"{load:4} | {len(judged) - len(short):5} | {points:11.2f} | {again:12} | "
+            f"{load:4} | {len(judged) - len(short):5} | {points:11.2f} | {len(again):12} | "
             f"{slowest:11.1f} | {seconds:7.1f}",
             flush=True,
         )
         lost += [(load, who, verdict) for who, verdict in short]
+        twice += [f"load {load}, {who.student}, {who.lesson.name}: judged again" for who in again]
+    print(*twice, sep="\n", end="\n" * bool(twice))
     for load, who, verdict in lost:
         for test in (test for one in verdict.exercises for test in one.tests if not test.passed):
             print(f"load {load}, {who.student}, {verdict.lesson}, {test.name}: {test.message}")
