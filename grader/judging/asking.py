@@ -34,7 +34,12 @@ from utils.checks.remembering import one_run
 SECONDS_OF_A_TEST = 30.0
 # Answers far larger than any right one that an exercise may give: reading each takes seconds.
 MOST_TOO_LARGE = 5
-_NOT_NEEDED = ("terminal", "cacheprovider", "logging", "unraisableexception", "threadexception")
+# Plugins of pytest's that no hidden test needs. Each takes a quarter of a millisecond.
+_NOT_NEEDED = (
+    *("cacheprovider", "debugging", "doctest", "faulthandler", "junitxml", "legacypath", "logging"),
+    *("pastebin", "recwarn", "setuponly", "setupplan", "stepwise", "subtests", "terminal"),
+    *("threadexception", "unittest", "unraisableexception"),
+)
 _OPTIONS = (
     "--noconftest",
     "--capture=no",
