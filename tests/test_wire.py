@@ -277,6 +277,37 @@ def test_two_arrays_cannot_stand_on_the_same_bytes():
         wire_format.decode(b'{"list":[' + b",".join([claim] * 100_000) + b"]}", bytes(2**20))
 
 
+@pytest.mark.parametrize(
+    "unit",
+    [b'{"set":[]}', b'{"array":["|b1",[0]]}', b'{"generator":["1","1",0,0]}', b'"ab"', b"1.5,null"],
+)
+def test_many_small_values_are_refused_before_they_take_memory(unit):
+    """They took fifty times their bytes, and up to ten seconds."""
+    most = wire_format.MAXIMUM_TREE - 20
+    tree = bytearray(b'{"list":[' + b",".join([unit] * (most // (len(unit) + 1))) + b"]}")
+    tracemalloc.start()
+    try:
+        with pytest.raises(WireError, match="more values"):
+            wire_format.decode(tree, b"")
+        assert tracemalloc.get_traced_memory()[1] < 2**20
+    finally:
+        tracemalloc.stop()
+
+
+def test_few_generators_cross():
+    generators = [np.random.default_rng(seed) for seed in range(101)]
+    assert len(there_and_back(generators[:100])) == 100
+    with pytest.raises(WireError, match="generators"):
+        there_and_back(generators)
+
+
+@pytest.mark.slow
+def test_the_largest_cloud_crosses_as_a_list_of_rows():
+    cloud = np.random.default_rng(1).integers(-(2**9), 2**9, (120_000, 4)) / 4
+    assert there_and_back(cloud.tolist()) == cloud.tolist()
+    assert np.array_equal(there_and_back(list(cloud)), cloud)
+
+
 def test_keys_that_collide_are_refused():
     """Sets of equal hashes take a time that grows with the square of their size."""
     modulus = 2**61 - 1

@@ -439,6 +439,10 @@ def test_returns_a_value_that_lies(body):
     {
         "a huge array": ("return np.zeros(2**26)", "more data than any answer needs"),
         "a huge list": ("return ['x' * 1000] * 20000", "more data than any answer needs"),
+        "hundreds of thousands of empty lists": (
+            "return [[]] * 300_000",
+            "more data than any answer needs",
+        ),
         "an array that cannot be read": (
             "class A:\n    def __array__(self, *a, **k): raise RuntimeError('no')\nreturn A()",
             "no",

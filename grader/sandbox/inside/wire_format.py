@@ -19,6 +19,11 @@ import numpy as np
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
 MAXIMUM_TREE = 16 * 2**20
 MAXIMUM_ARRAYS = 32 * 2**20
+# Of values and of containers in a tree, twice what the largest cloud has as a list of rows. Each
+# takes up to forty times the memory of its bytes.
+MAXIMUM_COMMAS = 2**20
+MAXIMUM_BRACKETS = 2**19
+MAXIMUM_GENERATORS = 100
 MAXIMUM_DEPTH = 60
 MAXIMUM_DIMENSIONS = 16
 HEADER = struct.Struct(">II")  # bytes of the tree, and of the arrays
@@ -72,7 +77,7 @@ def encode(value: object) -> bytes:
     """
     blob = bytearray()
     tree = json.dumps(_to_tree(value, blob, 0), separators=(",", ":")).encode()
-    if len(tree) > MAXIMUM_TREE:
+    if len(tree) > MAXIMUM_TREE or not _is_modest(tree):
         raise TooLarge
     return b"".join((HEADER.pack(len(tree), len(blob)), tree, blob))
 
@@ -114,8 +119,10 @@ def decode(tree: bytes, blob: bytes) -> object:
     WireError
         If the bytes are not what `encode` writes.
     """
+    if not _is_modest(tree):
+        raise WireError("more values than any answer has")
     try:
-        return _from_tree(json.loads(tree), _Blob(blob), 0)
+        return _from_tree(json.loads(tree), _Rest(blob), 0)
     except WireError:
         raise
     except Exception as error:  # hostile bytes may break json or numpy in any way they like
@@ -193,20 +200,27 @@ def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
     return {"array": [little.str, list(array.shape)]}
 
 
-class _Blob:
-    """Bytes of arrays, taken from the front: a few bytes cannot stand for many arrays."""
+class _Rest:
+    """What a message may still be made of."""
 
-    def __init__(self, data: bytes) -> None:
-        self.rest = memoryview(data)
+    def __init__(self, blob: bytes) -> None:
+        self.blob, self.generators = memoryview(blob), MAXIMUM_GENERATORS
 
     def take(self, size: int) -> memoryview:
-        if size > len(self.rest):
+        """Bytes of an array, from the front: a few cannot stand for many arrays."""
+        if size > len(self.blob):
             raise WireError("array outside its message")
-        taken, self.rest = self.rest[:size], self.rest[size:]
+        taken, self.blob = self.blob[:size], self.blob[size:]
         return taken
 
+    def take_generator(self) -> None:
+        """Making one takes as long as a hundred numbers."""
+        if not self.generators:
+            raise WireError("more generators than any answer has")
+        self.generators -= 1
 
-def _from_tree(tree: object, blob: _Blob, depth: int) -> object:
+
+def _from_tree(tree: object, rest: _Rest, depth: int) -> object:
     if depth > MAXIMUM_DEPTH + 5:
         raise WireError("nested too deeply")
     if isinstance(tree, str):
@@ -218,32 +232,33 @@ def _from_tree(tree: object, blob: _Blob, depth: int) -> object:
     ((kind, content),) = tree.items()
     if kind in ("list", "tuple"):
         flat = type(content) is list and _is_flat(content)
-        items = content if flat else [_from_tree(item, blob, depth + 1) for item in content]
+        items = content if flat else [_from_tree(item, rest, depth + 1) for item in content]
         return items if kind == "list" else tuple(items)
     if kind == "set":
-        return {_key_from_tree(item, blob, depth) for item in content}
+        return {_key_from_tree(item, rest, depth) for item in content}
     if kind == "dict":
         return {
-            _key_from_tree(key, blob, depth): _from_tree(item, blob, depth + 1)
+            _key_from_tree(key, rest, depth): _from_tree(item, rest, depth + 1)
             for key, item in content
         }
     if kind == "array":
-        return _array_from_tree(content, blob)
+        return _array_from_tree(content, rest)
     if kind == "generator":
+        rest.take_generator()
         return _generator_from(content)
     if kind == "opaque" and isinstance(content, str):
         return Opaque(known_type(content))
     raise WireError("unknown kind of value")
 
 
-def _key_from_tree(tree: object, blob: _Blob, depth: int) -> object:
-    key = _from_tree(tree, blob, depth + 1)
+def _key_from_tree(tree: object, rest: _Rest, depth: int) -> object:
+    key = _from_tree(tree, rest, depth + 1)
     if not isinstance(key, (*_SCALARS, Opaque)):
         raise WireError("unknown kind of key")
     return key
 
 
-def _array_from_tree(content: list, blob: _Blob) -> np.ndarray:
+def _array_from_tree(content: list, rest: _Rest) -> np.ndarray:
     dtype, shape = content
     # A list, because numpy reads types out of the strangest texts.
     if dtype not in PLAIN_TYPES:
@@ -251,7 +266,7 @@ def _array_from_tree(content: list, blob: _Blob) -> np.ndarray:
     if not isinstance(shape, list) or not _is_possible(shape):
         raise WireError("array of impossible shape")
     dtype = np.dtype(dtype)
-    return np.frombuffer(bytearray(blob.take(math.prod(shape) * dtype.itemsize)), dtype).reshape(
+    return np.frombuffer(bytearray(rest.take(math.prod(shape) * dtype.itemsize)), dtype).reshape(
         shape
     )
 
@@ -290,6 +305,14 @@ def _is_possible(shape: Sequence[int]) -> bool:
     )
 
 
+def _is_modest(tree: bytes) -> bool:
+    """Whether a tree has no more values than answers have; those in its texts count, too."""
+    return (
+        tree.count(b",") <= MAXIMUM_COMMAS
+        and tree.count(b"[") + tree.count(b"{") <= MAXIMUM_BRACKETS
+    )
+
+
 def _is_small(value: object) -> bool:
     return isinstance(value, int) and -(2**63) <= value < 2**63
 
@@ -307,7 +330,7 @@ def _is_flat(values: Sequence) -> bool:
 
 def _writable_text(text: str) -> str:
     """The text without half characters, which no file could hold."""
-    return text.encode("utf-8", "replace").decode()
+    return text if text.isascii() else text.encode("utf-8", "replace").decode()
 
 
 def known_type(name: object) -> str:
