@@ -50,11 +50,11 @@ EQUIVALENT = PROJECT / "tests" / "mutants.txt"
 TESTS = {
     "grader/judging/points.py": ("test_points.py",),
     "grader/judging/marks.py": ("test_asking.py",),
-    "grader/judging/results.py": ("test_verdicts_reached.py", "test_repair.py"),
+    "grader/judging/results.py": ("test_verdicts_reached.py", "test_proven.py"),
     "grader/judging/followed.py": ("test_rules.py",),
     "grader/judging/asking.py": ("test_asking.py",),
-    "grader/judging/repair.py": ("test_repair.py",),
-    "grader/judging/explained.py": ("test_repair.py",),
+    "grader/judging/repair.py": ("test_proven.py",),
+    "grader/judging/explained.py": ("test_proven.py",),
     "grader/judging/trial.py": ("test_asking.py", "test_verdicts_reached.py"),
     "grader/judging/judge.py": ("test_verdicts_reached.py",),
     "grader/judging/key.py": ("test_key.py",),
@@ -226,15 +226,20 @@ def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
     return functions
 
 
-def become(mutant: Mutant, functions: dict[str, CodeType]) -> None:
-    """Let functions that are there do what they do in a mutant, and forget what they know."""
-    path = str(PROJECT / mutant.module)
-    for function in gc.get_objects():
-        if isinstance(function, FunctionType) and function.__code__.co_filename == path:
-            function.__code__ = functions.get(function.__qualname__, function.__code__)
-    for known in vars(sys.modules[_module_name(mutant.module)]).values():
+def become(module: str, now: list[FunctionType], functions: dict[str, CodeType]) -> None:
+    """Let functions of a module do what they do in a mutant, and forget what they know."""
+    for function in now:
+        function.__code__ = functions.get(function.__qualname__, function.__code__)
+    for known in vars(sys.modules[_module_name(module)]).values():
         if hasattr(known, "cache_clear"):
             known.cache_clear()
+
+
+def functions_of(module: str) -> list[FunctionType]:
+    """All functions of a module that there are, the decorated ones, too."""
+    functions = (one for one in gc.get_objects() if isinstance(one, FunctionType))
+    path = str(PROJECT / module)
+    return [function for function in functions if function.__code__.co_filename == path]
 
 
 def forget_ours() -> None:
@@ -278,10 +283,13 @@ class Trying:
         self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
     ) -> None:
         self.module, self.mutants, self.folder, self.report = module, mutants, folder, report
+        self.functions: list[FunctionType] = []
         self.runs: dict[str, Run] = {}
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Run nothing here: all happens in forks."""
+        self.functions = functions_of(self.module)
+        gc.freeze()  # looking through all objects in a fork would copy them
         self.runs = self._in_a_fork(session)
         for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
             self.report(mutant, outcome)
@@ -332,14 +340,14 @@ class Trying:
         wall = 60 + 6 * sum(self.runs[item.nodeid].wall for item in items)
         work = functools.partial(self._ask_anew, mutant)
         if functions:
-            work = functools.partial(self._ask, items, mutant, functions)
+            work = functools.partial(self._ask, items, functions)
         return begin(work, seconds, f"{self.folder}/{mutant.digest}"), wall
 
     def _shortest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
         return sorted(items, key=lambda item: self.runs[item.nodeid].seconds)
 
-    def _ask(self, items: list[pytest.Item], mutant: Mutant, functions: dict[str, CodeType]) -> int:
-        become(mutant, functions)
+    def _ask(self, items: list[pytest.Item], functions: dict[str, CodeType]) -> int:
+        become(self.module, self.functions, functions)
         return first_failure(items)
 
     def _ask_anew(self, mutant: Mutant) -> int:

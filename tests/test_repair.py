@@ -2,26 +2,15 @@
 
 import json
 
-import pytest
-
-from grader.course import rules
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
 from grader.intake.handed_in import HandedIn
 from grader.judging import repair, results
-from grader.judging.followed import Followed
 from grader.judging.judge import judge_handed_in
-from grader.judging.trial import Asked, Setting
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.lms.autograded import score_output
 from grader.sandbox import Limits
-from grader.sandbox.failures import StudentError
-from grader.sandbox.program import Program
 from tests.test_slips import solution_of
-from utils.checks import Check
-from utils.checks.diagnosis import Mistake
-from utils.checks.failures import CheckFailed
-from utils.checks.outcomes import Outcome
 
 SEED = 23
 LINE = find_lesson("02_ransac_line")
@@ -152,66 +141,3 @@ def test_a_course_may_do_without(sandbox, monkeypatch):
     _, exercises = judged(sandbox, line_through=WITH_A_WRONG_SIGN)
     assert exercises["line_through"].slip is None
     assert exercises["line_through"].score < 1
-
-
-@pytest.mark.parametrize("earned", [0.0, 2.99, 3.0, 3.01, 4.87])
-def test_a_slip_never_takes(earned):
-    found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned)
-    assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))
-
-
-# ---- whose answers are tried, with nobody asked -------------------------------------------------
-
-
-def outcomes_of(exercise, *failures):
-    return tuple(
-        Outcome(Check(f"{exercise} {number}", exercise, "a title", "a hint"), failure)
-        for number, failure in enumerate(failures)
-    )
-
-
-@pytest.fixture
-def tried(monkeypatch):
-    """What `repair_of` was asked for."""
-    found = []
-
-    def repair_of(setting, program, exercise, failed):
-        found.append((program, exercise, [check.name for check in failed]))
-
-    monkeypatch.setattr(repair, "repair_of", repair_of)
-    return found
-
-
-NO = CheckFailed("no")
-HANDED_IN, MENDED = Program(("a",), ()), Program(("b",), ())
-SETTING = Setting(LINE, 1, None)
-
-
-def test_what_lost_something_is_tried_with_what_it_lost(tried):
-    asked = Asked((*outcomes_of("line_through", None, NO, NO), *outcomes_of("ransac_line", None)))
-    repair.slips_in(SETTING, HANDED_IN, asked, {})
-    assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
-
-
-def test_what_calls_a_wrong_function_is_tried_with_a_right_one(tried):
-    asked = Asked(outcomes_of("ransac_line", NO, NO, NO))
-    better = {"ransac_line": Followed(outcomes_of("ransac_line", None, NO, None), "", MENDED)}
-    repair.slips_in(SETTING, HANDED_IN, asked, better)
-    assert tried == [(MENDED, "ransac_line", ["ransac_line 1"])]
-    right = {"ransac_line": Followed(outcomes_of("ransac_line", None, None, None), "", MENDED)}
-    repair.slips_in(SETTING, HANDED_IN, asked, right)
-    assert len(tried) == 1
-
-
-def test_neither_a_stub_is_tried_nor_the_task_itself(tried):
-    stub = StudentError("line_through", "NotImplementedError")
-    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", None, stub, NO)), {})
-    asked = Asked(
-        (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO)),
-        mistakes={
-            "line_through": Mistake("This is another task.", print, is_the_task=True),
-            "ransac_line": Mistake("This is a slip.", print),
-        },
-    )
-    repair.slips_in(SETTING, HANDED_IN, asked, {})
-    assert [exercise for _, exercise, _ in tried] == ["ransac_line"]

@@ -1,0 +1,404 @@
+"""When it is proven that one thing alone is wrong, with a student made of nothing."""
+
+import functools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from grader.course import rules
+from grader.course.lessons import find_lesson
+from grader.judging import explained, repair, results
+from grader.judging.followed import Followed
+from grader.judging.trial import Asked, Setting
+from grader.sandbox import Limits
+from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.program import Program
+from utils.checks import Check
+from utils.checks.diagnosis import Mistake
+from utils.checks.failures import CheckFailed
+from utils.checks.outcomes import Outcome
+
+LINE = find_lesson("02_ransac_line")
+NO = CheckFailed("no")
+HANDED_IN, MENDED = Program(("a",), ()), Program(("b",), ())
+SETTING = Setting(LINE, 1, None)
+
+
+def outcomes_of(exercise, *failures):
+    return tuple(
+        Outcome(Check(f"{exercise} {number}", exercise, "a title", "a hint"), failure)
+        for number, failure in enumerate(failures)
+    )
+
+
+# ---- whose answers are tried --------------------------------------------------------------------
+
+
+@pytest.fixture
+def tried(monkeypatch):
+    """What `repair_of` was asked for; it finds nothing."""
+    found = []
+
+    def repair_of(setting, program, exercise, failed):
+        found.append((program, exercise, [check.name for check in failed]))
+
+    monkeypatch.setattr(repair, "repair_of", repair_of)
+    monkeypatch.setattr(repair, "explains", lambda *about: False)
+    return found
+
+
+def test_what_lost_something_is_tried_with_what_it_lost(tried):
+    asked = Asked((*outcomes_of("line_through", None, NO, NO), *outcomes_of("ransac_line", None)))
+    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {}
+    assert tried == [(HANDED_IN, "line_through", ["line_through 1", "line_through 2"])]
+
+
+def test_what_calls_a_wrong_function_is_tried_with_a_right_one(tried):
+    asked = Asked(outcomes_of("ransac_line", NO, NO, NO))
+    better = {"ransac_line": Followed(outcomes_of("ransac_line", None, NO, None), "", MENDED)}
+    repair.slips_in(SETTING, HANDED_IN, asked, better)
+    assert tried == [(MENDED, "ransac_line", ["ransac_line 1"])]
+    right = {"ransac_line": Followed(outcomes_of("ransac_line", None, None, None), "", MENDED)}
+    repair.slips_in(SETTING, HANDED_IN, asked, right)
+    assert len(tried) == 1
+
+
+@pytest.mark.parametrize("name", ["NotImplementedError", "ImportError", "ModuleNotFoundError"])
+def test_neither_a_stub_is_tried_nor_what_is_not_allowed(tried, name):
+    stub = StudentError("line_through", name)
+    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", None, stub, NO)), {})
+    assert tried == []
+    wrong = StudentError("line_through", "KeyError")
+    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", wrong, NO)), {})
+    assert len(tried) == 1
+
+
+def slip(*about, **more):
+    return Mistake("This is a slip.", print, *about, **more)
+
+
+def test_the_task_itself_is_not_tried(tried):
+    asked = Asked(
+        (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO)),
+        mistakes={"line_through": slip(is_the_task=True), "ransac_line": slip()},
+    )
+    repair.slips_in(SETTING, HANDED_IN, asked, {})
+    assert [exercise for _, exercise, _ in tried] == ["ransac_line"]
+
+
+def test_a_course_may_do_without(tried, monkeypatch):
+    monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
+    repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", NO)), {})
+    assert tried == []
+
+
+def test_what_no_edit_mends_a_named_mistake_may_explain(tried, monkeypatch):
+    asked_for = []
+
+    def explains(setting, program, exercise, mistake, lost):
+        asked_for.append((setting, program, exercise, {check.name for check in lost}))
+        return mistake is named
+
+    monkeypatch.setattr(repair, "explains", explains)
+    named, other = slip(), slip()
+    outcomes = (*outcomes_of("line_through", NO, None, NO), *outcomes_of("ransac_line", NO))
+    asked = Asked(outcomes, mistakes={"line_through": named, "ransac_line": other})
+    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"line_through": named}
+    assert asked_for == [
+        (SETTING, HANDED_IN, "line_through", {"line_through 0", "line_through 2"}),
+        (SETTING, HANDED_IN, "ransac_line", {"ransac_line 0"}),
+    ]
+    # What was answered with a wrong helper explains nothing about answers with a right one.
+    better = {"line_through": Followed(outcomes_of("line_through", NO), "", MENDED)}
+    assert repair.slips_in(SETTING, HANDED_IN, asked, better) == {}
+
+
+def test_an_edit_goes_before_a_named_mistake(monkeypatch):
+    found = repair.Repair(1, 2, "a", "b")
+    monkeypatch.setattr(repair, "repair_of", lambda *about: found)
+    asked = Asked(outcomes_of("line_through", NO), mistakes={"line_through": slip()})
+    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"line_through": found}
+    assert repair.Repair.__dataclass_params__.frozen
+
+
+# ---- which edits pass what an answer failed -----------------------------------------------------
+
+
+class Edited:
+    """A student of whom it is said what fails: before any edit, and with each.
+
+    Parameters
+    ----------
+    fails : list of str
+        Letters of what fails before any edit, and with edit 0, 1, …: "e" the edit itself, "a" and
+        "b" two shown questions, "x" and "y" two hidden ones.
+    seconds : float
+        Of the processor, for each edit that is tried.
+    """
+
+    def __init__(self, fails, seconds=0.0, stops=False):
+        self.fails, self.seconds, self.stops = fails, seconds, stops
+        self.now, self.tried, self.hidden_made = fails[0], 0, 0
+        self.edits = [(1, number, number, f"edit {number}") for number in range(len(fails) - 1)]
+
+    def __call__(self, program, sandbox, limits, budget, counted_as):
+        self.program, self.limits, self.budget, self.counted_as = (
+            program,
+            limits,
+            budget,
+            counted_as,
+        )
+        return self
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *about):
+        self.closed = True
+
+    def start(self):
+        if self.stops:
+            raise StudentStopped("It takes too long.")
+
+    @property
+    def cpu_seconds(self):
+        return self.seconds * self.tried
+
+    def edit(self, number):
+        self.tried += 1
+        self.now = self.fails[number + 1]
+        self.answer("e")
+
+    def answer(self, letter):
+        if letter in self.now:
+            raise NO
+
+    def questions(self, letters):
+        return tuple(functools.partial(self.answer, letter) for letter in letters)
+
+    def hidden(self, lesson, student, seed, failed):
+        assert (lesson, student, seed) == (LINE, self, 1)
+        self.hidden_made += 1
+        return self.questions("xy")
+
+
+@pytest.fixture
+def passing(monkeypatch):
+    """A function that gives the numbers of the edits of a student that pass."""
+
+    def passing(student, shown="ab", limits=None):
+        monkeypatch.setattr(repair, "Student", student)
+        monkeypatch.setattr(repair, "shown_questions", lambda *about: student.questions(shown))
+        monkeypatch.setattr(repair, "hidden_questions", student.hidden)
+        # Half of the time goes by out here.
+        monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
+        setting = Setting(LINE, 1, None, limits)
+        found = list(repair._passing(setting, HANDED_IN, "line_through", ()))
+        assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
+        return [number for _, number, _, _ in found]
+
+    return passing
+
+
+def test_an_edit_passes_what_was_failed_shown_and_hidden(passing):
+    student = Edited(["abxy", "e", "a", "b", "x", "y", "", "abxy"])
+    assert passing(student) == [5]
+    assert student.hidden_made == 1 and student.tried == 7
+    assert (student.program, student.counted_as) == (HANDED_IN, "line_through")
+    assert student.exercise == "line_through"
+    assert passing(Edited(["xy", "x", ""]), shown="") == [1]
+
+
+def test_hidden_questions_are_made_where_shown_ones_are_passed(passing):
+    student = Edited(["abxy", "a", "b", "e"])
+    assert passing(student) == [] and student.hidden_made == 0
+
+
+def test_who_answers_otherwise_when_asked_again_gets_no_more_throws(passing):
+    student = Edited(["bxy", "", ""])
+    assert passing(student) == [] and student.tried == 0
+    assert passing(Edited(["axy", ""])) == [0]  # not all are asked again
+
+
+def test_of_edits_that_pass_three_are_judged(passing):
+    student = Edited(["abxy", "", "a", "", "", "", ""])
+    assert passing(student) == [0, 2, 3] and student.tried == 4
+
+
+def test_edits_of_an_exercise_have_a_second_between_them(passing):
+    student = Edited(["abxy"] * 200, 0.02)  # and as much out here
+    assert passing(student) == [] and student.tried == 2 * repair.LOOK_AFTER
+    student = Edited(["abxy"] * 100, 0.001)
+    assert passing(student) == [] and student.tried == 99
+
+
+def test_each_call_has_the_time_of_a_right_answer(passing):
+    student = Edited(["abxy", ""])
+    passing(student)
+    limits = Limits(call_seconds=repair.SECONDS_OF_A_CALL, total_seconds=repair.MOST_SECONDS)
+    assert student.limits == limits and 0.1 < limits.call_seconds < 1
+    assert student.budget.seconds == repair.MOST_SECONDS
+    passing(student, limits=Limits(call_seconds=0.1, memory=7))
+    assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
+
+
+def test_a_notebook_that_does_not_start_has_no_edits(passing):
+    assert passing(Edited(["abxy", ""], stops=True)) == []
+
+
+# ---- which edit makes an answer right -----------------------------------------------------------
+
+PROGRAM = Program(("import numpy", "first\nsecond\nthird\nfourth"), ("line_through",))
+
+
+@pytest.fixture
+def judged_as(monkeypatch):
+    """A function that looks for a repair where three edits are judged so; what was asked."""
+
+    def judged_as(*tries):
+        asked, waiting = [], list(tries)
+
+        def ask(setting, program, wanted):
+            names = ("line", "line_through", "ransac_line")
+            checks = [Check("a", "".join(name), "a title", "a hint") for name in names]
+            asked.append((program.cells, [check.exercise for check in checks if wanted(check)]))
+            return waiting.pop(0)
+
+        edits = [(2, 2, 3, "mended"), (2, 1, 1, "1st\nhalf"), (2, 4, 4, "4th")]
+        monkeypatch.setattr(repair, "ask", ask)
+        monkeypatch.setattr(repair, "_passing", lambda *about: iter(edits))
+        return repair.repair_of(SETTING, PROGRAM, "".join(["line_", "through"]), ()), asked
+
+    return judged_as
+
+
+RIGHT, WRONG = (Asked(outcomes_of("line_through", None, failure)) for failure in (None, NO))
+
+
+def test_the_edit_that_loses_nothing_is_the_one(judged_as):
+    found, asked = judged_as(RIGHT)
+    assert found == repair.Repair(2, 2, "second\nthird", "mended")
+    assert asked == [(("import numpy", "first\nmended\nfourth"), ["line_through"])]
+    found, asked = judged_as(WRONG, RIGHT)
+    assert found == repair.Repair(2, 1, "first", "1st\nhalf")
+    assert [cells[1] for cells, _ in asked] == [
+        "first\nmended\nfourth",
+        "1st\nhalf\nsecond\nthird\nfourth",
+    ]
+
+
+def test_what_could_not_be_asked_proves_nothing(judged_as):
+    found, _ = judged_as(Asked((), fault="pytest ran 0 of 9 tests"), WRONG, WRONG)
+    assert found is None
+
+
+# ---- what a named mistake explains --------------------------------------------------------------
+
+
+class Answering:
+    """A student whose `line_through` is this function, and `helper` another one."""
+
+    def __init__(self, function):
+        self.line_through, self.helper = function, print
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *about):
+        pass
+
+
+QUESTIONS = (3, 4, -5)
+CHECKS = [Check(f"check {one}", "line_through", "a title", "a hint") for one in QUESTIONS]
+OTHERS = [Check("check", name, "a title", "a hint") for name in ("line", "ransac_line")]
+
+
+@pytest.fixture
+def explains(monkeypatch):
+    """Whether a mistake explains what a function answers; the right answer is the number."""
+
+    def explains(function, mistaken, lost, played=True):
+        def run_tests(lesson, student, seed, wanted):
+            assert (lesson, seed, student.helper) == (LINE, 1, print)
+            assert [check for check in OTHERS if wanted(check)] == []
+            assert [check for check in CHECKS if wanted(check)] == CHECKS
+            student.exercise = "line_through"
+            answers = [student.line_through(one, scale=1) for one in QUESTIONS]
+            student.close()
+            return [
+                Outcome(check, None if answer == one else NO)
+                for check, answer, one in zip(CHECKS, answers, QUESTIONS, strict=True)
+            ]
+
+        def player_of(exercise, mistake, right):
+            assert (exercise, right) == ("line_through", "the solution")
+            player = SimpleNamespace(plays=mistaken, same=lambda one, other: one == other)
+            return player if played else None
+
+        student = Answering(function)
+        monkeypatch.setattr(explained, "Student", lambda *about: student)
+        monkeypatch.setattr(explained, "run_tests", run_tests)
+        monkeypatch.setattr(explained, "player_of", player_of)
+        monkeypatch.setattr(explained, "_solution", lambda *about: "the solution")
+        checks = frozenset(CHECKS[number] for number in lost)
+        name = "".join(["line", "_through"])
+        found = explained.explains(SETTING, HANDED_IN, name, slip(), checks)
+        assert type(found) is bool
+        return found
+
+    return explains
+
+
+def without_sign(number, scale):
+    return abs(number) * scale
+
+
+def doubled(number, scale):
+    return 2 * number * scale
+
+
+def half_without_sign(number, scale):
+    """Wrong at the same question, and with another answer."""
+    return abs(number) + (number < 0)
+
+
+def test_a_mistake_explains_who_answers_as_it_does(explains):
+    assert explains(without_sign, without_sign, lost=[2])
+    assert explains(doubled, doubled, lost=[0, 1, 2])
+
+
+def test_who_answers_otherwise_is_not_explained(explains):
+    assert not explains(half_without_sign, without_sign, lost=[2])
+
+
+@pytest.mark.parametrize("lost", [[], [1], [1, 2], [0, 1, 2]])
+def test_nor_is_who_lost_other_checks_than_the_mistake_loses(explains, lost):
+    assert not explains(without_sign, without_sign, lost)
+
+
+@pytest.mark.parametrize(
+    "answers", [lambda number, scale: -7, lambda number, scale: number, doubled]
+)
+def test_nor_is_who_loses_others_when_asked_again(explains, answers):
+    assert not explains(answers, without_sign, lost=[2])
+
+
+def test_what_is_no_function_of_its_arguments_explains_nothing(explains):
+    assert not explains(without_sign, without_sign, lost=[2], played=False)
+
+
+def test_the_solution_is_the_lessons_own_and_made_once():
+    line_through = explained._solution(LINE, "line_through")
+    a, b, c = line_through(np.array([1.0, 2.0]), np.array([4.0, 6.0]))
+    np.testing.assert_allclose([a + 2 * b + c, 4 * a + 6 * b + c], 0, atol=1e-12)
+    assert explained._solution(LINE, "line_through") is line_through
+
+
+# ---- what a slip keeps --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("earned", [0.0, 2.99, 3.0, 3.01, 4.87])
+def test_a_slip_never_takes(earned):
+    found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned)
+    assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))
