@@ -230,6 +230,12 @@ def _feedback(kinds: argparse._SubParsersAction) -> None:
     feedback.set_defaults(run=commands.run_feedback)
 
 
+def _similarity(kinds: argparse._SubParsersAction) -> None:
+    similarity = kinds.add_parser("similarity", help="which answers of a stage are alike?")
+    similarity.add_argument("stage", metavar="STAGE", help="such as stage3_obstacles")
+    similarity.set_defaults(run=commands.run_similarity)
+
+
 def _doctor(kinds: argparse._SubParsersAction) -> None:
     doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
     add_workers(doctor)
@@ -264,6 +270,7 @@ COMMANDS = (
     _report,
     _export,
     _feedback,
+    _similarity,
     _doctor,
     _demo,
 )

@@ -254,6 +254,29 @@ def run_feedback(options: argparse.Namespace) -> int:
     return FAULT if any(one.left for one in done) else GOOD
 
 
+def run_similarity(options: argparse.Namespace) -> int:
+    """Run ``similarity STAGE``."""
+    from grader.classroom.similarity.page import write_similarity
+    from grader.classroom.similarity.stage import compare_stage
+
+    if not are_stages([options.stage]):
+        return WRONG_CALL
+    course = Course()
+    with console.progress_bar("Comparing") as advance:
+        compared = compare_stage(course, options.stage, advance)
+    if len(compared.students) < 2:
+        print(
+            f"There are no two students to compare in {course.submitted}/<student>/"
+            f"{options.stage}/. Put their notebooks there, as for grade.",
+            file=sys.stderr,
+        )
+        return WRONG_CALL
+    path = write_similarity(course, compared)
+    console.print_similarity(compared)
+    print(f"Side by side: {path}")
+    return GOOD
+
+
 def run_doctor(options: argparse.Namespace) -> int:
     """Run ``doctor``."""
     from grader.classroom.doctor import examine

@@ -18,6 +18,7 @@ from rich.table import Table
 if TYPE_CHECKING:
     from grader.classroom.collect.collecting import Outcome, Question
     from grader.classroom.doctor import Finding
+    from grader.classroom.similarity.stage import StageComparison
     from grader.classroom.submissions import Submission
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import Exported
@@ -124,6 +125,32 @@ def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
             _first_fault(verdicts.values()),
         )
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
+
+
+def print_similarity(compared: StageComparison, most: int = 10) -> None:
+    """Print which answers of a stage are alike, the most unusual first."""
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    for same in compared.same_files:
+        how = "the same file" if same.to_the_byte else "the same cells"
+        console.print(plain(f"{same.lesson}, {how}: {', '.join(same.students)}"), markup=False)
+    pairs = compared.pairs
+    if not pairs:
+        console.print("No two answers are alike enough to be named.")
+        return
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("Students")
+    table.add_column("Alike, of what is unusual in the two")
+    table.add_column("With others, at most", justify="right")
+    for pair in pairs[:most]:
+        table.add_row(
+            escape(plain(" and ".join(pair.students))),
+            "\n".join(f"{one.exercise} {one.share:.0%}" for one in pair.pairs),
+            "\n".join(f"{one.nearest[0]:.0%}" for one in pair.pairs),
+        )
+    console.print(table)
+    if len(pairs) > most:
+        console.print(f"and {len(pairs) - most} more pairs.")
+    console.print("This is what is alike, and not how that came about: ask them.")
 
 
 def print_unaccounted(files: Sequence[tuple[Path, str]], most: int = 20) -> None:

@@ -1,7 +1,8 @@
 """Answers that students give: right ones in many styles, wrong ones from real mistakes.
 
 They lie in ``grader/variants/<exercise>.py``, one after another, each under a line such as
-``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A wrong one goes on with
+``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right one that does what
+the lesson's hints say is called so: ``the hints followed to the letter``. A wrong one goes on with
 ``# loses:`` (the checks that it fails, among others; with ``# loses only:`` no others),
 ``# says:`` (words that the message of one of them holds) and ``# told:`` (words of the mistake
 that is told; without that line, none may be told). The tests grade them all; the demo gives them
@@ -30,6 +31,11 @@ class Variant:
     says: str
     loses_only: bool
     told: str
+
+    @property
+    def follows_hints(self) -> bool:
+        """Whether it is what the lesson's own hints lead to."""
+        return self.right and "the hints" in self.name
 
 
 def variants_of(exercise: str) -> tuple[Variant, ...]:

@@ -1,0 +1,217 @@
+"""A function without what is easily changed: a step for each statement, in words.
+
+Gone are comments, layout, docstrings, annotations, the spelling of numbers, `print`, `pass`, and
+all names but those of the function's parameters, of modules and what is theirs, and of given
+functions. The same are ``x += 1`` and ``x = x + 1``, ``a > b`` and ``b < a``, ``a + b`` and
+``b + a``, ``a, b = 1, 2`` and two lines, a `for` loop and a `while` loop that counts.
+
+Text of strangers is read here, which is done in a process of its own: `grader.intake.apart`.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+_BUILTINS = frozenset(dir(builtins))
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_LOOPS = (ast.For, ast.AsyncFor, ast.While)
+_COMMUTATIVE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
+_MIRRORED = {ast.Gt: ast.Lt, ast.GtE: ast.LtE}
+_SILENT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One statement; of one that holds others, its head.
+
+    Attributes
+    ----------
+    words : tuple of str
+        What it says.
+    first, last : int
+        Its lines.
+    """
+
+    words: tuple[str, ...]
+    first: int
+    last: int
+
+
+def steps_of(
+    node: ast.stmt, known: Mapping[str, str], parameters: Sequence[str] = ()
+) -> Iterator[Step]:
+    """The steps of a function or of another statement, from top to bottom.
+
+    Parameters
+    ----------
+    node : ast.stmt
+    known : dict of str to str
+        What names stand for that are not the author's own: modules and given functions.
+    parameters : sequence of str
+        Names of the function's parameters: each is known by its place.
+
+    Yields
+    ------
+    Step
+    """
+    places = {name: f"parameter {place}" for place, name in enumerate(parameters)}
+    return _Reader({**known, **places}).steps([node])
+
+
+class _Reader:
+    """Reads statements with one meaning of names."""
+
+    def __init__(self, known: Mapping[str, str]) -> None:
+        self.known = known
+
+    def steps(self, body: Iterable[ast.stmt]) -> Iterator[Step]:
+        for node in body:
+            if not _says_nothing(node):
+                yield from self._steps(node)
+
+    def _steps(self, node: ast.stmt) -> Iterator[Step]:
+        if isinstance(node, _FUNCTIONS):
+            yield from self.steps(node.body)
+        elif isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
+            for target, value in _assignments(node):
+                yield self._step(node, node, "set", target, value)
+        elif isinstance(node, _LOOPS):
+            yield from self._loop(node)
+        elif isinstance(node, ast.If):
+            yield self._step(node, node.test, "if", node.test)
+            yield from self.steps([*node.body, *node.orelse])
+        elif isinstance(node, (ast.With, ast.AsyncWith)):
+            yield self._step(node, node.items[-1].context_expr, "with", *node.items)
+            yield from self.steps(node.body)
+        elif isinstance(node, ast.ClassDef):
+            yield Step(("class",), node.lineno, node.lineno)
+            yield from self.steps(node.body)
+        elif isinstance(node, ast.Try):
+            handled = [inner for handler in node.handlers for inner in handler.body]
+            yield from self.steps([*node.body, *handled, *node.orelse, *node.finalbody])
+        elif isinstance(node, ast.Expr):
+            yield self._step(node, node, "do", node.value)
+        else:
+            yield self._step(node, node, type(node).__name__, *ast.iter_child_nodes(node))
+
+    def _step(self, node: ast.stmt, end: ast.AST, kind: str, *parts: ast.AST) -> Step:
+        words = [kind, *(word for part in parts for word in self._words(part))]
+        return Step(tuple(words), node.lineno, end.end_lineno)
+
+    def _loop(self, node: ast.For | ast.AsyncFor | ast.While) -> Iterator[Step]:
+        body, counted = node.body, None
+        if isinstance(node, ast.While):
+            end, head = node.test, [node.test]
+            counted = _counted(node)
+            if counted is not None:
+                head = [node.test.left, counted]
+                body = node.body[:-1]
+        else:
+            end, head = node.iter, [node.target, node.iter]
+        yield self._step(node, end, "loop", *head)
+        yield from self.steps([*body, *node.orelse])
+
+    def _words(self, node: ast.AST) -> list[str]:
+        if isinstance(node, ast.Name):
+            return [self._name(node.id)]
+        if isinstance(node, ast.Constant):
+            return [_constant(node.value)]
+        if isinstance(node, ast.Attribute):
+            dotted = self._dotted(node)
+            return [dotted] if dotted else [*self._words(node.value), f".{node.attr}"]
+        if isinstance(node, ast.Call):
+            named = sorted([f"{one.arg}=", *self._words(one.value)] for one in node.keywords)
+            return ["call", *self._all([node.func, *node.args]), *chain(*named), "end"]
+        if isinstance(node, ast.BinOp):
+            sides = [self._words(node.left), self._words(node.right)]
+            if isinstance(node.op, _COMMUTATIVE):
+                sides.sort()
+            return [type(node.op).__name__, *sides[0], *sides[1]]
+        if isinstance(node, ast.BoolOp):
+            return [type(node.op).__name__, *chain(*sorted(map(self._words, node.values)))]
+        if isinstance(node, ast.Compare) and len(node.ops) == 1:
+            return self._comparison(node.left, node.ops[0], node.comparators[0])
+        if isinstance(node, (ast.expr_context, ast.arguments)):
+            return []
+        return [type(node).__name__, *self._all(ast.iter_child_nodes(node))]
+
+    def _all(self, nodes: Iterable[ast.AST]) -> list[str]:
+        return [word for node in nodes for word in self._words(node)]
+
+    def _comparison(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> list[str]:
+        kind = type(operator)
+        if kind in _MIRRORED:
+            left, kind, right = right, _MIRRORED[kind], left
+        sides = [self._words(left), self._words(right)]
+        if kind in (ast.Eq, ast.NotEq):
+            sides.sort()
+        return [kind.__name__, *sides[0], *sides[1]]
+
+    def _dotted(self, node: ast.expr) -> str:
+        """``numpy.linalg.norm`` for ``np.linalg.norm``; empty where no module begins it."""
+        if isinstance(node, ast.Attribute):
+            before = self._dotted(node.value)
+            return before and f"{before}.{node.attr}"
+        is_module = isinstance(node, ast.Name) and not self._name(node.id).startswith("parameter")
+        return self.known.get(node.id, "") if is_module else ""
+
+    def _name(self, name: str) -> str:
+        return self.known.get(name) or (name if name in _BUILTINS else "name")
+
+
+def _assignments(
+    node: ast.Assign | ast.AnnAssign | ast.AugAssign,
+) -> Iterator[tuple[ast.expr, ast.expr]]:
+    """What is set to what, one by one."""
+    if isinstance(node, ast.AugAssign):
+        yield node.target, ast.BinOp(node.target, node.op, node.value)
+        return
+    for target in getattr(node, "targets", None) or [node.target]:
+        several = isinstance(target, (ast.Tuple, ast.List)) and isinstance(
+            node.value, (ast.Tuple, ast.List)
+        )
+        left, right = (target.elts, node.value.elts) if several else ([target], [node.value])
+        if len(left) != len(right) or any(isinstance(one, ast.Starred) for one in left + right):
+            left, right = [target], [node.value]
+        yield from zip(left, right, strict=True)
+
+
+def _counted(node: ast.While) -> ast.expr | None:
+    """``range(n)``, where a loop is ``while i < n`` and ends in ``i += 1``."""
+    test, last = node.test, node.body[-1]
+    if (
+        isinstance(test, ast.Compare)
+        and isinstance(test.left, ast.Name)
+        and isinstance(test.ops[0], ast.Lt)
+        and len(test.ops) == 1
+        and isinstance(last, (ast.AugAssign, ast.Assign))
+    ):
+        ((target, value),) = list(_assignments(last))[:1]
+        if ast.unparse(target) == test.left.id and ast.unparse(value) == f"{test.left.id} + 1":
+            return ast.Call(ast.Name("range"), [test.comparators[0]], [])
+    return None
+
+
+def _constant(value: object) -> str:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        try:
+            return repr(float(value))
+        except OverflowError:
+            return "a large number"
+    return type(value).__name__ if isinstance(value, (str, bytes)) else repr(value)
+
+
+def _says_nothing(node: ast.stmt) -> bool:
+    if isinstance(node, ast.AnnAssign):
+        return node.value is None
+    if not isinstance(node, ast.Expr):
+        return isinstance(node, _SILENT)
+    value = node.value
+    called = value.func if isinstance(value, ast.Call) else None
+    return isinstance(value, ast.Constant) or (
+        isinstance(called, ast.Name) and called.id in ("print", "display")
+    )

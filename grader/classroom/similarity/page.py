@@ -1,0 +1,120 @@
+"""The page on which a person compares: what is alike, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from grader.classroom.pages import render
+from grader.classroom.similarity.answers import Answer
+from grader.classroom.similarity.comparing import Pair
+from grader.classroom.similarity.stage import StageComparison
+from grader.course.paths import Course
+from grader.judging.verdict import write_atomically
+
+MOST_PAIRS = 50
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of two answers: its lines, and of each whether the other has the like."""
+
+    student: str
+    lines: tuple[tuple[str, bool], ...]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A function of two students."""
+
+    exercise: str
+    sentences: tuple[str, ...]
+    sides: tuple[Side, Side]
+
+
+@dataclass(frozen=True)
+class ShownPair:
+    """Two students with all their functions that are alike."""
+
+    students: tuple[str, str]
+    pairs: tuple[Pair, ...]
+    shown: tuple[Shown, ...]
+
+
+def similarity_page(course: Course, stage: str) -> Path:
+    """Where the page on a stage lies."""
+    return course.report / f"similarity_{stage}.html"
+
+
+def write_similarity(course: Course, compared: StageComparison) -> Path:
+    """Write the page; returns where it lies."""
+    pairs = compared.pairs
+    shown = [
+        ShownPair(pair.students, pair.pairs, tuple(_shown(one, compared) for one in pair.pairs))
+        for pair in pairs[:MOST_PAIRS]
+    ]
+    page = render(
+        "similarity.html",
+        compared=compared,
+        pairs=shown,
+        more=len(pairs) - len(shown),
+        made=datetime.now().strftime("%d %B %Y, %H:%M"),
+        percent=percent,
+    )
+    path = similarity_page(course, compared.stage)
+    write_atomically(page, path)
+    return path
+
+
+def percent(share: float) -> str:
+    """A share in words; only what is whole is 100 %, only what is nothing 0 %."""
+    if 0 < share < 1:
+        share = min(max(share, 0.01), 0.99)
+    return f"{100 * share:.0f} %"
+
+
+def _shown(pair: Pair, compared: StageComparison) -> Shown:
+    answers = [compared.answers[pair.exercise, student] for student in pair.students]
+    sides = (
+        Side(student, _lines(answer, alike))
+        for student, answer, alike in zip(pair.students, answers, pair.alike, strict=True)
+    )
+    return Shown(pair.exercise, tuple(_sentences(pair, *answers)), tuple(sides))
+
+
+def _lines(answer: Answer, alike: frozenset[int]) -> tuple[tuple[str, bool], ...]:
+    steps = (answer.steps[place] for place in alike)
+    marked = {line for step in steps for line in range(step.first, step.last + 1)}
+    return tuple(
+        (line, number in marked) for number, line in enumerate(answer.text.split("\n"), start=1)
+    )
+
+
+def _sentences(pair: Pair, one: Answer, other: Answer) -> Iterator[str]:
+    """What is alike, and how unusual that is in this class."""
+    counts = [
+        f"{len(alike)} of {steps} steps of {student}"
+        for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
+    ]
+    yield f"Alike are {counts[0]}, and {counts[1]}. {_how(one, other)}"
+    in_class, kept = pair.others
+    beside = f" and {kept} right answers that are kept with the course" if kept else ""
+    yield (
+        f"{pair.alone or 'None'} of these steps stand in no other answer, of {in_class} in this "
+        f"class{beside}. Of all that is unusual in the two, {percent(pair.share)} is in both. "
+        f"With anybody else it is {percent(pair.nearest[0])} at most"
+        f"{f', with a kept answer {percent(pair.nearest[1])}' if kept else ''}."
+    )
+
+
+def _how(one: Answer, other: Answer) -> str:
+    """In what way two answers are the same; they are alike in any case."""
+    if one.text == other.text:
+        return "They are the same letter for letter, comments included."
+    if one.code == other.code:
+        return "They are the same but for comments and layout."
+    if [step.words for step in one.steps] == [step.words for step in other.steps]:
+        return "Step by step they are the same, but for names and the like."
+    return "They are marked."

@@ -1,0 +1,177 @@
+"""All students' functions of a stage, compared with each other."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from grader.classroom.similarity.answers import (
+    Answer,
+    Work,
+    kept_answers,
+    taught_answers,
+    work_in,
+)
+from grader.classroom.similarity.comparing import Comparison, Pair, compare
+from grader.classroom.submissions import Submission, find_submissions
+from grader.course.lessons import all_lessons
+from grader.course.paths import Course
+from grader.intake.apart import ReadingFailed
+from utils.notebooks.reading import UnreadableNotebook
+
+
+@dataclass(frozen=True)
+class SameFile:
+    """Students who handed in the same notebook.
+
+    Attributes
+    ----------
+    lesson : str
+    students : tuple of str
+    to_the_byte : bool
+        False where outputs or metadata differ, and only what stands in the cells is the same.
+    own, all : int
+        How many of its cells are not as they were given out, and how many it has.
+    """
+
+    lesson: str
+    students: tuple[str, ...]
+    to_the_byte: bool
+    own: int
+    all: int
+
+
+@dataclass(frozen=True)
+class PairOfStudents:
+    """Two students, and the exercises in which their answers are alike."""
+
+    students: tuple[str, str]
+    pairs: tuple[Pair, ...]
+
+    @property
+    def bits(self) -> float:
+        """How unusual it is to have all that in common."""
+        return sum(pair.bits for pair in self.pairs)
+
+
+@dataclass(frozen=True)
+class StageComparison:
+    """What comparing a stage came to.
+
+    Attributes
+    ----------
+    stage : str
+    students : tuple of str
+        Whose work was compared.
+    notebooks : int
+    comparisons : tuple of Comparison
+        One for each exercise that somebody wrote.
+    answers : dict of (str, str) to Answer
+        By exercise and student.
+    same_files : tuple of SameFile
+    problems : tuple of (str, str, str)
+        Student, lesson, and why something in it was not compared.
+    """
+
+    stage: str
+    students: tuple[str, ...]
+    notebooks: int
+    comparisons: tuple[Comparison, ...]
+    answers: Mapping[tuple[str, str], Answer] = field(repr=False, hash=False)
+    same_files: tuple[SameFile, ...]
+    problems: tuple[tuple[str, str, str], ...]
+
+    @property
+    def pairs(self) -> tuple[PairOfStudents, ...]:
+        """Pairs of students, the most unusual first."""
+        found: dict[tuple[str, str], list[Pair]] = {}
+        for comparison in self.comparisons:
+            for pair in comparison.pairs:
+                found.setdefault(pair.students, []).append(pair)
+        pairs = (PairOfStudents(students, tuple(mine)) for students, mine in found.items())
+        return tuple(sorted(pairs, key=lambda pair: -pair.bits))
+
+
+def compare_stage(
+    course: Course, stage: str, advance: Callable[[int, int, object], None] = lambda *_: None
+) -> StageComparison:
+    """Compare what was handed in for a stage.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    stage : str
+    advance : callable, optional
+        Is told how many notebooks are read, and of how many.
+
+    Returns
+    -------
+    StageComparison
+    """
+    submissions = find_submissions(course, [stage])
+    read: list[tuple[Submission, str, Work]] = []
+    problems = []
+    for number, submission in enumerate(submissions):
+        advance(number, len(submissions), None)
+        student, lesson = printable(submission.student), submission.lesson.name
+        handed_in = submission.read(course)
+        try:
+            work = work_in(handed_in, submission.lesson)
+        except (UnreadableNotebook, ReadingFailed) as error:
+            problems.append((student, lesson, str(error).splitlines()[0]))
+            continue
+        problems += [(student, lesson, sentence) for sentence in work.problems]
+        read.append((submission, hashlib.sha256(handed_in.data).hexdigest(), work))
+    advance(len(submissions), len(submissions), None)
+    answers = {
+        (exercise, printable(submission.student)): answer
+        for submission, _, work in read
+        for exercise, answer in work.answers.items()
+    }
+    return StageComparison(
+        stage,
+        tuple(dict.fromkeys(printable(submission.student) for submission in submissions)),
+        len(read),
+        tuple(_comparisons(stage, answers)),
+        answers,
+        tuple(_same_files(read)),
+        tuple(problems),
+    )
+
+
+def printable(student: str) -> str:
+    """A student's name as text: that of a folder need not be."""
+    return student.encode("utf-8", "replace").decode()
+
+
+def _comparisons(stage: str, answers: Mapping[tuple[str, str], Answer]) -> Iterable[Comparison]:
+    written: dict[str, dict[str, Answer]] = {}
+    for (exercise, student), answer in answers.items():
+        written.setdefault(exercise, {})[student] = answer
+    for lesson in (lesson for lesson in all_lessons() if lesson.stage == stage):
+        for name in (exercise.name for exercise in lesson.machine_graded):
+            if name in written:
+                kept, taught = kept_answers(lesson)[name], taught_answers(lesson)[name]
+                yield compare(name, written[name], kept, taught)
+
+
+def _same_files(read: Iterable[tuple[Submission, str, Work]]) -> Iterable[SameFile]:
+    files: dict[tuple[str, str], list[str]] = {}
+    sizes = {}
+    for submission, data, work in read:
+        if work.cells:
+            for digest in (data, work.cells):
+                key = submission.lesson.name, digest
+                files.setdefault(key, []).append(printable(submission.student))
+                sizes[key] = work.own, work.all, digest is data
+    told = set()
+    # Those of the same bytes come first: that their cells are the same needs no words then.
+    for key, students in sorted(
+        files.items(), key=lambda file: (file[0][0], not sizes[file[0]][2])
+    ):
+        who = key[0], frozenset(students)
+        if len(students) > 1 and who not in told:
+            told.add(who)
+            own, cells, to_the_byte = sizes[key]
+            yield SameFile(key[0], tuple(students), to_the_byte, own, cells)

@@ -1,0 +1,490 @@
+"""Which answers are alike: no false alarm on who wrote by themselves, and copies found."""
+
+import ast
+import json
+import re
+import shutil
+
+import pytest
+
+from grader import cli, commands
+from grader.classroom.similarity import comparing
+from grader.classroom.similarity.answers import (
+    answers_in,
+    kept_answers,
+    taught_answers,
+    work_in,
+)
+from grader.classroom.similarity.comparing import compare
+from grader.classroom.similarity.page import percent, write_similarity
+from grader.classroom.similarity.stage import compare_stage
+from grader.course.lessons import lesson_of
+from grader.course.paths import PROJECT, Course
+from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
+from grader.intake.handed_in import HandedIn
+
+ALL = tuple(sorted(path.stem for path in (PROJECT / "grader" / "variants").glob("*.py")))
+
+
+def answer(exercise, source):
+    found, problems = answers_in(source.split(ANOTHER_CELL), lesson_of(exercise))
+    assert not problems
+    return found.get(exercise)
+
+
+def written(exercise, right=None):
+    """The kept answers, by name: each stands for a student."""
+    found = {
+        variant.name: answer(exercise, variant.source)
+        for variant in variants_of(exercise)
+        if right in (None, variant.right)
+    }
+    return {name: one for name, one in found.items() if one}
+
+
+def compared(exercise, answers, kept=()):
+    return compare(exercise, answers, kept, taught_answers(lesson_of(exercise))[exercise])
+
+
+def names_of(comparison):
+    return {frozenset(pair.students) for pair in comparison.pairs}
+
+
+# False alarms.
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", ALL)
+def test_nobody_who_wrote_alone_is_named(exercise, monkeypatch):
+    """The right answers have each an author of their own. Nor are any two nearly named."""
+    monkeypatch.setattr(comparing, "LEAST_SHARE", comparing.LEAST_SHARE - 0.1)
+    monkeypatch.setattr(comparing, "LEAST_BITS", comparing.LEAST_BITS - 3)
+    assert compared(exercise, written(exercise, right=True)).pairs == ()
+
+
+# Wrong answers are often right ones with one change; these are each other with a change.
+CHANGED = {
+    "ransac_line": [("does not ask for None", "the two points in one array")],
+    "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
+    "filter_clusters": [
+        (
+            "labels move up while the loop walks along them",
+            "closes the gap in the loop, and stumbles over no labels",
+        )
+    ],
+    "get_oriented_boxes": [
+        (
+            "edges of the convex hull, a plain box where there is none",
+            "a convex hull where there is none",
+        )
+    ],
+    "detect_obstacles": [("boxes of the road", "the road stays in")],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", ALL)
+def test_of_the_wrong_answers_only_those_are_named_that_are_one_text_with_a_change(exercise):
+    found = names_of(compared(exercise, written(exercise)))
+    assert found <= set(map(frozenset, CHANGED.get(exercise, [])))
+
+
+def test_who_follows_the_hints_to_the_letter_is_not_named():
+    answers = written("euclidean_clustering", right=True)
+    hints = answers["the hints followed to the letter"]
+    assert len(hints.steps) > 10
+    class_ = {**answers, "bo": hints}
+    assert compared("euclidean_clustering", class_).pairs == ()
+    assert names_of(compare("euclidean_clustering", class_)), "as it would be, were it not taught"
+
+
+def test_short_answers_say_nothing_in_any_class():
+    class_ = {f"student {number}": answer("filter_ground", SHORT) for number in range(3)}
+    others = written("filter_ground")
+    comparison = compared("filter_ground", {**class_, **others})
+    assert not any(name.startswith("student") for pair in names_of(comparison) for name in pair)
+
+
+SHORT = (
+    "def filter_ground(cloud, ground_level=-1.2):\n    return cloud[~(cloud[:, 2] < ground_level)]"
+)
+
+
+def test_what_many_write_is_no_surprise():
+    answers = written("get_bounding_boxes", right=True)
+    original = answers["a dictionary of running extremes, printing and warning"]
+    few = {**answers, "copy": original}
+    many = {**few, **{f"copy {number}": original for number in range(6)}}
+    assert names_of(compared("get_bounding_boxes", few)) == {
+        frozenset({"copy", "a dictionary of running extremes, printing and warning"})
+    }
+    assert compared("get_bounding_boxes", many).pairs == ()
+
+
+# Hits.
+
+ORIGINAL = """\
+def get_bounding_boxes(cloud, cluster_labels):
+    extremes = {}
+    for point, label in zip(cloud[:, :3], cluster_labels):
+        if label <= 0:
+            continue
+        low, high = extremes.get(label, (point, point))
+        extremes[label] = np.minimum(low, point), np.maximum(high, point)
+    boxes = np.empty((len(extremes), 8, 3))
+    row = 0
+    for label in sorted(extremes):
+        low, high = extremes[label]
+        table = np.array(np.meshgrid(*zip(low, high), indexing="ij"))
+        boxes[row] = table.reshape(3, 8).T
+        row += 1
+    return boxes
+"""
+DISGUISED = {
+    "the same": ORIGINAL,
+    "other names": """\
+import numpy
+def get_bounding_boxes(points, numbers):
+    corners = {}
+    for p, n in zip(points[:, :3], numbers):
+        if n <= 0:
+            continue
+        smallest, largest = corners.get(n, (p, p))
+        corners[n] = numpy.minimum(smallest, p), numpy.maximum(largest, p)
+    result = numpy.empty((len(corners), 8, 3))
+    k = 0
+    for n in sorted(corners):
+        smallest, largest = corners[n]
+        grid = numpy.array(numpy.meshgrid(*zip(smallest, largest), indexing="ij"))
+        result[k] = grid.reshape(3, 8).T
+        k += 1
+    return result
+""",
+    "another order": """\
+def get_bounding_boxes(cloud, cluster_labels):
+    row = 0
+    extremes = {}
+    for point, label in zip(cloud[:, :3], cluster_labels):
+        if 0 >= label:
+            continue
+        low, high = extremes.get(label, (point, point))
+        extremes[label] = np.minimum(low, point), np.maximum(high, point)
+    boxes = np.empty((len(extremes), 8, 3))
+    for label in sorted(extremes):
+        low, high = extremes[label]
+        table = np.array(np.meshgrid(*zip(low, high), indexing="ij"))
+        row = 1 + row
+        boxes[row - 1] = table.reshape(3, 8).T
+    return boxes
+""",
+    "another layout, with comments": '''\
+def get_bounding_boxes(cloud: np.ndarray, cluster_labels: np.ndarray) -> np.ndarray:
+    """All of this is my own work."""
+    extremes: dict = {}          # nothing so far
+    for (point,
+         label) in zip(cloud[:, :3], cluster_labels):
+        if label <= 0.0: continue   # noise
+        low, high = extremes.get(
+            label, (point, point))
+        print("at", label)
+        extremes[label] = (np.minimum(low, point),
+                           np.maximum(high, point))
+    boxes = np.empty((len(extremes), 0x8, 3)); row = 0
+    for label in sorted(extremes):
+        (low, high) = extremes[label]
+        table = np.array(np.meshgrid(*zip(low, high), indexing='ij'))
+
+        boxes[row] = table.reshape(3, 8).T
+
+        row = row + 1
+    return (boxes)
+''',
+    "while for for": """\
+def get_bounding_boxes(cloud, cluster_labels):
+    extremes = {}
+    place = 0
+    while place < len(cloud):
+        point, label = cloud[place, :3], cluster_labels[place]
+        place += 1
+        if label <= 0:
+            continue
+        low, high = extremes.get(label, (point, point))
+        extremes[label] = np.minimum(low, point), np.maximum(high, point)
+    boxes = np.empty((len(extremes), 8, 3))
+    labels = sorted(extremes)
+    row = 0
+    while row < len(labels):
+        low, high = extremes[labels[row]]
+        table = np.array(np.meshgrid(*zip(low, high), indexing="ij"))
+        boxes[row] = table.reshape(3, 8).T
+        row += 1
+    return boxes
+""",
+    "a helper": """\
+def widened(extremes, label, point):
+    low, high = extremes.get(label, (point, point))
+    return np.minimum(low, point), np.maximum(high, point)
+
+def corners(low, high):
+    table = np.array(np.meshgrid(*zip(low, high), indexing="ij"))
+    return table.reshape(3, 8).T
+# ---- another cell ----
+def get_bounding_boxes(cloud, cluster_labels):
+    extremes = {}
+    for point, label in zip(cloud[:, :3], cluster_labels):
+        if label <= 0:
+            continue
+        extremes[label] = widened(extremes, label, point)
+    boxes = np.empty((len(extremes), 8, 3))
+    row = 0
+    for label in sorted(extremes):
+        low, high = extremes[label]
+        boxes[row] = corners(low, high)
+        row += 1
+    return boxes
+""",
+    "all at once": """\
+def grow(d, n, p):
+    # start with the point itself
+    b, a = d.get(n, (p, p))
+    return np.minimum(b, p), np.maximum(a, p)
+# ---- another cell ----
+def get_bounding_boxes(c, n):
+    i, d = 0, {}
+    while i < len(n):
+        if n[i] > 0:
+            d[n[i]] = grow(d, n[i], c[i, :3])
+        i += 1
+    k, out = 0, np.empty((len(d), 8, 3))
+    for q in sorted(d):
+        b, a = d[q]
+        t = np.array(np.meshgrid(*zip(b, a), indexing="ij"))
+        out[k] = t.reshape(3, 8).T
+        k = k + 1
+    return out
+""",
+}
+
+
+@pytest.mark.parametrize("disguise", DISGUISED)
+def test_a_copy_is_found(disguise):
+    class_ = written("get_bounding_boxes", right=True)
+    class_.pop("a dictionary of running extremes, printing and warning")  # which is this one
+    class_ |= {
+        "first": answer("get_bounding_boxes", ORIGINAL),
+        "second": answer("get_bounding_boxes", DISGUISED[disguise]),
+    }
+    assert names_of(compared("get_bounding_boxes", class_)) == {frozenset({"first", "second"})}
+
+
+def renamed(source):
+    """A copy with other names of its own, laid out anew."""
+    trees = [ast.parse(cell) for cell in source.split(ANOTHER_CELL)]
+    nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
+    own = {node.id for node in nodes if isinstance(node.ctx, ast.Store)}
+    for node in nodes:
+        node.id = f"my_{node.id}" if node.id in own else node.id
+    return ANOTHER_CELL.join(f"# mine\n{ast.unparse(tree)}\n" for tree in trees)
+
+
+# Of these a copy is not found: they do what the lesson leads to, and so may anybody.
+AS_TAUGHT = {
+    "detect_obstacles": ["the functions of the lessons, pasted into cells of their own"],
+    "euclidean_clustering": ["a queue and NumPy"],
+    "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
+    "insert": ["single precision, printing and returning the node"],
+    "principal_axes": ["eigenvectors of the covariance"],
+    "ransac_plane": ["the loop of the lesson"],
+    "search": ["a stack of places"],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", ALL)
+def test_a_copy_of_any_long_answer_is_found_and_nobody_else(exercise):
+    class_ = written(exercise, right=True)
+    missed = set()
+    for variant in variants_of(exercise):
+        if not variant.right or re.search("^%", variant.source, re.MULTILINE):
+            continue
+        copy = answer(exercise, renamed(variant.source))
+        found = names_of(compared(exercise, {**class_, "copy": copy}))
+        assert found <= {frozenset({variant.name, "copy"})}
+        if not found and statements_in(variant.source) >= 8 and not variant.follows_hints:
+            missed.add(variant.name)
+    assert missed == set(AS_TAUGHT.get(exercise, []))
+
+
+def statements_in(source):
+    cells = map(ast.parse, source.split(ANOTHER_CELL))
+    nodes = (node for cell in cells for node in ast.walk(cell))
+    named = (ast.FunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)
+    return sum(isinstance(node, ast.stmt) and not isinstance(node, named) for node in nodes)
+
+
+# What is said.
+
+
+def test_what_is_said_of_a_pair_is_counted():
+    others = {
+        "ada": "def f(a):\n    return a",
+        "bo": ORIGINAL,
+        "cy": ORIGINAL.replace("row += 1", "row = row + 1  # next"),
+    }
+    answers = {name: answer("get_bounding_boxes", text) for name, text in others.items()}
+    assert answers.pop("ada") is None, "nobody wrote it"
+    answers["dee"] = answer(
+        "get_bounding_boxes", "def get_bounding_boxes(a, b):\n    extremes = {}\n    return None"
+    )
+    ((pair),) = compare("get_bounding_boxes", answers, [answers["dee"]] * 4).pairs
+    assert pair.students == ("bo", "cy")
+    assert pair.share == 1.0
+    assert pair.steps == (14, 14)
+    assert pair.alike == (frozenset(range(14)), frozenset(range(14)))
+    assert pair.alone == 13  # all but the empty dictionary
+    assert pair.others == (1, 4)
+    assert pair.nearest == (0.0, 0.0)  # that dictionary is everybody's
+
+
+@pytest.mark.parametrize(
+    "share, words", [(1, "100 %"), (0.9999, "99 %"), (0.001, "1 %"), (0, "0 %"), (0.256, "26 %")]
+)
+def test_only_the_whole_is_a_hundred_percent(share, words):
+    assert percent(share) == words
+
+
+# A class on disk.
+
+LESSON = lesson_of("get_bounding_boxes")
+
+
+def hand_in(course, student, text, lesson=LESSON):
+    path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, "utf-8")
+
+
+@pytest.fixture
+def course(tmp_path):
+    """Six who wrote by themselves, and two of whom one copied."""
+    course = Course(tmp_path)
+    others = [v for v in variants_of("get_bounding_boxes") if v.right]
+    others = [v.source for v in others if not v.name.startswith("a dictionary")]
+    for number, source in enumerate([*others, ORIGINAL, DISGUISED["other names"]]):
+        hand_in(course, f"s{number}", fill_in(LESSON, {"get_bounding_boxes": source}))
+    return course
+
+
+def last_two(course):
+    return tuple(sorted(path.name for path in course.submitted.iterdir())[-2:])
+
+
+def test_a_stage_is_compared_and_shown(course):
+    compared_ = compare_stage(course, LESSON.stage)
+    assert [pair.students for pair in compared_.pairs] == [last_two(course)]
+    page = write_similarity(course, compared_).read_text("utf-8")
+    assert page.count('class="code"') == 2
+    assert "numpy.minimum(smallest, p)" in page
+    assert "Step by step they are the same, but for names and the like." in page
+    assert "14 of 14 steps" in page
+    assert not re.search(r"\bsrc=|\bhref=\"[^#]|@import|url\(", page), "needs nothing beside it"
+
+
+def test_the_command_says_what_is_alike(course, monkeypatch, capsys):
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    assert cli.main(["similarity", LESSON.stage]) == 0
+    said = capsys.readouterr().out
+    assert " and ".join(last_two(course)) in said
+    assert str(course.report / f"similarity_{LESSON.stage}.html") in said
+
+
+@pytest.mark.parametrize("stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "no two")])
+def test_without_a_class_the_command_says_so(stage, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
+    assert cli.main(["similarity", stage]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_identical_files_are_named_as_what_they_are(tmp_path):
+    course = Course(tmp_path)
+    own = fill_in(LESSON, {"get_bounding_boxes": ORIGINAL})
+    run = json.loads(own)
+    run["metadata"]["language_info"] = {"version": "3.12.1"}
+    run["cells"][5]["outputs"] = []
+    given = fill_in(LESSON, {})
+    texts = {"ada": own, "bo": own, "cy": json.dumps(run), "dee": given, "eve": given}
+    for student, text in texts.items():
+        hand_in(course, student, text)
+    same = compare_stage(course, LESSON.stage).same_files
+    assert [(one.students, one.to_the_byte, one.own) for one in same] == [
+        (("ada", "bo"), True, 1),
+        (("ada", "bo", "cy"), False, 1),
+    ], "and not the two who handed in what they were given"
+
+
+# Strangers.
+
+HOSTILE = {
+    "brackets": "get_bounding_boxes = " + "(" * 50_000,
+    "signs": "def get_bounding_boxes(a, b):\n    return " + "-" * 100_000 + "1",
+    "a sum": "def get_bounding_boxes(a, b):\n    return " + "+".join(["a"] * 30_000),
+    "names of names": "def get_bounding_boxes(a, b):\n    return a" + ".b" * 50_000,
+    "ifs in ifs": "def get_bounding_boxes(a, b):\n"
+    + "".join(f"{' ' * (4 + n)}if a:\n" for n in range(95))
+    + " " * 100
+    + "return 1",
+    "long": "def get_bounding_boxes(a, b):\n" + "    a = a + 1\n" * 2_000 + "    return a",
+    "one long line": "def get_bounding_boxes(a, b):\n    return '" + "x" * 100_000 + "'",
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_what_breaks_readers_costs_its_author_only(kind, course):
+    pair = last_two(course)
+    hand_in(course, "a", fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]}))
+    compared_ = compare_stage(course, LESSON.stage)
+    assert [one.students for one in compared_.pairs] == [pair]
+    assert {student for student, *_ in compared_.problems} <= {"a"}
+    assert write_similarity(course, compared_).stat().st_size < 200_000
+
+
+def test_what_is_too_long_is_said():
+    for kind in ("long", "one long line"):
+        text = fill_in(LESSON, {"get_bounding_boxes": HOSTILE[kind]})
+        work = work_in(HandedIn("08_bounding_boxes.ipynb", text.encode()), LESSON)
+        assert work.problems == ("get_bounding_boxes is too long to be compared.",)
+
+
+def test_code_is_read_and_never_run(tmp_path):
+    trap = tmp_path / "ran"
+    source = f"open({str(trap)!r}, 'w')\n" + ORIGINAL.replace(
+        "cloud, cluster_labels", f"cloud, cluster_labels=open({str(trap)!r}, 'w')", 1
+    )
+    text = fill_in(LESSON, {"get_bounding_boxes": source})
+    work = work_in(HandedIn("08_bounding_boxes.ipynb", text.encode()), LESSON)
+    assert work.answers["get_bounding_boxes"].steps
+    assert not trap.exists()
+
+
+def test_what_strangers_wrote_is_text_on_the_page(course):
+    evil = ORIGINAL.replace("boxes = np", "'</div><script>alert(1)</script>'; boxes = np")
+    for student, name in zip(last_two(course), ("<b>x", "<i>y"), strict=True):
+        shutil.rmtree(course.submitted / student)
+        hand_in(course, name, fill_in(LESSON, {"get_bounding_boxes": evil}))
+    page = write_similarity(course, compare_stage(course, LESSON.stage)).read_text("utf-8")
+    assert "&lt;script&gt;alert(1)" in page
+    assert not re.search(r"<script|<b>x|<i>y", page)
+
+
+def test_a_function_in_a_module_beside_the_notebook_counts():
+    text = fill_in(
+        LESSON, {"get_bounding_boxes": "from mine import boxes\nget_bounding_boxes = boxes"}
+    )
+    module = "import numpy as np\n" + ORIGINAL.replace("get_bounding_boxes", "boxes")
+    handed_in = HandedIn("08_bounding_boxes.ipynb", text.encode(), modules={"mine": module})
+    assert len(work_in(handed_in, LESSON).answers["get_bounding_boxes"].steps) > 14
+
+
+def test_every_kept_answer_is_read():
+    for exercise, answers in kept_answers(lesson_of("search")).items():
+        assert len(answers) == sum(variant.right for variant in variants_of(exercise))
