@@ -137,6 +137,14 @@ def test_canvas_marks_late_work_and_gives_no_time(course):
     assert handed_in_at(folders[:1]) == datetime(2026, 11, 22, 18, 30, tzinfo=UTC)
 
 
+def test_who_is_late_no_more_is_not(course):
+    """Somebody moved the date in Canvas, and downloaded again."""
+    for late, when in ((True, MONDAY), (False, TUESDAY)):
+        files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
+        outcome = collect(course, archive(course, files, when=when))
+        assert outcome.late == ["ada"] * late
+
+
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
 @pytest.mark.parametrize("flagged", [True, False], ids=["marked as UTF-8", "not marked"])
 def test_canvas_names_are_found_without_a_number(course, form, flagged):
@@ -312,7 +320,7 @@ def test_moodle_teams(course):
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}, "bjorn": {"07": "new"}}
     table = course.root / "worksheet.csv"
     titles = "Identifier,Full name,Email address,Status,Group,Grade,Last modified (submission)"
-    rows = (f"Participant {n},{n},{m}@x.edu,x,Team Rot,,-" for n, m in ((1, "ada"), (2, "cy")))
+    rows = (f"Participant {n},{n},{m}@x.edu,x,Team_Rot,,-" for n, m in ((1, "ada"), (2, "cy")))
     table.write_text("\n".join((titles, *rows)))
     outcome = collect(course, path, times=table)
     assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "same"}}
@@ -474,6 +482,25 @@ def test_modules_beside_a_notebook_come_with_it(course):
     outcome = collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
     assert asked(outcome)[f"ada/{SEVEN}.py"] == f"is no notebook: ask for {SEVEN}.ipynb"
+
+
+def test_a_module_that_was_handed_in_again_has_its_own_name(course):
+    """Canvas numbers it, and then nobody can import it."""
+    files = [
+        (1, "helper.py", b"x = 1"),
+        (2, "helper-1.py", b"x = 2"),
+        (3, f"{SIX}-1.ipynb", notebook()),
+    ]
+    collect(course, archive(course, canvas_files("Lovelace, Ada", 4001, files)))
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 2"}
+
+
+def test_no_lesson_gets_the_module_of_another(course):
+    files = [(f"ada/{lesson}/{lesson}.ipynb", notebook(lesson)) for lesson in (SIX, SEVEN)]
+    files += [(f"ada/{lesson}/helper.py", lesson.encode()) for lesson in (SIX, SEVEN)]
+    outcome = collect(course, archive(course, files))
+    assert placed(course, "ada")["helper.py"] == SIX.encode()
+    assert "beside another notebook" in asked(outcome)[f"ada/{SEVEN}/helper.py"]
 
 
 def test_what_may_be_meant_is_asked_about_only_while_a_lesson_is_missing(course):
@@ -758,7 +785,8 @@ def test_what_waits_for_an_answer_is_the_exit_status(course, command, capsys):
     ("words", "says"),
     [
         (["none.zip"], "There is no file or folder"),
-        (["empty.zip"], "is no whole zip"),
+        (["damaged.zip"], "is no whole zip"),
+        (["empty"], "There is nothing in"),
         ([".", "--who", "x=nobody"], "nobody on the roster has the id nobody"),
         ([".", "--who", "x=Ada Lovelace"], "Write ada"),
         ([".", "--lesson", "x=99"], "there is no lesson 99"),
@@ -767,9 +795,16 @@ def test_what_waits_for_an_answer_is_the_exit_status(course, command, capsys):
 )
 def test_a_wrong_call_is_told(course, command, words, says, capsys, monkeypatch):
     monkeypatch.chdir(course.root)
-    (course.root / "empty.zip").write_bytes(b"")
+    (course.root / "damaged.zip").write_bytes(b"")
+    (course.root / "empty").mkdir()
     assert command(*words) == 2
     assert says in capsys.readouterr().err
+
+
+def test_an_answer_leads_nowhere_else(anonymous_course):
+    path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
+    with pytest.raises(CollectTrouble, match="no folder can be called ../../x"):
+        collect(anonymous_course, path, who={"ada": "../../x"})
 
 
 def test_what_is_graded_is_collected_later(course, command, capsys):

@@ -19,6 +19,7 @@ _WHO = (
 )
 _FILE = re.compile(rf"{_WHO}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
 _TYPED = re.compile(rf"{_WHO}_(?P<what>text|link)\.html", re.IGNORECASE)
+_AGAIN = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # a module that was handed in a second time
 _REMARKS = {
     "text": "was typed into Canvas, where no notebook can be: ask for the .ipynb file",
     "link": "is a link, to what may have changed since: ask for the .ipynb file",
@@ -47,9 +48,10 @@ def _handed(entry: Entry, match: re.Match) -> Handed:
         () if anonymous else (parts["name"],),
         lms_id=parts["user"] or "",
     )
+    name = parts.get("file") or entry.path[-1]
     return Handed(
         owner,
-        (parts.get("file") or entry.path[-1],),
+        (_AGAIN.sub(r"\1\2", name),),
         entry,
         order=int(parts.get("attachment") or 0),
         late=bool(parts["late"] or parts["anonymous_late"]),

@@ -44,6 +44,11 @@ class File:
         """When it was saved, as far as its archives know."""
         return self.piece.saved or self.handed.saved
 
+    def lies_beside(self, other: File) -> bool:
+        """Whether it came in the same folder as another."""
+        places = [(one.archive, one.handed.owner, one.path[:-1]) for one in (self, other)]
+        return places[0] == places[1]
+
     @property
     def digest(self) -> str:
         """SHA-256 of its content."""

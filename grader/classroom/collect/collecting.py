@@ -256,7 +256,7 @@ class Collector:
             if one.remark:
                 doubtful.append(Question(one.name, one.remark))
                 continue
-            for piece in look_at(one.entry):
+            for piece in look_at(one.entry, one.path[-1]):
                 file = File(archive, one, piece)
                 if piece.kind == OTHER:
                     self.outcome.left[file.path[-1]] += 1
@@ -326,16 +326,16 @@ class Collector:
 
     def _place_modules(self, folder: StageFolder, notebook: File, files: list[File]) -> None:
         """Place the modules that lie beside a notebook, which may import them."""
+        beside: dict[str, list[File]] = {}
         for file in files:
-            beside = file.path[:-1] == notebook.path[:-1] and (
-                file.archive,
-                file.handed.owner,
-            ) == (notebook.archive, notebook.handed.owner)
-            if file.piece.kind == MODULE and beside:
-                try:
-                    folder.place(file.path[-1], file.piece.data, file.source)
-                except Unsure as question:
-                    self._ask(file.name, str(question))
+            if file.piece.kind == MODULE and file.lies_beside(notebook):
+                beside.setdefault(file.path[-1], []).append(file)
+        for name, several in beside.items():
+            file = newest(several)[0]
+            try:
+                folder.place(name, file.piece.data, file.source)
+            except Unsure as question:
+                self._ask(file.name, str(question))
 
     def _tell_other_stage(self, student: str, lesson: Lesson, several: list[File]) -> None:
         """Ask about files that were handed in with the wrong stage, unless they are there.

@@ -60,9 +60,8 @@ class Piece:
     complaint: str = ""
 
 
-def look_at(entry: Entry) -> list[Piece]:
-    """Open one file that somebody handed in."""
-    name = entry.path[-1]
+def look_at(entry: Entry, name: str) -> list[Piece]:
+    """Open one file that somebody handed in under a name."""
     if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
         return [Piece((), OTHER)]
     contents.remember_what_was_released()

@@ -35,6 +35,8 @@ def open_archive(path: Path) -> Archive:
     else:
         found = [((path.name,), _entry(path, (path.name,)))]
     entries = tuple(entry for parts, entry in found if not is_hidden(parts))
+    if not entries:
+        raise CollectTrouble(f"There is nothing in {path}.")
     checkouts = {parts[: parts.index(".git")] for parts, _ in found if ".git" in parts}
     return Archive(path, entries, frozenset(checkouts))
 
@@ -42,7 +44,7 @@ def open_archive(path: Path) -> Archive:
 def _below(root: Path) -> Iterator[tuple[tuple[str, ...], Entry]]:
     """The files of a folder; a link to a folder is not followed, and of git's own one is shown."""
     for folder, folders, files in os.walk(root):
-        folders.sort()
+        folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
         for name in sorted(files):
             path = Path(folder) / name
             parts = clean_path(path.relative_to(root).as_posix())

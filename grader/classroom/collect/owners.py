@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import shlex
 import unicodedata
@@ -46,16 +47,7 @@ class Owners:
         self._folders: dict[str, str] = {}
         for label, ids in answers.items():
             for id in ids:
-                if roster and roster.person(id) is None:
-                    meant = " or ".join(person.id for person in roster.like(id))
-                    raise CollectTrouble(
-                        f"--who {shlex.quote(label)}=…: nobody on the roster has the id {id}. "
-                        + (
-                            f"Write {meant}."
-                            if meant
-                            else "Correct it, or add a line to roster.csv."
-                        )
-                    )
+                self._check(label, id)
 
     def whose(self, owner: Owner) -> tuple[str, ...]:
         """Ids of all whose work it is: of one person, or of a team.
@@ -122,7 +114,28 @@ class Owners:
         if person is None:
             row = self._worksheet.participant(owner.participant)
             return [row] if row else self._worksheet.naming(id)
-        return [row for row in self._worksheet.rows if person in self._people_of(row)]
+        return self._rows_by_id.get(person.id, [])
+
+    @functools.cached_property
+    def _rows_by_id(self) -> dict[str, list[Row]]:
+        found: dict[str, list[Row]] = {}
+        for row in self._worksheet.rows:
+            for person in self._people_of(row):
+                found.setdefault(person.id, []).append(row)
+        return found
+
+    def _check(self, label: str, id: str) -> None:
+        """Refuse an answer that names nobody."""
+        meant = ""
+        if self._roster and self._roster.person(id) is None:
+            why = "nobody on the roster has the id"
+            meant = " or ".join(person.id for person in self._roster.like(id))
+        elif self._roster is None and safe_folder(id) != id:
+            why, meant = "no folder can be called", safe_folder(id)
+        else:
+            return
+        what = f"Write {meant}." if meant else "Correct it, or add a line to roster.csv."
+        raise CollectTrouble(f"--who {shlex.quote(label)}=…: {why} {id}. {what}")
 
     def _people(self, owner: Owner) -> tuple[Person, ...]:
         people = self._roster.people
@@ -149,9 +162,10 @@ class Owners:
 
     def _team(self, owner: Owner) -> list[Person]:
         """The members of a team, where the worksheet has a column for it, and all are known."""
-        members = [
-            self._people_of(row) for name in owner.names for row in self._worksheet.team(name)
-        ]
+        # An archive has blanks in the place of some signs.
+        names = {_letters(name) for name in owner.names}
+        rows = [row for row in self._worksheet.rows if names & set(map(_letters, row.others))]
+        members = [self._people_of(row) for row in rows]
         return [found[0] for found in members] if all(len(one) == 1 for one in members) else []
 
     def _question(self, owner: Owner) -> str:

@@ -45,6 +45,7 @@ class StageFolder:
         self.path = path
         self._record = read_record(path)
         self._changed = False
+        self._placed: dict[str, str] = {}
 
     def place(self, name: str, data: bytes, source: Source, there: Submission | None = None) -> str:
         """Place a file, or leave what lies there.
@@ -66,6 +67,11 @@ class StageFolder:
         ------
         Unsure
         """
+        if self._placed.setdefault(name, source.digest) != source.digest:
+            raise Unsure(
+                f"differs from the {name} beside another notebook of theirs. Move each of the two "
+                f"notebooks into a folder of its own in {self._shown(self.path)}, with its {name}"
+            )
         lying = there.path if there else self.path / name
         if not os.path.lexists(lying):
             self._write(name, data, source)
@@ -73,7 +79,7 @@ class StageFolder:
         lying_digest = _digest_of_file(lying)
         before = self._record.files.get(lying.name)
         if lying_digest == source.digest:
-            if before is None or source.newer_than(before):
+            if lying.parent == self.path and (before is None or source.newer_than(before)):
                 self._note(lying.name, source)
             return SAME
         if before is None or before.digest != lying_digest or lying.parent != self.path:

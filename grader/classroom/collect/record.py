@@ -45,9 +45,9 @@ class Source:
 
     def newer_than(self, other: Source) -> bool | None:
         """Whether it was handed in after another; None where nothing tells."""
-        mine, others = (self.moment, other.moment)
-        if self.order and other.order:
-            mine, others = (self.order, other.order)
+        mine, others = (self.order, self.moment), (other.order, other.moment)
+        if not (self.order and other.order):
+            mine, others = mine[1:], others[1:]
         return None if mine == others else mine > others
 
 

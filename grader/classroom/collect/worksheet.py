@@ -80,10 +80,6 @@ class Worksheet:
         """The rows in which a text stands."""
         return [row for row in self.rows if text in row.identifying]
 
-    def team(self, name: str) -> list[Row]:
-        """The rows of those who are in a team."""
-        return [row for row in self.rows if name in row.others]
-
     @functools.cached_property
     def _by_number(self) -> dict[str, Row]:
         return {row.participant: row for row in self.rows if row.participant}
