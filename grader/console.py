@@ -255,6 +255,11 @@ def _collected_sentences(outcome: Outcome) -> Iterator[str]:
     if outcome.left:
         some = ", ".join(list(outcome.left)[:5]) + (", …" if len(outcome.left) > 5 else "")
         yield f"Left, as no lesson needs it: {some}."
+    if outcome.undecided:
+        yield (
+            f"Whether late is undecided: {', '.join(outcome.undecided)}. Write the time into "
+            "timestamp.txt beside the work, such as 2026-11-22 18:30:00 UTC."
+        )
     if outcome.late:
         yield (
             f"Marked late, without a time: {', '.join(outcome.late)}. Until one is known nothing "

@@ -801,6 +801,14 @@ def test_a_wrong_call_is_told(course, command, words, says, capsys, monkeypatch)
     assert says in capsys.readouterr().err
 
 
+def test_whose_time_is_undecided_is_named(course, command, capsys):
+    table = course.root / "times.csv"
+    table.write_text("id,Last modified (submission)\nada,-\n")
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
+    assert command(path, "--timestamps", table) == 0
+    assert "Whether late is undecided: ada." in capsys.readouterr().out
+
+
 def test_an_answer_leads_nowhere_else(anonymous_course):
     path = archive(anonymous_course, [(f"ada/{SIX}.ipynb", notebook())])
     with pytest.raises(CollectTrouble, match="no folder can be called ../../x"):
