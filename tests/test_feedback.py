@@ -10,12 +10,14 @@ from datetime import UTC, datetime, timedelta
 
 import nbformat
 import pytest
+from nbgrader.converters import GenerateFeedback
 
 from grader import cli, commands
 from grader.classroom.collect import collecting
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
 from grader.course.lessons import find_lesson
+from grader.course.nbgrader_settings import converter
 from grader.course.paths import Course
 from grader.course.variants import fill_in
 from grader.judging.verdict import (
@@ -344,6 +346,22 @@ def test_where_nothing_was_graded_that_is_said(tmp_path, monkeypatch, capsys):
     assert write(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
     assert "There is nothing to hand back" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+# ---- nbgrader -----------------------------------------------------------------------------------
+
+
+def test_nbgrader_s_pages_say_of_which_function_a_score_is(canvas_course):
+    generate = converter(GenerateFeedback, canvas_course.root, STAGE)
+    generate.coursedir.student_id = "bjorn"
+    generate.start()
+    page = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TWELVE.name}.html").read_text()
+    head = words(page.partition('<div class="panel-body">')[0])
+    assert "match_boxes (Score: 2.25 / 5.0)" in head and "write_up (Score: 7.5 / 10.0)" in head
+    assert "Test cell" not in page and "Written response" not in page
+    assert "<mfrac>" in page and "12 more cannot be judged" not in page
+    ten = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TEN.name}.html").read_text()
+    assert "12 more cannot be judged before this is right." in ten
 
 
 # ---- Canvas -------------------------------------------------------------------------------------

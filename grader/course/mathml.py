@@ -9,7 +9,9 @@ import re
 from html import escape
 from xml.etree import ElementTree
 
+import jinja2
 from latex2mathml.converter import convert
+from nbconvert.exporters import HTMLExporter
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
@@ -96,3 +98,12 @@ class Renderer(IPythonRenderer):
     def latex_environment(self, name: str, body: str) -> str:
         """Draw what stands between ``begin`` and ``end``."""
         return formula(rf"\begin{{{name}}}{body}\end{{{name}}}", display=True)
+
+
+class Page(HTMLExporter):
+    """nbconvert's pages, with formulas that no script has to draw."""
+
+    @jinja2.pass_context
+    def markdown2html(self, context: jinja2.runtime.Context, source: str) -> str:
+        """The text of a cell as HTML."""
+        return markdown_page(source, context.get("cell", {}).get("attachments"))

@@ -76,6 +76,7 @@ def configure(c: Config, root: Path) -> Config:
         "nbgrader.preprocessors.AssignLatePenalties",
         "nbgrader.preprocessors.CheckCellMetadata",
     ]
+    c.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"
     make_alembic_reachable()
     # nbgrader adds rows in an order that SQLAlchemy remarks upon and that does no harm.
     warnings.filterwarnings("ignore", message="Object of type <Submitted", module="nbgrader")

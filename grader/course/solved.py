@@ -10,16 +10,14 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from datetime import datetime
 from pathlib import Path
 
-import jinja2
 import nbclient
 import nbformat
-from nbconvert.exporters import HTMLExporter
 from nbformat import NotebookNode
 
 from grader.course.archives import zipped
 from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import Lesson, all_lessons, stages
-from grader.course.mathml import STYLE, markdown_page
+from grader.course.mathml import STYLE, Page
 from grader.course.paths import PROJECT
 from grader.course.release import FOLDER, course_tools
 from grader.course.standalone import NotReleased
@@ -121,15 +119,6 @@ def as_page(notebook: bytes, lesson: Lesson) -> bytes:
     resources = {"metadata": {"name": lesson.name}, "style_of_formulas": STYLE}
     page, _ = exporter.from_notebook_node(content, resources)
     return page.encode()
-
-
-class Page(HTMLExporter):
-    """nbconvert's pages, with formulas that no script has to draw."""
-
-    @jinja2.pass_context
-    def markdown2html(self, context: jinja2.runtime.Context, source: str) -> str:
-        """The text of a cell as HTML."""
-        return markdown_page(source, context.get("cell", {}).get("attachments"))
 
 
 def _fingerprint(lesson: Lesson) -> str:
