@@ -360,6 +360,10 @@ def test_a_tip_may_depend_on_the_line():
     assert "parentheses of its own" in tip_for("ValueError", truth, "`a[x > 1 & x < 2]`")
     assert ".any()" in tip_for("ValueError", truth, "`if a > 1:`")
     assert "logarithm" in tip_for("ValueError", "math domain error", "`n = math.log(0)`")
+    with pytest.raises(ValueError, match="expected 3") as caught:
+        x, y, z = CLOUD.T  # noqa: RUF059
+    assert "intensity" in tip_for("ValueError", str(caught.value), "`x, y, z = cloud.T`")
+    assert "left-hand side" in tip_for("ValueError", str(caught.value), "`a, b, c = answer`")
     assert "logarithm" in tip_for("ZeroDivisionError", "float division by zero", "`1 / log(w)`")
 
 

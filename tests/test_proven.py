@@ -41,7 +41,7 @@ def tried(monkeypatch):
     """What `repair_of` was asked for; it finds nothing."""
     found = []
 
-    def repair_of(setting, program, exercise, failed):
+    def repair_of(setting, program, exercise, failed, raised_at):
         found.append((program, exercise, [check.name for check in failed]))
 
     monkeypatch.setattr(repair, "repair_of", repair_of)
@@ -188,14 +188,14 @@ class Edited:
 def passing(monkeypatch):
     """A function that gives the numbers of the edits of a student that pass."""
 
-    def passing(student, shown="ab", limits=None):
+    def passing(student, shown="ab", limits=None, raised_at=frozenset()):
         monkeypatch.setattr(repair, "Student", student)
         monkeypatch.setattr(repair, "shown_questions", lambda *about: student.questions(shown))
         monkeypatch.setattr(repair, "hidden_questions", student.hidden)
         # Half of the time goes by out here.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         setting = Setting(LINE, 1, None, limits)
-        found = list(repair._passing(setting, HANDED_IN, "line_through", ()))
+        found = list(repair._passing(setting, HANDED_IN, "line_through", (), raised_at))
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
         return [number for _, number, _, _ in found]
 
@@ -225,6 +225,21 @@ def test_who_answers_otherwise_when_asked_again_gets_no_more_throws(passing):
 def test_of_edits_that_pass_three_are_judged(passing):
     student = Edited(["abxy", "", "a", "", "", "", ""])
     assert passing(student) == [0, 2, 3] and student.tried == 4
+
+
+def test_an_edit_of_a_line_that_raised_is_tried_first(passing):
+    student = Edited(["abxy", "", "", "", "", ""])
+    assert passing(student, raised_at={(1, 3), (2, 0)}) == [3, 0, 1]
+
+
+def test_a_line_raised_where_it_says_or_where_it_calls():
+    inside = StudentError("f", "ValueError", place="code cell 3, line 12")
+    called = StudentError(
+        "f", "ValueError", place="code cell 1, line 2", calling="code cell 3, line 5"
+    )
+    nowhere = StudentError("f", "ValueError")
+    outcomes = outcomes_of("line_through", inside, called, nowhere, NO, None)
+    assert repair._raised_at(outcomes) == {(3, 12), (1, 2), (3, 5)}
 
 
 def test_edits_of_an_exercise_have_a_second_between_them(passing):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from grader.course.rules import ONE_SLIP_KEEPS
@@ -25,7 +25,7 @@ from grader.judging.trial import Asked, Setting, ask
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.patience import Budget
-from grader.sandbox.program import Program
+from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.student import Student
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake
@@ -82,7 +82,7 @@ def slips_in(
         if failed and not any(map(_is_no_slip, failed)):
             checks = tuple(outcome.check for outcome in failed)
             its = better.program if better else program
-            if repair := repair_of(setting, its, exercise.name, checks):
+            if repair := repair_of(setting, its, exercise.name, checks, _raised_at(failed)):
                 found[exercise.name] = repair
             elif (
                 mistake
@@ -102,8 +102,19 @@ def _is_no_slip(outcome: Outcome) -> bool:
     return isinstance(failure, StudentError) and failure.type_name in NO_SLIPS
 
 
+def _raised_at(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
+    """Cells and lines at which the student's code raised, or called what raised."""
+    errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
+    places = [place for error in errors for place in (error.place, error.calling) if place]
+    return frozenset(filter(None, map(cell_and_line, places)))
+
+
 def repair_of(
-    setting: Setting, program: Program, exercise: str, failed: tuple[Check, ...]
+    setting: Setting,
+    program: Program,
+    exercise: str,
+    failed: tuple[Check, ...],
+    raised_at: frozenset[tuple[int, int]] = frozenset(),
 ) -> Repair | None:
     """The edit with which an exercise loses nothing; None where there is none, or none was found.
 
@@ -115,14 +126,28 @@ def repair_of(
     exercise : str
     failed : tuple of utils.checks.Check
         The checks that it lost.
+    raised_at : frozenset of (int, int)
+        Cells and lines at which it raised: what changes one of them is tried first.
     """
-    for cell, first, last, text in _passing(setting, program, exercise, failed):
+    for cell, first, last, text in _passing(setting, program, exercise, failed, raised_at):
         mended = program.edited(cell, first, last, text)
         asked = ask(setting, mended, lambda check: check.exercise == exercise)
         if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
             before = program.cells[cell - 1].split("\n")[first - 1 : last]
             return Repair(cell, first, "\n".join(before), text)
     return None
+
+
+def _in_order(
+    edits: Sequence[tuple[int, int, int, str]], raised_at: frozenset[tuple[int, int]]
+) -> list[tuple[int, tuple[int, int, int, str]]]:
+    """Numbers and edits, those of certain lines first."""
+
+    def is_elsewhere(numbered: tuple[int, tuple[int, int, int, str]]) -> bool:
+        cell, first, last, _ = numbered[1]
+        return not any(cell == where and first <= line <= last for where, line in raised_at)
+
+    return sorted(enumerate(edits), key=is_elsewhere)
 
 
 def _fails(question: Callable[[], object]) -> bool:
@@ -134,7 +159,11 @@ def _fails(question: Callable[[], object]) -> bool:
 
 
 def _passing(
-    setting: Setting, program: Program, exercise: str, failed: tuple[Check, ...]
+    setting: Setting,
+    program: Program,
+    exercise: str,
+    failed: tuple[Check, ...],
+    raised_at: frozenset[tuple[int, int]] = frozenset(),
 ) -> Iterator[tuple[int, int, int, str]]:
     """The first few edits that pass what the answer failed."""
     limits = setting.limits or Limits()
@@ -151,8 +180,8 @@ def _passing(
         begin, found = time.process_time(), 0
         if shown and not _fails(shown[0]):  # whoever throws a coin gets no more throws
             return
-        for number, edit in enumerate(student.edits):
-            if number % LOOK_AFTER == 0:
+        for tried, (number, edit) in enumerate(_in_order(student.edits, raised_at)):
+            if tried % LOOK_AFTER == 0:
                 worked = time.process_time() - begin + student.cpu_seconds
                 if worked > SECONDS:
                     return

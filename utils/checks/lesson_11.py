@@ -424,6 +424,8 @@ def takes_few_points(principal_axes: Callable) -> None:
     assert_directions(principal_axes(pair.copy()), np.array([[0.6, 0.8, 0.0]]).T, "two points")
     for few in (pair, pair[:1], np.repeat(pair[:1], 3, axis=0), pair[:0]):
         assert_orthonormal(principal_axes(few.copy()))
+    # Of no points no axis is computed that could come out mirrored.
+    assert_right_handed(principal_axes(pair[:0].copy()))
 
 
 promises.names(

@@ -557,10 +557,11 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
 )
 def is_one_to_one(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
-    # The nearer one comes first, and nobody is where previous box 0 was.
+    # The nearer one comes first, then last, and nobody is where previous box 0 was.
     previous, current = cubes([[-20, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
-    answer = match_boxes(previous.copy(), current.copy(), 2.0)
-    assert_one_to_one(answer, previous, current, "max_distance 2")
+    for now in (current, current[::-1]):
+        answer = match_boxes(previous.copy(), now.copy(), 2.0)
+        assert_one_to_one(answer, previous, now, "max_distance 2")
 
 
 @visible(

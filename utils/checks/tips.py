@@ -288,6 +288,13 @@ _TIPS = (
     ),
     (
         "ValueError",
+        r"too many values to unpack \(expected 3",
+        r"\.T\b|point|cloud|row|\b[pq]\b",
+        "There are more than three values on the right. A row of a cloud has four: x, y, z and the "
+        "intensity. Take [:3] of a row, [:, :3] of a cloud.",
+    ),
+    (
+        "ValueError",
         r"(too many|not enough) values to unpack",
         "",
         "The left-hand side has more or fewer names than there are values on the right.",

@@ -114,7 +114,11 @@ _ALONG_AN_AXIS = frozenset(
     + ["std", "var", "norm", "sort", "argsort", "cumsum"]
 )
 _WRAPS = ("-{}", "abs({})", "{} ** 0.5", "{} ** 2")
-_SLICES = ("[::-1]", "[1:]", "[:-1]", "[:, :3]", "[:, :2]", "[:3]", "[:2]", ".T", ".copy()")
+_SLICES = (
+    *("[::-1]", "[1:]", "[:-1]", "[:, :3]", "[:, :2]", "[:3]", "[:2]", ".T", ".copy()"),
+    *("[:, 0]", "[:, 1]", "[:, 2]"),
+)
+_OF_EACH_ROW = (".all(axis=1)", ".any(axis=1)")
 _ENTERED = ("break", "continue", "return")
 
 
@@ -209,6 +213,7 @@ def _texts(block: str, tree: ast.Module) -> Iterator[tuple[int, str]]:
             continue
         for rank, begin, end, text in _of_node(source, node, parent, field, names):
             yield rank, source.with_text(begin, end, text)
+    yield from ((1, text) for text in _returning(block, function, names))
     yield from ((2, text) for text in _moved(block, function))
 
 
@@ -311,6 +316,8 @@ def _of_node(
         yield 2, *_with_comma(source, node, parent), ""
     elif isinstance(node, ast.Return) and node.value is not None:
         yield 5, *source.span(node), source.of(node.value)
+    elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and field == "body":
+        yield 1, *source.span(node), f"return {source.of(node.value)}"
     elif isinstance(node, ast.Assign) and len(node.targets) == 1:
         yield from _of_assignment(source, node)
     elif isinstance(node, ast.If):
@@ -435,7 +442,7 @@ def _of_subscript(source: _Source, node: ast.Subscript) -> Iterator[tuple[int, i
     if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
         for change in ("{} + 1", "{} - 1"):
             yield 2, *source.span(inside), change.format(f"({source.of(inside)})")
-    if not isinstance(inside, (ast.Slice, ast.Tuple)):
+    if not isinstance(inside, ast.Tuple):
         yield 1, *source.span(inside), f":, {source.of(inside)}"
 
 
@@ -512,6 +519,8 @@ def _wrapped(
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
         for part in _SLICES if atom and placed else ():
             yield 2, begin, end, inner + part
+        for part in _OF_EACH_ROW if placed and not _is_arithmetic(node) else ():
+            yield 2, begin, end, inner + part
         if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
             yield 1, begin, end, f"{inner}.T"
         for change in ("{} + 1", "{} - 1") if placed else ():
@@ -525,6 +534,13 @@ def _is_arithmetic(node: ast.expr) -> bool:
     """Whether it is no mask: a sum, a product, a power."""
     masks = (ast.BitAnd, ast.BitOr, ast.BitXor)
     return isinstance(node, ast.BinOp) and not isinstance(node.op, masks)
+
+
+def _returning(block: str, function: ast.AST, names: list[str]) -> Iterator[str]:
+    """The block with a name returned in the end, where nothing is."""
+    if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
+        depth = function.body[-1].col_offset
+        yield from (f"{block}\n{' ' * depth}return {name}" for name in names)
 
 
 def _moved(block: str, function: ast.AST) -> Iterator[str]:
