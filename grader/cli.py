@@ -13,6 +13,7 @@ from grader.course.paths import PROJECT
 from grader.course.roster import RosterTrouble
 from grader.course.seed import ShortSeed
 from grader.lms.exporters import EXPORTERS
+from grader.lms.results import GradebookUnreachable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
 
@@ -32,7 +33,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         return options.run(options)
-    except (SandboxUnavailable, ShortSeed, RosterTrouble, DeadlinesTrouble) as error:
+    except (
+        SandboxUnavailable,
+        ShortSeed,
+        RosterTrouble,
+        DeadlinesTrouble,
+        GradebookUnreachable,
+    ) as error:
         print(error, file=sys.stderr)
         return commands.WRONG_CALL
     except KeyboardInterrupt:
@@ -163,6 +170,12 @@ def _judge(kinds: argparse._SubParsersAction) -> None:
 def _grade(kinds: argparse._SubParsersAction) -> None:
     grade = kinds.add_parser("grade", help="grade the class in submitted/")
     grade.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
+    grade.add_argument(
+        "--student",
+        metavar="X",
+        help="judge this one alone, and again whatever was judged before; says how the marks "
+        "came to be what they are",
+    )
     add_judging_options(grade)
     add_workers(grade)
     grade.add_argument(

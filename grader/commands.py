@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import functools
+import itertools
 import json
 import sys
 import time
@@ -22,6 +23,8 @@ from grader.course.paths import PROJECT, Course
 from grader.sandbox import AUTO, SANDBOXES, Sandbox, SandboxUnavailable, choose_sandbox
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from grader.classroom.grade import Judged
 
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
@@ -155,6 +158,8 @@ def run_judge(options: argparse.Namespace) -> int:
 def run_grade(options: argparse.Namespace) -> int:
     """Run ``grade [STAGE ...]``."""
     from grader.classroom.executors import processors
+    from grader.classroom.folders import Unknown, who_is_meant
+    from grader.course.deadlines import read_deadlines
     from grader.course.seed import course_seed
 
     if not are_stages(options.stages):
@@ -167,11 +172,25 @@ def run_grade(options: argparse.Namespace) -> int:
         )
         return WRONG_CALL
     course = Course()
+    read_deadlines(course)  # what cannot be read is told before hours of judging
+    try:
+        student = who_is_meant(course, options.student) if options.student else None
+    except Unknown as error:
+        print(console.plain(error), file=sys.stderr)
+        return WRONG_CALL
     sandbox = (_sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
     console.warn_if_unprotected(sandbox)
     workers = options.workers or processors()
     seed = course_seed(course, options.seed)
-    return grade_course(course, options.stages, seed, sandbox, workers, scheduler=options.scheduler)
+    return grade_course(
+        course,
+        options.stages,
+        seed,
+        sandbox,
+        workers,
+        scheduler=options.scheduler,
+        student=student,
+    )
 
 
 def _sandbox_elsewhere(wish: str) -> Sandbox:
@@ -184,21 +203,26 @@ def _sandbox_elsewhere(wish: str) -> Sandbox:
 def run_report(options: argparse.Namespace) -> int:
     """Run ``report``."""
     from grader.classroom.report import write_report
-    from grader.classroom.submissions import find_submissions, unaccounted_files
-    from grader.judging.verdict import read_verdict
+    from grader.classroom.submissions import unaccounted_files
 
     course = Course()
-    verdicts = [
-        (submission, read_verdict(submission.verdict_path(course)))
-        for submission in find_submissions(course)
-    ]
-    judged = [(submission, verdict) for submission, verdict in verdicts if verdict]
+    judged = _verdicts_on_disk(course)
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return WRONG_CALL
     left = unaccounted_files(course)
     print(f"Report: {write_report(course, judged, left=left)}")
     return GOOD
+
+
+def _verdicts_on_disk(course: Course) -> Judged:
+    """What has been judged of all that is handed in."""
+    from grader.classroom.submissions import find_submissions
+    from grader.judging.verdict import read_verdict
+
+    found = find_submissions(course)
+    verdicts = [(submission, read_verdict(submission.verdict_path(course))) for submission in found]
+    return [(submission, verdict) for submission, verdict in verdicts if verdict]
 
 
 def run_export(options: argparse.Namespace) -> int:
@@ -282,6 +306,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     from grader.classroom.doctor import examine
     from grader.classroom.executors import EXECUTORS
     from grader.course.seed import course_seed
+    from grader.lms.checkup import examine_gradebook
 
     course = Course()
     try:
@@ -290,7 +315,8 @@ def run_doctor(options: argparse.Namespace) -> int:
         sandbox = SANDBOXES["process"]  # the solutions are our own code
     good = True
     with EXECUTORS["processes"](options.workers) as executor:
-        for finding in examine(course, course_seed(course), sandbox, executor):
+        about_grading = examine(course, course_seed(course), sandbox, executor)
+        for finding in itertools.chain(about_grading, examine_gradebook(course)):
             console.print_finding(finding)
             good &= finding.good
     return GOOD if good else FAULT
@@ -327,13 +353,14 @@ def grade_course(
     workers: int,
     warning: str = "",
     scheduler: str | None = None,
+    student: str | None = None,
 ) -> int:
     """Judge, enter, report: what `grade` and `demo` do."""
     from grader.classroom.lock import AlreadyRunning, only_one
 
     try:
         with only_one(course):
-            return _grade_alone(course, wanted, seed, sandbox, workers, warning, scheduler)
+            return _grade_alone(course, wanted, seed, sandbox, workers, warning, scheduler, student)
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
         return FAULT
@@ -347,6 +374,7 @@ def _grade_alone(
     workers: int,
     warning: str,
     scheduler: str | None,
+    student: str | None,
 ) -> int:
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
@@ -355,24 +383,27 @@ def _grade_alone(
 
     begin = time.perf_counter()
     try:
-        judged, before = _judge_all(course, wanted, seed, sandbox, workers, scheduler)
+        judged, before = _judge_all(course, wanted, seed, sandbox, workers, scheduler, student)
     except (RehearsalFailed, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return FAULT
     seconds = time.perf_counter() - begin
     if not judged:
         print(
-            f"Nothing to grade: no {course.submitted}/<student>/<stage>/<NN_name>.ipynb. "
+            f"Nothing to grade: no {course.submitted}/{student or '<student>'}/<stage>/"
+            "<NN_name>.ipynb. "
             "Put submissions there, as nbgrader collect does.",
             file=sys.stderr,
         )
         return WRONG_CALL
-    status = _enter(course, judged, wanted or stages())
+    status = _enter(course, judged, wanted or stages(), student)
     left = unaccounted_files(course)
-    path = write_report(course, judged, seconds, warning or sandbox.warning, left)
-    console.print_class(judged)
-    console.print_unaccounted(left)
-    console.print_notes(_notes(course))
+    reported = _verdicts_on_disk(course) if student else judged
+    path = write_report(course, reported, seconds, warning or sandbox.warning, left)
+    if student:
+        _print_one(course, student, judged)
+    else:
+        _print_all(course, judged, left)
     _print_end(course, len(judged), before, seconds)
     print(f"Report: {path}")
     return status
@@ -385,6 +416,7 @@ def _judge_all(
     sandbox: Sandbox,
     workers: int,
     scheduler: str | None,
+    student: str | None,
 ) -> tuple[Judged, int]:
     """What there is to grade, each with its verdict; and how many had one before."""
     from grader.classroom.grade import judge_class
@@ -399,35 +431,49 @@ def _judge_all(
             counts.append(done)
             advance(done, total, what)
 
-        judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count)
+        judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count, student)
     return judged, counts[0]
 
 
-def _enter(course: Course, judged: Judged, wanted: Sequence[str]) -> int:
+def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str | None) -> int:
     """Enter verdicts into the gradebook; the exit status that this means."""
     # nbgrader takes a second to import; by now the verdicts are there.
     from grader.lms.gradebook import GradebookTrouble, enter
 
     with console.progress_bar("Entering into the gradebook") as advance:
         try:
-            enter(course, judged, wanted, advance)
+            enter(course, judged, wanted, advance, student)
         except GradebookTrouble as error:
             print(console.plain(error), file=sys.stderr)
             return FAULT
     return GOOD
 
 
-def _notes(course: Course) -> list[str]:
-    """What there is to know about the marks, after they were entered."""
+def _print_all(course: Course, judged: Judged, left: Sequence[tuple[Path, str]]) -> None:
+    """How the class stands, and what there is to know about it."""
     from grader.classroom.folders import spelt_otherwise
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
     from grader.lms.gradebook import class_results
     from grader.lms.notes import notes
 
-    roster = read_roster(course)
+    roster, results = read_roster(course), class_results(course)
+    console.print_class(judged, results)
+    console.print_unaccounted(left)
     taken = spelt_otherwise(course, roster) if roster else ()
-    return [*taken, *notes(course, class_results(course), read_deadlines(course))]
+    console.print_notes([*taken, *notes(course, results, read_deadlines(course))])
+
+
+def _print_one(course: Course, student: str, judged: Judged) -> None:
+    """What was judged of one student, and how the marks came to be what they are."""
+    from grader.lms.history import read_changes
+
+    for _, verdict in judged:
+        console.print_verdict(verdict)
+    lessons = {submission.lesson.name for submission, _ in judged}
+    console.print_history(
+        [one for one in read_changes(course) if one.student == student and one.lesson in lessons]
+    )
 
 
 def _print_end(course: Course, count: int, before: int, seconds: float) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,17 @@ if TYPE_CHECKING:
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import Exported
     from grader.lms.handing_back import Written
+    from grader.lms.history import Change
+    from grader.lms.results import ClassResults, NotebookResult
     from grader.sandbox import Sandbox
+
+
+LEGEND = {
+    "-": "- handed in nothing",
+    "ex": "ex excused",
+    "*": "* a person has still to grade",
+    "?": "? not entered yet",
+}
 
 
 @contextlib.contextmanager
@@ -99,12 +110,16 @@ def print_finding(finding: Finding) -> None:
     Console(highlight=False, soft_wrap=True).print(text, markup=False, style=style)
 
 
-def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
-    """Print a table of scores, one line a student."""
+def print_class(
+    judged: Sequence[tuple[Submission, Verdict]], results: ClassResults | None = None
+) -> None:
+    """Print a table, one line a student: how they stand by the gradebook, else what was judged."""
     lessons = sorted({verdict.lesson for _, verdict in judged})
-    students = {}
+    students = {person.id: {} for person in results.people} if results else {}
+    entered = set(students)
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
+    late = _late(results, {submission.lesson.stage for submission, _ in judged})
     table = Table(
         title="Scores by lesson",
         title_justify="left",
@@ -116,14 +131,45 @@ def print_class(judged: Sequence[tuple[Submission, Verdict]]) -> None:
     table.add_column("Student", "out of", no_wrap=True, width=14)
     for lesson in lessons:
         most = max(verdict.max_score for _, verdict in judged if verdict.lesson == lesson)
-        table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=4)
+        if results and lesson in results.lessons:
+            most = results.lessons[lesson]
+        table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=5)
+    if late:
+        table.add_column("Late", no_wrap=True)
     table.add_column("First thing that went wrong", no_wrap=True, ratio=1)
+    cells = []
     for student, verdicts in students.items():
-        table.add_row(
-            escape(plain(student)),
-            *(_score(verdicts.get(lesson)) for lesson in lessons),
-            _first_fault(verdicts.values()),
-        )
+        if student in entered:
+            scores = [_standing(results.notebook(student, lesson)) for lesson in lessons]
+            fault = _first_fault(verdicts.values())
+        else:
+            scores = [_score(verdicts.get(lesson)) for lesson in lessons]
+            fault = "not on the roster, so not entered" if results else ""
+            fault = fault or _first_fault(verdicts.values())
+        cells += scores
+        when = (late.get(student, ""),) if late else ()
+        table.add_row(escape(plain(student)), *scores, *when, fault)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    console.print(table)
+    legend = [text for sign, text in LEGEND.items() if any(sign in cell for cell in cells)]
+    if legend and results:
+        console.print(" · ".join(legend), markup=False, style="dim")
+
+
+def print_history(changes: Sequence[Change]) -> None:
+    """Print how somebody's marks came to be what they are."""
+    table = Table(title="Marks that changed", title_justify="left", box=SIMPLE_HEAD)
+    for heading in ("Noticed", "Lesson", "Exercise"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("From", "To"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("By")
+    for one in changes:
+        when = datetime.fromisoformat(one.when).astimezone()
+        marks = ("-" if mark is None else f"{mark:.4g}" for mark in (one.before, one.after))
+        by, _, key = one.by.partition(" ") if one.by.startswith("verdict") else (one.by, "", "")
+        about = (one.lesson, one.exercise, *marks, f"{by} {key[:8]}".strip())
+        table.add_row(f"{when:%Y-%m-%d %H:%M}", *(escape(plain(cell)) for cell in about))
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 
@@ -276,6 +322,27 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
         console.print(
             f"  {plain(question.name)}\n      {plain(question.text)}.", markup=False, soft_wrap=True
         )
+
+
+def _late(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
+    """How late each student was who was, or of whom nobody knows, and what that costs."""
+    late = {}
+    for one in results.stages if results else ():
+        if one.stage in stages and (one.late or one.undecided):
+            hours = one.late.total_seconds() / 3600
+            time = f"{hours / 24:.1f} d" if hours >= 24 else f"{hours:.1f} h"
+            cost = f" -{one.penalty:.3g}" if one.penalty else ""
+            late.setdefault(one.student, []).append(f"{time}{cost}" if one.late else "undecided")
+    return {student: ", ".join(texts) for student, texts in late.items()}
+
+
+def _standing(result: NotebookResult) -> str:
+    """How somebody stands in a lesson; `LEGEND` says what the signs mean."""
+    if result.standing in ("missing", "excused"):
+        return {"missing": "-", "excused": "ex"}[result.standing]
+    if result.score is None:
+        return "?"
+    return f"{result.score:.3g}{'*' * (result.standing == 'waiting')}"
 
 
 def _score(verdict: Verdict | None) -> str:

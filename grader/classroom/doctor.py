@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import platform
 import re
 import shutil
+from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from importlib import metadata
 
+from grader.classroom.folders import spelt_otherwise, strangers
 from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
-from grader.classroom.submissions import unaccounted_files
+from grader.classroom.submissions import find_submissions, unaccounted_files
+from grader.course.deadlines import Deadlines, DeadlinesTrouble, read_deadlines
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT, Course
+from grader.course.roster import Roster, RosterTrouble, read_roster
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 from grader.sandbox.boundary import is_shown
 
@@ -45,7 +50,12 @@ def examine(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> 
     yield _space(course)
     yield _seed(course)
     yield _oracles(course, seed, sandbox, executor)
-    yield from _files(course)
+    try:
+        yield from _people(course)
+        yield from _files(course)
+    except RosterTrouble as error:
+        yield Finding("roster", False, str(error))
+    yield _dates(course)
 
 
 def _versions() -> Iterator[Finding]:
@@ -81,7 +91,8 @@ def _version(name: str) -> str | None:
 def _sandboxes() -> Iterator[Finding]:
     for sandbox in SANDBOXES.values():
         if sandbox.warning:
-            yield Finding(f"sandbox {sandbox.name}", True, sandbox.warning)
+            asked = f"has no walls, and is only used where you say --sandbox {sandbox.name}"
+            yield Finding(f"sandbox {sandbox.name}", True, asked)
             continue
         try:
             sandbox.available()
@@ -138,3 +149,58 @@ def _files(course: Course) -> Iterator[Finding]:
         yield Finding("submitted", True, "every file is a submission, or belongs to one")
     for path, reason in found:
         yield Finding("submitted", False, f"{path}: {reason}")
+
+
+def _people(course: Course) -> Iterator[Finding]:
+    """Who takes the course, and what the folders in ``submitted/`` say otherwise."""
+    roster = read_roster(course)
+    if roster is None:
+        yield Finding("roster", True, "there is no roster.csv: who has a folder takes the course")
+        return
+    sections = Counter(person.section for person in roster.people if person.section)
+    counts = [f"{len(roster.people)} people"]
+    counts += [f"{count} in section {name}" for name, count in sorted(sections.items())]
+    without = [person.id for person in roster.people if not person.lms_id]
+    counts += [f"{len(without)} without an lms_id"] if without else []
+    yield Finding("roster", True, ", ".join(counts))
+    yield from _handed_in(course, roster)
+    for sentence in spelt_otherwise(course, roster):
+        yield Finding("roster", True, sentence)
+    for sentence in strangers(course, roster).values():
+        yield Finding("roster", False, sentence)
+
+
+def _handed_in(course: Course, roster: Roster) -> Iterator[Finding]:
+    """Of each stage that somebody handed in, who did not."""
+    deadlines = Deadlines({})
+    with contextlib.suppress(DeadlinesTrouble):  # which is told apart
+        deadlines = read_deadlines(course) or deadlines
+    by_stage: dict[str, set[str]] = {}
+    for submission in find_submissions(course):
+        by_stage.setdefault(submission.lesson.stage, set()).add(submission.student)
+    for stage, students in sorted(by_stage.items()):
+        others = [person.id for person in roster.people if person.id not in students]
+        excused = [id for id in others if deadlines.excused(id, stage)]
+        missing = [id for id in others if id not in excused]
+        texts = [f"{len(roster.people) - len(others)} of {len(roster.people)} handed in"]
+        texts += [f"missing: {', '.join(missing)}"] if missing else []
+        texts += [f"excused: {', '.join(excused)}"] if excused else []
+        yield Finding(stage, True, "; ".join(texts))
+
+
+def _dates(course: Course) -> Finding:
+    try:
+        deadlines = read_deadlines(course)
+    except (DeadlinesTrouble, RosterTrouble) as error:
+        return Finding("deadlines", False, str(error))
+    if deadlines is None:
+        return Finding(
+            "deadlines", True, "there is no deadlines.toml: the dates are those of the gradebook"
+        )
+    texts = []
+    for stage, dates in deadlines.stages.items():
+        about = [f"{dates.due:%Y-%m-%d %H:%M %Z}" if dates.due else "no date"]
+        about += [f"{len(deadlines.extended(stage))} later"] * bool(deadlines.extended(stage))
+        about += [f"{len(dates.excused)} excused"] * bool(dates.excused)
+        texts.append(f"{stage} {', '.join(about)}")
+    return Finding("deadlines", True, "; ".join(texts) or "deadlines.toml names no stage")

@@ -8,7 +8,37 @@ from pathlib import Path
 
 from grader.course.lessons import stages
 from grader.course.paths import Course
-from grader.course.roster import Person, Roster, roster_path
+from grader.course.roster import Person, Roster, read_roster, roster_path
+
+
+class Unknown(Exception):
+    """Nobody, or more than one, is meant; `str()` is the sentence to show."""
+
+
+def who_is_meant(course: Course, text: str) -> str:
+    """Id of the student whom somebody has named.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    text : str
+        An id, a name, an e-mail, a login; or a folder in ``submitted/``.
+
+    Raises
+    ------
+    Unknown
+    """
+    roster = read_roster(course)
+    meant = roster.like(text) if roster else ()
+    if len(meant) > 1:
+        whom = " or ".join(_who(person) for person in meant)
+        raise Unknown(f"{text!r} may be {whom}: name the id.")
+    if meant:
+        return meant[0].id
+    if text in _folders(course):
+        return text
+    nobody = "is not on the roster, and " if roster else ""
+    raise Unknown(f"{text!r} {nobody}has no folder in {course.submitted.name}/.")
 
 
 def strangers(course: Course, roster: Roster) -> dict[str, str]:

@@ -96,6 +96,7 @@ def judge_class(
     open_executor: Callable[[int], Executor],
     workers: int,
     progress: Callable[[int, int, object], None],
+    student: str | None = None,
 ) -> Judged:
     """Judge what has no verdict yet.
 
@@ -115,14 +116,21 @@ def judge_class(
     progress : callable
         Called with (done, total, submission) after each notebook, and with a sentence in its place
         when something else takes long.
+    student : str, optional
+        Judge this one alone, and again what was judged before.
 
     Raises
     ------
     grader.classroom.rehearsals.RehearsalFailed
         Before anybody of that lesson is judged; verdicts on others are kept.
     """
-    submissions = find_submissions(course, stages)
-    verdicts = {submission: stored_verdict(course, submission, seed) for submission in submissions}
+    submissions = [
+        one for one in find_submissions(course, stages) if student in (None, one.student)
+    ]
+    verdicts = {
+        submission: None if student else stored_verdict(course, submission, seed)
+        for submission in submissions
+    }
     waiting = [submission for submission, verdict in verdicts.items() if verdict is None]
     done = len(submissions) - len(waiting)
     progress(done, len(submissions), None)

@@ -34,6 +34,7 @@ from nbgrader.coursedir import CourseDirectory
 from nbgrader.preprocessors import AssignLatePenalties, SaveCells
 from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solution
 from sqlalchemy import func, make_url, select
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from grader.classroom.folders import strangers
@@ -50,7 +51,7 @@ from grader.lms.autograded import graded_cells, judged_copy, key_of_copy
 from grader.lms.dates import enter_due_dates, extend, extension
 from grader.lms.history import note_changes
 from grader.lms.people import enrol
-from grader.lms.results import ClassResults
+from grader.lms.results import ClassResults, GradebookUnreachable
 from grader.lms.standings import Row, standings
 from grader.lms.times import Undecided, handed_in_at
 from utils.notebooks.reading import UnreadableNotebook
@@ -82,11 +83,29 @@ class Entry:
 
 
 def open_gradebook(course: Course) -> Gradebook:
-    """Open nbgrader's gradebook of a course, made where there is none; a context manager."""
+    """Open nbgrader's gradebook of a course, made where there is none; a context manager.
+
+    Raises
+    ------
+    GradebookUnreachable
+    """
     # nbgrader starts a program for this, which takes seconds for each new gradebook.
     nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
-    return Gradebook(directory.db_url, directory.course_id)
+    try:
+        return Gradebook(directory.db_url, directory.course_id)
+    except ModuleNotFoundError as error:
+        raise GradebookUnreachable(
+            f"The gradebook needs the package {error.name}, which is not installed. For PostgreSQL "
+            'write c.CourseDirectory.db_url = "postgresql+pg8000://USER:PASSWORD@HOST/DATABASE" '
+            "into nbgrader_config.py, and run: pip install pg8000 -c constraints.txt"
+        ) from error
+    except SQLAlchemyError as error:
+        reason = str(error).splitlines()[0].rstrip(".")
+        raise GradebookUnreachable(
+            f"The gradebook cannot be opened: {reason}. c.CourseDirectory.db_url in "
+            "nbgrader_config.py says where it is."
+        ) from error
 
 
 def address(course: Course) -> str:

@@ -29,6 +29,11 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
                 f'write below [{stage.stage}.students]: "{stage.student}" = '
                 f"{until:%Y-%m-%dT%H:%M:%S}Z. Another date there takes it back."
             )
+    yield from not_on_the_roster(results)
+
+
+def not_on_the_roster(results: ClassResults) -> Iterator[str]:
+    """A sentence on each who has marks, and of whom the roster does not know."""
     for student in results.strangers:
         yield (
             f"{student!r} has marks in the gradebook and is not on the roster; no table and no "

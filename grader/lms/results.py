@@ -18,6 +18,10 @@ WAITING = "waiting"  # a person has still to grade, or it is handed in and not y
 MARKED = "marked"  # there is a mark, and 0 is one
 
 
+class GradebookUnreachable(Exception):
+    """The gradebook cannot be opened; `str()` is the sentence to show."""
+
+
 @dataclass(frozen=True)
 class NotebookResult:
     """How somebody stands in a lesson.
@@ -97,7 +101,7 @@ class ClassResults:
     Attributes
     ----------
     people : tuple of grader.course.roster.Person
-        All on the roster, in its order; without a roster, who is in the gradebook.
+        All on the roster, in its order; without a roster, all who handed in.
     notebooks : tuple of NotebookResult
         One for each of them and each lesson, in this order.
     stages : tuple of StageResult

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
@@ -74,7 +74,7 @@ def standings(course: Course, rows: Sequence[Row], known: Sequence[Person]) -> C
     used = {pair for pair, row in entered.items() if _is_handed_in(course, row)}
     lessons = [find_lesson(name) for name in sorted({name for _, name in {*used, *given}})]
     worth = _worth(lessons, rows)
-    people = roster.people if roster else _with_rows(known, rows)
+    people = roster.people if roster else _without_roster(known, {*entered, *given})
     notebooks, stages = [], []
     for person in people:
         for stage in dict.fromkeys(lesson.stage for lesson in lessons):
@@ -113,10 +113,12 @@ def _worth(lessons: Sequence[Lesson], rows: Sequence[Row]) -> dict[str, float]:
     return released | {row.lesson: row.max_score for row in rows}
 
 
-def _with_rows(known: Sequence[Person], rows: Sequence[Row]) -> tuple[Person, ...]:
-    """Without a roster, those who have handed in."""
+def _without_roster(
+    known: Sequence[Person], handed_in: Iterable[tuple[str, str]]
+) -> tuple[Person, ...]:
+    """Those who have handed in something, as far as the gradebook knows their names."""
     named = {person.id: person for person in known}
-    return tuple(named[id] for id in sorted({row.student for row in rows}))
+    return tuple(named.get(id, Person(id)) for id in sorted({student for student, _ in handed_in}))
 
 
 def _standing(row: Row | None, is_given: bool) -> str:
