@@ -27,7 +27,7 @@ from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import only_one
 from grader.classroom.protocol import ExecutorLost, room
 from grader.course.paths import Course
-from grader.course.variants import fill_in
+from grader.course.variants import fill_in, variants_of
 from grader.judging.verdict import read_verdict
 from tests.test_course import rows
 from tests.test_faults import Inline
@@ -174,6 +174,71 @@ def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox,
     process.kill()
     assert graded_on(address, course, sandbox) == commands.GOOD
     assert "5 as before" in capsys.readouterr().out
+
+
+# A hostile class. What differs there: the process that judges is a worker's, the file that is read
+# apart came over the network, two notebooks share what that worker started, and words travel back.
+LOCKS = """
+import fcntl, glob, os, numpy, time
+FILES = sorted(glob.glob(os.path.dirname(numpy.__file__) + "/*/tests/*.py"))[:64]
+OPEN = [open(name) for name in FILES]
+def taken(keep):
+    for file in OPEN:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not keep: fcntl.flock(file, fcntl.LOCK_UN)
+        except BlockingIOError: return True
+        except OSError: pass
+    return False
+"""
+HOSTILE = {
+    "ends everything": "import os\n    os.kill(-1, 9)\n    os._exit(0)",
+    "floods": "return [cloud] * 100",
+    "sleeps": "import time\n    time.sleep(600)",
+    "speaks": "raise ValueError('LEA' + 'KED' + str(cloud[0].tolist()))",
+}
+
+
+def hostile(body, before=""):
+    text = f"{before}\ndef filter_ground(cloud, ground_level=-1.2):\n    {body}\n"
+    right = next(one.source for one in variants_of("voxel_grid") if one.right)
+    return fill_in(LESSON, {"filter_ground": text, "voxel_grid": right})
+
+
+def with_brackets(text):
+    content = json.loads(text)
+    content["cells"].append({"cell_type": "markdown", "metadata": {}, "source": "](" * 100_000})
+    return json.dumps(content)
+
+
+@pytest.mark.slow
+@pytest.mark.proof
+def test_a_hostile_class_fares_there_as_here(tmp_path, sandbox, start):
+    right = "return cloud[cloud[:, 2] >= ground_level]"
+    texts = {
+        "brackets": with_brackets(answer()),
+        **{name.replace(" ", "_"): hostile(body) for name, body in HOSTILE.items()},
+        # Neighbours in the alphabet, so judged side by side.
+        "tells": hostile(right, f"{LOCKS}\nHELD = taken(True), time.sleep(3)"),
+        "tells_hears": hostile(
+            right.replace("return", "if HEARD: return"),
+            f"{LOCKS}\nHEARD = any((taken(False), time.sleep(0.2))[0] for _ in range(10))",
+        ),
+        "zoe": answer(),
+    }
+    here = make_course(tmp_path / "here" / "course", LESSON, texts, sandbox)
+    there = make_course(tmp_path / "there" / "course", LESSON, texts, sandbox)
+    address, _ = start.scheduler()
+    start.worker(address, threads=2)
+    assert graded_on(address, there, sandbox) == commands.GOOD
+    assert commands.grade_course(here, (), SEED, sandbox, 1) == commands.GOOD
+    assert verdicts_of(there) == verdicts_of(here)
+    assert marks(there) == marks(here)
+    scores = {student: verdict.score for student, verdict in verdicts_of(there).items()}
+    full = {student for student, score in scores.items() if score == 30}
+    assert full == {"brackets", "tells", "zoe"}
+    told = "".join(path.read_text() for path in there.verdicts.rglob("*.json"))
+    assert "code cell" in told and "LEAKED" not in told
 
 
 @pytest.mark.slow
