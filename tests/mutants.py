@@ -288,6 +288,7 @@ class Trying:
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Run nothing here: all happens in forks."""
+        gc.unfreeze()  # what was frozen for another module would not be found
         self.functions = functions_of(self.module)
         gc.freeze()  # looking through all objects in a fork would copy them
         self.runs = self._in_a_fork(session)
@@ -339,7 +340,7 @@ class Trying:
         seconds = 3 + 3 * sum(self.runs[item.nodeid].seconds for item in items)
         wall = 60 + 6 * sum(self.runs[item.nodeid].wall for item in items)
         work = functools.partial(self._ask_anew, mutant)
-        if functions:
+        if functions and {*functions} <= {one.__qualname__ for one in self.functions}:
             work = functools.partial(self._ask, items, functions)
         return begin(work, seconds, f"{self.folder}/{mutant.digest}"), wall
 
