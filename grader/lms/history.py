@@ -74,10 +74,10 @@ class Change:
 def read_changes(course: Course) -> Iterator[Change]:
     """All changes, the oldest first; lines that cannot be read are left out."""
     try:
-        text = _path(course).read_text("utf-8", errors="replace")
+        text = _path(course).read_text("utf-8", errors="surrogateescape")
     except FileNotFoundError:
         return
-    for line in text.splitlines():
+    for line in text.split("\n"):
         try:
             about = json.loads(line)
             by_hand = about.pop("by_hand", None)
@@ -201,7 +201,8 @@ def _line(change: Change) -> str:
         "to": change.after,
         "by": change.by,
     }
-    return json.dumps(about | ({"by_hand": change.by_hand} if change.by_hand else {})) + "\n"
+    by_hand = {"by_hand": change.by_hand} if change.by_hand else {}
+    return json.dumps(about | by_hand, ensure_ascii=False) + "\n"
 
 
 def _append(course: Course, lines: list[str]) -> None:
@@ -210,7 +211,7 @@ def _append(course: Course, lines: list[str]) -> None:
     with _path(course).open("ab") as file:
         if file.tell() and not _ends_whole(course):
             lines = ["\n", *lines]
-        file.write("".join(lines).encode())
+        file.write("".join(lines).encode(errors="surrogateescape"))
         file.flush()
         os.fsync(file.fileno())
 

@@ -1,0 +1,93 @@
+"""What the README says about deleting a student leaves nothing of them, and all of the others."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.course.paths import PROJECT
+from grader.lms import gradebook
+from grader.lms.gradebook import enter
+from tests.test_gradebook import STAGE, make_course, quiet, verdicts
+
+NEEDLE = "Needle-Eyre"  # a last name that nothing else holds
+
+
+def commands_of_the_readme():
+    """The lines that delete somebody; the report is made elsewhere."""
+    text = (PROJECT / "grader" / "README.md").read_text("utf-8")
+    (block,) = re.findall(r"```sh\n(X=anna\n.*?)```", text, re.S)
+    return block.replace("X=anna", "X=ada").replace("python -m grader report\n", "")
+
+
+def holding(course, *needles):
+    """Files that hold, or are called like, what somebody could be known by."""
+    return [
+        path
+        for path in course.root.rglob("*")
+        if path.is_file()
+        and any(
+            needle in str(path.relative_to(course.root)) or needle.encode() in path.read_bytes()
+            for needle in needles
+        )
+    ]
+
+
+@pytest.mark.slow
+def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
+    course = make_course(tmp_path / "course")
+    roster = course.root / "roster.csv"
+    roster.write_text(f"id,last_name\nada,{NEEDLE}\nbob,Bell\n")
+    enter(course, verdicts(course), [STAGE], quiet)
+    for folder in ("feedback/ada", "verdicts/ada", "handed_back/x", "report"):
+        (course.root / folder).mkdir(parents=True, exist_ok=True)
+    for file in (
+        "feedback/ada/x.html",
+        "handed_back/x/ada.html",
+        "report/index.html",
+        "scores.csv",
+    ):
+        (course.root / file).write_text(f"ada {NEEDLE}")
+    (course.root / "handed_back" / "x" / "bob.html").write_text("bob")
+    assert len(holding(course, NEEDLE)) >= 6
+    roster.write_text("id,last_name\nbob,Bell\n")
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-e", "-c", commands_of_the_readme()],
+        cwd=course.root,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    assert [path for path in holding(course, NEEDLE) if path.name != "gradebook.db"] == []
+    assert holding(course, "/ada/", "ada.html", '"ada"') == []
+    with gradebook.open_gradebook(course) as book:
+        assert [student.id for student in book.students] == ["bob"]
+    enter(course, verdicts(course), [STAGE], quiet)  # nothing brings her back
+    assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
+    assert {one.student for one in gradebook.class_results(course).notebooks} == {"bob"}
+    assert (course.root / "handed_back" / "x" / "bob.html").exists()
+    assert (course.autograded / "bob" / STAGE).is_dir()
+
+
+@pytest.mark.slow
+def test_nbgrader_reads_the_roster_too(tmp_path):
+    course = make_course(tmp_path / "course")
+    (course.root / "roster.csv").write_text(
+        "id,first_name,last_name,email,section,lms_id,github\nada,Ada,Ash,a@x.edu,A,4711,a-ash\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "nbgrader", "db", "student", "import", "roster.csv"],
+        cwd=course.root,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    with gradebook.open_gradebook(course) as book:
+        assert book.find_student("ada").email == "a@x.edu"
