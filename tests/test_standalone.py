@@ -142,6 +142,28 @@ def test_handed_in_it_is_judged_like_any_other(sandbox):
     assert max(len(cell.source) for cell in copy.cells) < 10_000  # no wall of letters
 
 
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        lambda setup: f"{standalone.TITLE}\n# (The tools of the course, packed.)",
+        lambda setup: setup + "\n",
+        lambda setup: setup.replace("packed = ", "packed  = "),
+        lambda setup: standalone.setup_cell("07_filter_by_distance"),
+    ],
+)
+def test_what_is_judged_is_shown_whatever_cell_it_looks_like(hidden):
+    """Only the tools of the course, letter by letter, are left out where people look."""
+    setup = standalone.setup_cell(LESSON.name)
+    source = hidden(setup) + "\ndef filter_ground(cloud): return 'code that nobody sees'"
+    notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
+    cell = {"cell_type": "code", "metadata": {}, "source": source, "outputs": []}
+    notebook["cells"].append(cell | {"execution_count": None})
+    prepared = prepare(HandedIn("my work.ipynb", json.dumps(notebook).encode()), LESSON)
+    assert source in prepared.code and setup in prepared.code
+    shown = [cell.source for cell in build_copy(prepared).cells]
+    assert source in shown and setup not in shown
+
+
 @pytest.mark.slow
 def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
     here = tmp_path / "downloads"
