@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from grader.classroom.grade import Judged
+    from grader.lms.results import ClassResults
 
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
 
@@ -202,8 +203,9 @@ def _sandbox_elsewhere(wish: str) -> Sandbox:
 
 def run_report(options: argparse.Namespace) -> int:
     """Run ``report``."""
-    from grader.classroom.report import write_report
     from grader.classroom.submissions import unaccounted_files
+    from grader.lms.gradebook import class_results
+    from grader.lms.report import write_report
 
     course = Course()
     judged = _verdicts_on_disk(course)
@@ -211,7 +213,7 @@ def run_report(options: argparse.Namespace) -> int:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return WRONG_CALL
     left = unaccounted_files(course)
-    print(f"Report: {write_report(course, judged, left=left)}")
+    print(f"Report: {write_report(course, judged, class_results(course), left=left)}")
     return GOOD
 
 
@@ -378,8 +380,9 @@ def _grade_alone(
 ) -> int:
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
-    from grader.classroom.report import write_report
     from grader.classroom.submissions import unaccounted_files
+    from grader.lms.gradebook import class_results
+    from grader.lms.report import Run, write_report
 
     begin = time.perf_counter()
     try:
@@ -398,12 +401,15 @@ def _grade_alone(
         return WRONG_CALL
     status = _enter(course, judged, wanted or stages(), student)
     left = unaccounted_files(course)
-    reported = _verdicts_on_disk(course) if student else judged
-    path = write_report(course, reported, seconds, warning or sandbox.warning, left)
+    # What was judged now is a part of the class.
+    reported = _verdicts_on_disk(course) if student or wanted else judged
+    results, now = class_results(course), len(judged) - before
+    run = Run(now, len(reported) - now, seconds)
+    path = write_report(course, reported, results, run, warning or sandbox.warning, left)
     if student:
         _print_one(course, student, judged)
     else:
-        _print_all(course, judged, left)
+        _print_all(course, judged, results, left)
     _print_end(course, len(judged), before, seconds)
     print(f"Report: {path}")
     return status
@@ -449,15 +455,16 @@ def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str |
     return GOOD
 
 
-def _print_all(course: Course, judged: Judged, left: Sequence[tuple[Path, str]]) -> None:
+def _print_all(
+    course: Course, judged: Judged, results: ClassResults, left: Sequence[tuple[Path, str]]
+) -> None:
     """How the class stands, and what there is to know about it."""
     from grader.classroom.folders import spelt_otherwise
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
-    from grader.lms.gradebook import class_results
     from grader.lms.notes import notes
 
-    roster, results = read_roster(course), class_results(course)
+    roster = read_roster(course)
     console.print_class(judged, results)
     console.print_unaccounted(left)
     taken = spelt_otherwise(course, roster) if roster else ()

@@ -648,8 +648,8 @@ def test_time_is_counted_wherever_the_work_is_done(sandbox):
 
 @pytest.mark.slow
 def test_a_folder_whose_name_is_no_text_stops_nobody(course, sandbox, capsys):
-    from grader.classroom.report import write_report
     from grader.console import print_class
+    from grader.lms.report import write_report
 
     name = os.fsdecode(b"J\xfcrgen")  # as old zips have it
     path = course.submitted / name / LESSON.stage / f"{LESSON.name}.ipynb"

@@ -15,13 +15,13 @@ from grader.classroom import demo, grade
 from grader.classroom.demo import make_class
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.rehearsals import note_of
-from grader.classroom.report import write_report
 from grader.classroom.submissions import find_submissions
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
 from grader.judging.verdict import write_atomically
 from grader.lms import gradebook
+from grader.lms.report import write_report
 
 LESSON = find_lesson("06_filter_ground")
 SEED = 2**64 + 31
@@ -506,7 +506,7 @@ def test_report_tells_and_escapes(judged_course, sandbox):
         ),
         "utf-8",
     )
-    page = write_report(judged_course, judge_it(judged_course, sandbox), 1.0).read_text("utf-8")
+    page = write_report(judged_course, judge_it(judged_course, sandbox)).read_text("utf-8")
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)" in page
     for words in ("4 students", "right", "Hardest checks", "not valid JSON"):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from grader.classroom.report import hardest_checks
+from grader.classroom.items import hardest_checks
 from grader.course.variants import fill_in, variants_of
 from grader.intake.handed_in import HandedIn
 from grader.judging.judge import judge_handed_in

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import functools
+import re
 from pathlib import Path
 
 import jinja2
+from markupsafe import Markup, escape
+
+TEMPLATES = Path(__file__).parent / "templates"
 
 
 @functools.cache
 def _environment() -> jinja2.Environment:
     return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -22,3 +26,13 @@ def _environment() -> jinja2.Environment:
 def render(template: str, **content: object) -> str:
     """Fill in a template of ``templates/``; whatever is filled in is text, and no HTML."""
     return _environment().get_template(template).render(**content)
+
+
+def coded(text: str) -> Markup:
+    """Text in which what stands between backticks is shown as code."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
+
+
+def printable(student: str) -> str:
+    """A student's name as text: that of a folder need not be."""
+    return student.encode("utf-8", "replace").decode()

@@ -7,8 +7,9 @@ import re
 from pathlib import Path
 
 import jinja2
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
+from grader.classroom.pages import coded
 from grader.course.mathml import STYLE, markdown_page
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, Text, points
 
@@ -40,17 +41,12 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters |= {
         "points": points,
-        "coded": _coded,
+        "coded": coded,
         "as_html": _as_html,
         "in_words": stage_in_words,
     }
     environment.globals |= {"name_of": _name, "mark_of": _mark, "score_of": _score}
     return environment
-
-
-def _coded(text: str) -> Markup:
-    """Text in which what stands between backticks is shown as code."""
-    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def _as_html(text: Text) -> Markup:

@@ -373,8 +373,8 @@ NAMES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
 def test_calls_itself_something_strange(name, course, filtering, capsys):
-    from grader.classroom.report import write_report
     from grader.console import print_class
+    from grader.lms.report import write_report
 
     student = os.fsdecode(name)
     folder = course.submitted / student / filtering.stage

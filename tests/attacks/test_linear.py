@@ -11,7 +11,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from grader.classroom.report import write_report
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
@@ -20,6 +19,7 @@ from grader.intake.handed_in import HandedIn
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 from grader.lms.autograded import build_copy, write_into
 from grader.lms.harmless import as_code, harmless
+from grader.lms.report import write_report
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 
 LESSON = find_lesson("12_streaming_obstacles")

@@ -7,13 +7,13 @@ import re
 import numpy as np
 import pytest
 
-from grader.classroom.report import write_report
 from grader.classroom.submissions import Submission
 from grader.console import print_class, print_verdict
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT, Course
 from grader.judging.messages import FEW_NUMBERS
 from grader.lms.autograded import score_output
+from grader.lms.report import write_report
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
 from grader.sandbox.program import MOST_LINES_OF_ALL
 from grader.sandbox.quoting import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES

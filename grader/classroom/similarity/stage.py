@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
+from grader.classroom.pages import printable
 from grader.classroom.similarity.answers import (
     Answer,
     Work,
@@ -138,11 +139,6 @@ def compare_stage(
         tuple(_same_files(read)),
         tuple(problems),
     )
-
-
-def printable(student: str) -> str:
-    """A student's name as text: that of a folder need not be."""
-    return student.encode("utf-8", "replace").decode()
 
 
 def _comparisons(stage: str, answers: Mapping[tuple[str, str], Answer]) -> Iterable[Comparison]:

@@ -1,0 +1,142 @@
+"""What the verdicts of a class say about its checks: which are hard, and which tell apart."""
+
+from __future__ import annotations
+
+import statistics
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from grader.judging.messages import without_numbers
+from grader.judging.verdict import ExerciseResult, Verdict
+
+# Of fewer, chance makes a discrimination of 0.4 where there is none.
+ENOUGH = 20
+_NO_ANSWER = "did not answer within"
+
+
+@dataclass(frozen=True)
+class CheckSummary:
+    """How many students met their first failure of an exercise in one check."""
+
+    lesson: str
+    exercise: str
+    title: str
+    visible: bool
+    failed: int
+    tried: int
+
+
+@dataclass(frozen=True)
+class Item:
+    """One check of a lesson, as test theory looks at it.
+
+    Attributes
+    ----------
+    exercise, title : str
+    visible : bool
+    passed, tried : int
+        Students.
+    discrimination : float or None
+        Correlation between passing this check and the points for the rest of the lesson. None
+        for fewer than `ENOUGH` students, and where all or none pass.
+    """
+
+    exercise: str
+    title: str
+    visible: bool
+    passed: int
+    tried: int
+    discrimination: float | None
+
+
+def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSummary]:
+    """`CheckSummary` of the checks at which most students stopped, hardest first.
+
+    Each student counts once for each exercise, with what failed first: what else failed may have
+    the same cause. Who wrote nothing stopped at no check.
+    """
+    tried, stopped = Counter(), Counter()
+    for verdict in verdicts:
+        for exercise in verdict.exercises:
+            tried[verdict.lesson, exercise.name] += 1
+            first = next((test for test in exercise.tests if test.name == exercise.first), None)
+            if first:
+                stopped[verdict.lesson, exercise.name, first.title, first.visible] += 1
+    found = [CheckSummary(*check, count, tried[check[:2]]) for check, count in stopped.items()]
+    return sorted(found, key=lambda check: -check.failed / check.tried)[:most]
+
+
+def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
+    """`Item` of each check of one lesson, in the order of the lesson.
+
+    Parameters
+    ----------
+    verdicts : sequence of Verdict
+        On the same lesson.
+    """
+    # By name: two checks may have one title.
+    outcomes: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    tests = {}
+    for verdict in verdicts:
+        for exercise in verdict.exercises:
+            for test in exercise.tests:
+                place = exercise.name, test.name
+                tests.setdefault(place, test)
+                rest = verdict.score - test.score
+                outcomes.setdefault(place, []).append((float(test.passed), rest))
+    return [
+        Item(
+            place[0],
+            tests[place].title,
+            tests[place].visible,
+            sum(passed > 0 for passed, _ in mine),
+            len(mine),
+            _discrimination(mine),
+        )
+        for place, mine in outcomes.items()
+    ]
+
+
+def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
+    passed, rest = zip(*outcomes, strict=True)
+    if len(outcomes) < ENOUGH or len(set(passed)) == 1 or len(set(rest)) == 1:
+        return None
+    return statistics.correlation(passed, rest)
+
+
+def is_not_started(exercise: ExerciseResult) -> bool:
+    """Whether nothing was written for an exercise."""
+    return not exercise.first and " is not started" in exercise.cause.partition("\n")[0]
+
+
+def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
+    """(exercise, number of students who did not start it), in the order of the course."""
+    found = Counter(
+        exercise.name
+        for verdict in verdicts
+        for exercise in verdict.exercises
+        if is_not_started(exercise)
+    )
+    return list(found.items())
+
+
+def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[str, str, int]]:
+    """(exercise, what is wrong, number of students), most frequent first."""
+    students: dict[tuple[str, str], set[str]] = {}
+    for verdict in verdicts:
+        for exercise in verdict.exercises:
+            if exercise.cause and not is_not_started(exercise):
+                mistake = (exercise.name, without_numbers(exercise.cause.splitlines()[0]))
+                students.setdefault(mistake, set()).add(verdict.student)
+    found = [(*mistake, len(names)) for mistake, names in students.items()]
+    return sorted(found, key=lambda mistake: -mistake[2])[:most]
+
+
+def out_of_time(verdict: Verdict) -> list[str]:
+    """The exercises of a notebook whose code had to be stopped."""
+    return [
+        exercise.name
+        for exercise in verdict.exercises
+        if _NO_ANSWER in exercise.cause or any(_NO_ANSWER in t.message for t in exercise.tests)
+    ]

@@ -1,0 +1,192 @@
+"""The table of marks in the report: a row a student, a cell a lesson."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+
+from grader.course.lessons import Lesson
+from grader.course.roster import Person
+from grader.judging.verdict import JUDGED, Verdict
+from grader.lms.feedback import points
+from grader.lms.results import EXCUSED, MISSING, WAITING, ClassResults, NotebookResult, StageResult
+
+JUDGE_FAILED = "the judge failed: grade again"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What stands in a cell, what it means, and the number to sort by."""
+
+    text: str
+    means: str = ""
+    order: float = -1.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """One student.
+
+    Attributes
+    ----------
+    person : grader.course.roster.Person
+    is_known : bool
+        False for who handed in and is not in the gradebook.
+    cells : tuple of Cell
+    late : Cell
+    sum : Cell
+    """
+
+    person: Person
+    is_known: bool
+    cells: tuple[Cell, ...]
+    late: Cell
+    sum: Cell
+
+
+@dataclass(frozen=True)
+class MarksTable:
+    """All rows, and what a column is worth.
+
+    Attributes
+    ----------
+    lessons : tuple of Lesson
+    most : tuple of str
+        Points of each lesson.
+    rows : tuple of Row
+    has_sections, has_late : bool
+        Whether there is anything to show in these columns.
+    from_gradebook : bool
+        False where the scores are the judge's.
+    """
+
+    lessons: tuple[Lesson, ...]
+    most: tuple[str, ...]
+    rows: tuple[Row, ...]
+    has_sections: bool
+    has_late: bool
+    from_gradebook: bool
+
+
+def marks_table(
+    lessons: Sequence[Lesson],
+    results: ClassResults,
+    verdicts: Mapping[str, Mapping[str, Verdict]],
+) -> MarksTable:
+    """Make the table of a class.
+
+    Parameters
+    ----------
+    lessons : list of Lesson
+        The columns.
+    results : ClassResults
+        The marks.
+    verdicts : dict of str to dict of str to Verdict
+        By student and lesson: of who is not in the results, the scores are these.
+    """
+    worth = {v.lesson: v.max_score for mine in verdicts.values() for v in mine.values()}
+    worth |= results.lessons
+    rows = [_known(person, lessons, results, verdicts) for person in results.people]
+    known = {person.id for person in results.people}
+    rows += [
+        _unknown(id, lessons, verdicts[id], bool(results.people))
+        for id in verdicts
+        if id not in known
+    ]
+    return MarksTable(
+        tuple(lessons),
+        tuple(points(worth[lesson.name]) for lesson in lessons),
+        tuple(rows),
+        any(row.person.section for row in rows),
+        any(row.late.text for row in rows),
+        bool(results.people),
+    )
+
+
+def _known(
+    person: Person,
+    lessons: Sequence[Lesson],
+    results: ClassResults,
+    verdicts: Mapping[str, Mapping[str, Verdict]],
+) -> Row:
+    mine = [results.notebook(person.id, lesson.name) for lesson in lessons]
+    judged = verdicts.get(person.id, {})
+    cells = tuple(
+        _cell(result, judged.get(lesson.name)) for result, lesson in zip(mine, lessons, strict=True)
+    )
+    found = [result for result in mine if result]
+    stages = dict.fromkeys(lesson.stage for lesson in lessons)
+    standings = [one for stage in stages if (one := results.stage(person.id, stage))]
+    return Row(person, True, cells, _late(standings), _sum(found))
+
+
+def _cell(result: NotebookResult | None, verdict: Verdict | None) -> Cell:
+    if verdict and verdict.status != JUDGED:
+        return Cell("?", JUDGE_FAILED)
+    if result is None or result.standing == MISSING:
+        return Cell("–", "missing: nothing was handed in")
+    if result.standing == EXCUSED and result.score is None:
+        return Cell("exc.", "excused: nothing is expected")
+    if result.score is None:
+        return Cell("…", "handed in, and not yet entered")
+    text, means = points(result.points), []
+    if result.standing == EXCUSED:
+        text, means = f"({text})", ["excused: does not count"]
+    elif result.standing == WAITING:
+        text, means = f"{text} …", ["a person has still to grade something in it"]
+    if result.penalty:
+        means.append(f"{points(result.score)} less {points(result.penalty)} for lateness")
+    return Cell(text, "; ".join(means), result.points)
+
+
+def _sum(results: Sequence[NotebookResult]) -> Cell:
+    """The points of all that counts, of what they could be."""
+    counted = [result for result in results if result.standing != EXCUSED]
+    if not counted:
+        return Cell("exc." if results else "–")
+    whole = sum(result.points or 0.0 for result in counted)
+    waiting = sum(result.standing == WAITING for result in counted)
+    missing = sum(result.standing == MISSING for result in counted)
+    kinds = {"wait for a person": waiting, "missing": missing}
+    means = ", ".join(f"{number} {what}" for what, number in kinds.items() if number)
+    most = points(sum(result.max_score for result in counted))
+    return Cell(f"{points(whole)} of {most}{' …' if waiting else ''}", means, whole)
+
+
+def _late(stages: Sequence[StageResult]) -> Cell:
+    penalty = sum(stage.penalty for stage in stages)
+    late = max((stage.late for stage in stages), default=timedelta())
+    undecided = [stage for stage in stages if stage.undecided]
+    parts = [duration(late)] if late else []
+    parts += [f"−{points(penalty)}"] if penalty else []
+    parts += ["undecided"] if undecided else []
+    means = "; ".join(
+        f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
+    )
+    return Cell(", ".join(parts), means, late.total_seconds())
+
+
+def duration(time: timedelta) -> str:
+    """How long in the largest two units: ``1 d 3 h``, ``5 h 20 min``; at least a minute."""
+    minutes = max(1, round(time.total_seconds() / 60))
+    days, hours, rest = minutes // 1440, minutes % 1440 // 60, minutes % 60
+    parts = [(days, "d"), (hours, "h"), (0 if days else rest, "min")]
+    return " ".join(f"{number} {unit}" for number, unit in parts if number)
+
+
+def _unknown(
+    id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], is_stranger: bool
+) -> Row:
+    cells = []
+    for lesson in lessons:
+        verdict = judged.get(lesson.name)
+        if verdict is None:
+            cells.append(Cell("–", "missing: nothing was handed in"))
+        elif verdict.status != JUDGED:
+            cells.append(Cell("?", JUDGE_FAILED))
+        else:
+            cells.append(Cell(points(verdict.score), "", verdict.score))
+    scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
+    whole = Cell(points(sum(scores)), "by the judge", sum(scores))
+    return Row(Person(id), not is_stranger, tuple(cells), Cell(""), whole)

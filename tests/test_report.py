@@ -1,0 +1,384 @@
+"""The report: what it says about a class, and what it says of nobody."""
+
+import base64
+import dataclasses
+import hashlib
+import re
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader.classroom.items import common_messages, items_of, not_started
+from grader.classroom.submissions import Submission
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.course.roster import Person
+from grader.intake.handed_in import HandedIn
+from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
+from grader.lms.distribution import distribution_of
+from grader.lms.marks_table import duration, marks_table
+from grader.lms.report import FEWEST, Run, write_report
+from grader.lms.results import (
+    EXCUSED,
+    MARKED,
+    MISSING,
+    WAITING,
+    ClassResults,
+    NotebookResult,
+    StageResult,
+)
+from tests.browser import BROWSER, seen
+
+SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance")
+STAGE = SIX.stage
+
+
+def check(passed, name="keeps", title="Keeps it", message="", points=1.0, visible=True):
+    return CheckResult(name, title, passed, points * passed, points, message, visible)
+
+
+def verdict(student, checks, cause="", lesson=SIX, **more):
+    first = next((one.name for one in checks if not one.passed), "") if cause else ""
+    score, most = sum(c.score for c in checks), sum(c.max_score for c in checks)
+    exercise = ExerciseResult("filter_ground", score, most, tuple(checks), cause, first)
+    return Verdict(lesson.name, student, JUDGED, score, most, (exercise,), (), 0.0, "", **more)
+
+
+def handed_in(one):
+    lesson = find_lesson(one.lesson)
+    return Submission(one.student, lesson, Path(f"{lesson.name}.ipynb")), one
+
+
+def report(folder, verdicts, *about, **more):
+    return write_report(Course(folder), [handed_in(v) for v in verdicts], *about, **more).read_text(
+        "utf-8"
+    )
+
+
+def result(student, standing, score, penalty=0.0, lesson=SIX, most=30.0):
+    return NotebookResult(student, STAGE, lesson.name, standing, score, most, penalty)
+
+
+STANDINGS = {
+    "missing": (MISSING, None, "–"),
+    "zero": (MARKED, 0.0, "0"),
+    "excused": (EXCUSED, None, "exc."),
+    "excused, with work": (EXCUSED, 12.0, "(12)"),
+    "waiting": (WAITING, 12.5, "12.5 …"),
+    "not entered": (WAITING, None, "…"),
+    "marked": (MARKED, 29.125, "29.12"),
+}
+
+
+def class_of(results, stages=(), strangers=(), people=None):
+    people = people or tuple(dict.fromkeys(Person(one.student) for one in results))
+    return ClassResults(people, tuple(results), tuple(stages), strangers)
+
+
+@pytest.mark.parametrize("kind", STANDINGS)
+def test_missing_excused_waiting_and_nought_are_four_things(kind):
+    standing, score, shown = STANDINGS[kind]
+    (row,) = marks_table([SIX], class_of([result("ada", standing, score)]), {}).rows
+    assert row.cells[0].text == shown
+
+
+def test_what_is_taken_off_for_lateness_is_in_the_mark_and_said():
+    results = class_of(
+        [result("ada", MARKED, 20.0, penalty=5.0)],
+        [StageResult("ada", STAGE, MARKED, 20.0, 30.0, 5.0, late=timedelta(hours=27, minutes=5))],
+    )
+    table = marks_table([SIX], results, {})
+    (row,) = table.rows
+    assert row.cells[0].text == "15" and "20 less 5" in row.cells[0].means
+    assert (row.late.text, row.sum.text) == ("1 d 3 h, −5", "15 of 30")
+    assert table.has_late
+
+
+def test_the_sum_counts_what_is_missing_and_not_what_is_excused():
+    results = class_of(
+        [
+            result("ada", MARKED, 30.0),
+            result("ada", MISSING, None, lesson=SEVEN),
+            result("bo", EXCUSED, None),
+            result("bo", WAITING, 10.0, lesson=SEVEN),
+        ]
+    )
+    ada, bo = marks_table([SIX, SEVEN], results, {}).rows
+    assert (ada.sum.text, ada.sum.means) == ("30 of 60", "1 missing")
+    assert (bo.sum.text, bo.sum.means) == ("10 of 30 …", "1 wait for a person")
+
+
+def test_who_is_not_on_the_roster_is_named_beside_the_class(tmp_path):
+    page = report(
+        tmp_path, [verdict("yan ", [check(True)])], class_of([result("yan", MISSING, None)])
+    )
+    assert page.count("not on the roster") == 1
+    assert "2 students" in page
+
+
+def test_a_failing_judge_is_no_mark():
+    failed = dataclasses.replace(verdict("ada", []), status=FAILED)
+    results = class_of([result("ada", WAITING, None)])
+    (row,) = marks_table([SIX], results, {"ada": {SIX.name: failed}}).rows
+    assert row.cells[0].text == "?"
+
+
+@pytest.mark.parametrize(
+    "time, words",
+    [
+        (timedelta(seconds=2), "1 min"),
+        (timedelta(hours=5, minutes=20), "5 h 20 min"),
+        (timedelta(days=2), "2 d"),
+        (timedelta(days=2, hours=1, minutes=59), "2 d 1 h"),
+    ],
+)
+def test_a_duration_has_two_units(time, words):
+    assert duration(time) == words
+
+
+def test_a_mean_says_over_whom():
+    results = class_of(
+        [
+            result("a", MARKED, 30.0, penalty=10.0),
+            result("b", WAITING, 15.0),
+            result("c", MARKED, 0.0),
+            result("d", MISSING, None),
+            result("e", EXCUSED, None),
+            result("f", WAITING, None),
+        ]
+    )
+    found = distribution_of(SIX, results, [])
+    assert (found.mean, found.median, found.count) == (15.0, 15.0, 3)
+    assert found.over == (
+        "over the 3 with a score, 1 of them still to be graded by a person; not counted: "
+        "1 not yet entered, 1 missing, 1 excused"
+    )
+    assert found.histogram == (1, 0, 0, 0, 0, 1, 0, 0, 0, 1)
+
+
+def test_counts_and_seconds_are_of_what_was_done(tmp_path):
+    verdicts = [verdict(name, [check(True)]) for name in ("ada", "bo")]
+    assert "2 notebooks, of which 2 had been judged before ·" in report(
+        tmp_path, verdicts, run=Run(0, 2, 1.4)
+    )
+    both = report(tmp_path, verdicts, run=Run(1, 1, 3.4))
+    assert "of which 1 judged in 3 s and 1 had been judged before" in both
+    assert "of which" not in report(tmp_path, verdicts)
+
+
+NOT_STARTED = "filter_ground is not started: replace `raise NotImplementedError` with your code."
+
+
+def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
+    empty = [
+        dataclasses.replace(
+            verdict(name, [check(False)]),
+            exercises=(
+                ExerciseResult("filter_ground", 0.0, 1.0, (check(False),), NOT_STARTED, ""),
+            ),
+        )
+        for name in ("ada", "bo", "cy")
+    ]
+    wrong = verdict("dee", [check(False)], "`<` stands where `>=` is asked for.")
+    assert not_started([*empty, wrong]) == [("filter_ground", 3)]
+    assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
+    page = report(tmp_path, [*empty, wrong])
+    assert "<code>&lt;</code> stands where <code>&gt;=</code> is asked for." in page
+    assert "Not started: <code>filter_ground</code> by 3." in page
+
+
+def scores_and_passes(number):
+    """Students who pass a check the more likely, the better they do elsewhere; none is alike."""
+    random = np.random.default_rng(5)
+    rest = random.permutation(number) / 4
+    return rest, rest + random.normal(0, 1.5, number) > 2
+
+
+@pytest.mark.parametrize("number", [19, 20, 45])
+def test_discrimination_is_the_correlation_with_the_rest(number):
+    rest, passes = scores_and_passes(number)
+    class_ = [
+        verdict(f"s{i}", [check(bool(passed), points=3.0), check(True, "other", points=points)])
+        for i, (points, passed) in enumerate(zip(rest, passes, strict=True))
+    ]
+    first, other = items_of(class_)
+    assert (first.passed, first.tried) == (passes.sum(), number)
+    if number < 20:
+        assert first.discrimination is None
+    else:
+        assert first.discrimination == pytest.approx(np.corrcoef(rest, passes)[0, 1])
+        assert 0.1 < first.discrimination < 0.95
+    assert other.discrimination is None, "all pass it"
+
+
+def test_two_checks_of_one_title_are_two_items():
+    shown, hidden = check(True, "a"), check(False, "b", visible=False)
+    assert [item.tried for item in items_of([verdict("ada", [shown, hidden])])] == [1, 1]
+
+
+def test_too_few_students_are_said_to_be_too_few(tmp_path):
+    page = report(tmp_path, [verdict("ada", [check(True)]), verdict("bo", [check(False)])])
+    assert "fewer than 20 students" in page
+
+
+def test_damage_and_time_outs_are_seen(tmp_path):
+    slow = "filter_ground did not answer within 10 seconds; is there a loop that never ends?"
+    damaged = dataclasses.replace(verdict("bo", []), problems=("It is cut off.",))
+    page = report(tmp_path, [verdict("ada", [check(False, message=slow)], slow), damaged])
+    assert "<h2>Out of time</h2>" in page and "<h2>Mended, noticed or unreadable</h2>" in page
+    assert "<td>It is cut off.</td>" in page
+    clean = report(tmp_path, [verdict("ada", [check(True)])])
+    assert "Out of time" not in clean and "unreadable" not in clean
+
+
+def test_the_same_file_is_named_and_what_was_given_out_is_not(tmp_path):
+    given = HandedIn(SEVEN.released.name, SEVEN.released.read_bytes()).fingerprint()
+    verdicts = [
+        *(verdict(name, [check(True)], fingerprint="one and the same") for name in ("ada", "bo")),
+        *(verdict(name, [check(True)], lesson=SEVEN, fingerprint=given) for name in ("ada", "bo")),
+        verdict("cy", [check(True)], fingerprint="another"),
+    ]
+    page = report(tmp_path, verdicts)
+    (same,) = re.findall(r"<h2>The same file twice</h2>.*?</tbody>", page, re.DOTALL)
+    assert same.count("<tr>") == 2, "the heading, and one row"
+    assert "<td>ada, bo</td>" in same and SEVEN.name not in same
+
+
+def test_it_links_to_what_lies_beside_it(tmp_path):
+    (tmp_path / "report").mkdir()
+    (tmp_path / "report" / f"similarity_{STAGE}.html").touch()
+    (tmp_path / "scores.csv").touch()
+    (tmp_path / "handed_back" / STAGE).mkdir(parents=True)
+    page = report(tmp_path, [verdict("ada", [check(True)])])
+    links = re.findall(r'<li><a href="([^"]+)"', page)
+    assert all((tmp_path / "report" / link).exists() for link in links)
+    assert len(links) == 4
+
+
+EVIL = "<script>alert(1)</script><img src=x onerror=alert(2)>"
+
+
+def test_one_script_runs_and_it_is_ours(tmp_path):
+    bad = dataclasses.replace(
+        verdict(EVIL, [check(False, title=EVIL, message=f"`{EVIL}`")], f"{EVIL} `{EVIL}`"),
+        problems=(EVIL,),
+    )
+    results = class_of(
+        [result("ada", MARKED, 1.0)], people=(Person("ada", EVIL, EVIL, section=EVIL),)
+    )
+    page = report(tmp_path, [bad], results, warning=EVIL, left=[(Path(EVIL), EVIL)])
+    ((kind, script),) = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
+    assert kind == ' type="module"'
+    assert not re.search(r"<img|alert\(1\)</script>", page)
+    (allowed,) = re.findall(r"script-src 'sha256-([^']+)'", page)
+    assert allowed == base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert not re.search(r"\bsrc=|@import|url\(", page.replace("img src=x", "")), "needs nothing"
+
+
+# Whatever is a student's, or from a student; none of it may be on the page without names.
+SECRET = (
+    "whostudent",
+    "firstname",
+    "lastname",
+    "sectionname",
+    "mailaddress",
+    "lmsnumber",
+    "messagetext",
+    "causetext",
+    "problemtext",
+    "slipbefore",
+    "slipafter",
+    "filename",
+    "reasontext",
+    "warningtext",
+    "undecidedtext",
+    "githublogin",
+    "fingerprint",
+    "faulttext",
+)
+
+
+def test_the_page_without_names_says_nothing_of_anybody(tmp_path):
+    secret = dict(
+        zip(SECRET, (f"{word}{number}x" for number, word in enumerate(SECRET)), strict=True)
+    )
+    people, verdicts, stages, results = [], [], [], []
+    for number in range(6):
+        my = {word: f"{text}{number}" for word, text in secret.items()}
+        words = ("firstname", "lastname", "mailaddress", "sectionname", "lmsnumber", "githublogin")
+        people.append(Person(my["whostudent"], *(my[word] for word in words)))
+        one = verdict(my["whostudent"], [check(number % 2 == 0, message=my["messagetext"])])
+        exercise = dataclasses.replace(
+            one.exercises[0],
+            cause=my["causetext"],
+            first="keeps",
+            slip=Slip(1, 1, my["slipbefore"], my["slipafter"], 0.5),
+        )
+        verdicts.append(
+            dataclasses.replace(
+                one,
+                exercises=(exercise,),
+                problems=(my["problemtext"],),
+                fingerprint="fingerprint",
+                faults=(my["faulttext"],),
+            )
+        )
+        results.append(result(my["whostudent"], MARKED, 20.0))
+        stages.append(
+            StageResult(
+                my["whostudent"], STAGE, MARKED, 20.0, 30.0,
+                handed_in=datetime(2031, 1, 1, tzinfo=UTC), undecided=my["undecidedtext"],
+            )
+        )  # fmt: skip
+    named = report(
+        tmp_path,
+        verdicts,
+        class_of(results, stages, people=tuple(people)),
+        warning=secret["warningtext"],
+        left=[(Path(secret["filename"]), secret["reasontext"])],
+    )
+    page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
+    assert "whostudent0x0" in named and "messagetext" in named, "which the other page has"
+    assert not [word for word in SECRET if word in page]
+    assert "2031" not in page and "<script" not in page
+    assert "Mean 20.0" in page and "Keeps it" in page and "3 of 6" in page
+
+
+def test_without_names_a_lesson_of_few_is_left_out(tmp_path):
+    many = [verdict(f"s{n}", [check(False)], "Wrong.") for n in range(FEWEST)]
+    few = [verdict(f"s{n}", [check(False)], "No.", SEVEN) for n in range(FEWEST - 1)]
+    report(tmp_path, [*many, *few])
+    page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
+    assert page.count(SEVEN.name) == 1, "where it is said that it is left out"
+    assert f"0 of {FEWEST}" in page and f"{FEWEST - 1}" not in re.findall(r"of (\d)", page)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not BROWSER, reason="no browser")
+def test_students_are_sorted_and_found_without_a_network(tmp_path):
+    scores = {"cy": 9.0, "ada": 10.0, "bo": 8.5}
+    results = class_of([result(name, MARKED, score) for name, score in scores.items()])
+    page = report(tmp_path, [verdict(name, [check(True)]) for name in scores], results)
+    using = """
+      const heads = document.querySelectorAll("table.marks thead [role=button]");
+      heads[1].click();
+      const names = () => [...document.querySelectorAll("table.marks tbody tr")]
+        .filter((row) => !row.hidden).map((row) => row.cells[0].textContent.trim()).join(" ");
+      const said = [names()];
+      heads[1].click(); said.push(names());
+      heads[0].click(); said.push(names());
+      const search = document.getElementById("search");
+      search.value = "AD"; search.dispatchEvent(new Event("input"));
+      said.push(names(), document.getElementById("found").textContent);
+      document.title = said.join(" | ");
+    """
+    (policy,) = re.findall(r"<meta http-equiv[^>]+>", page)
+    page = page.replace(policy, "").replace(
+        "</body>", f'<script type="module">{using}</script></body>'
+    )
+    shown, asked = seen(page, tmp_path / "browser", "elsewhere")
+    (title,) = re.findall("<title>(.*?)</title>", shown)
+    assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
+    assert asked == []
