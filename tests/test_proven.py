@@ -12,6 +12,7 @@ from grader.course.lessons import find_lesson
 from grader.judging import explained, repair, results
 from grader.judging.followed import Followed
 from grader.judging.trial import Asked, Setting
+from grader.judging.verdict import Slip
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
@@ -434,3 +435,22 @@ def test_the_solution_is_the_lessons_own_and_made_once():
 def test_a_slip_never_takes(earned):
     found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned)
     assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))
+
+
+@pytest.mark.parametrize(
+    ("proven", "kept"),
+    [
+        (repair.Repair(3, 14, "before", "after"), Slip(3, 14, "before", "after", 0.5)),
+        (slip(), Slip(0, 0, "", "", 0.5)),
+    ],
+)
+def test_a_verdict_says_that_one_thing_alone_is_wrong(proven, kept):
+    """It keeps three of five points, and every check was lost for the same reason."""
+    exercise = next(one for one in LINE.machine_graded if one.name == "line_through")
+    asked = Asked(outcomes_of("line_through", None, None, NO, CheckFailed("nor here")))
+    result = results.result_of(exercise, asked, None, proven)
+    assert (result.score, result.slip) == (3.0, kept)
+    same = "For the same reason as “a title”."
+    assert [test.message for test in result.tests] == ["", "", "no\nHint: a hint", same]
+    alone = results.result_of(exercise, asked, None)
+    assert (alone.score, alone.slip, alone.tests[3].message) == (2.5, None, "nor here")
