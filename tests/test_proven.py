@@ -264,6 +264,15 @@ def test_a_notebook_that_does_not_start_has_no_edits(passing):
     assert passing(Edited(["abxy", ""], stops=True)) == []
 
 
+def test_what_changes_the_line_that_raised_is_tried_first():
+    beside = [(1, 3, 3), (2, 1, 2), (2, 4, 4), (3, 3, 3)]
+    there = [(2, 3, 3), (2, 2, 4), (2, 3, 5), (2, 1, 3)]
+    edits = [(*place, "text") for pair in zip(beside, there, strict=True) for place in pair]
+    ordered = repair._in_order(edits, frozenset({(2, 3), (7, 1)}))
+    assert [number for number, _ in ordered] == [1, 3, 5, 7, 0, 2, 4, 6]
+    assert all(edits[number] == edit for number, edit in ordered)
+
+
 # ---- which edit makes an answer right -----------------------------------------------------------
 
 CELL = "first\nsecond\nthird\nfourth"
