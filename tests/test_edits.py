@@ -39,6 +39,8 @@ SLIPS = {
     "a copy": ("y = x\nreturn y", "y = x.copy()\nreturn y"),
     "an index": ("return x[:, 0]", "return x[:, 1]"),
     "a column": ("return x[0]", "return x[:, 0]"),
+    "a table for a height": ("return x[x > y]", "return x[x[:, 2] > y]"),
+    "a point for its number": ("return x - y[1]", "return x[1] - y[1]"),
     "rows for columns": ("return f(x[:3])", "return f(x[:, :3])"),
     "a table for its column": ("return f(x, y[:, 1])", "return f(x[:, 0], y[:, 1])"),
     "row and column": ("return x[0, :]", "return x[:, 0]"),

@@ -114,9 +114,11 @@ _ALONG_AN_AXIS = frozenset(
     + ["std", "var", "norm", "sort", "argsort", "cumsum"]
 )
 _WRAPS = ("-{}", "abs({})", "{} ** 0.5", "{} ** 2")
+_COLUMNS = ("[:, 0]", "[:, 1]", "[:, 2]")
+_NUMBERS = ("[0]", "[1]", "[2]")
 _SLICES = (
     *("[::-1]", "[1:]", "[:-1]", "[:, :3]", "[:, :2]", "[:3]", "[:2]", ".T", ".copy()"),
-    *("[:, 0]", "[:, 1]", "[:, 2]"),
+    *_COLUMNS,
 )
 _OF_EACH_ROW = (".all(axis=1)", ".any(axis=1)")
 _ENTERED = ("break", "continue", "return")
@@ -519,6 +521,8 @@ def _wrapped(
             yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
         for part in _SLICES if atom and placed else ():
             yield 2, begin, end, inner + part
+        for part in (*_COLUMNS, *_NUMBERS) if operand and isinstance(node, ast.Name) else ():
+            yield 3, begin, end, inner + part
         for part in _OF_EACH_ROW if placed and not _is_arithmetic(node) else ():
             yield 2, begin, end, inner + part
         if atom and isinstance(getattr(parent, "op", None), ast.MatMult):

@@ -138,7 +138,7 @@ def reckons_the_number(iterations_needed: Callable) -> None:
 )
 def smallest_that_suffices(iterations_needed: Callable) -> None:
     assert_reckons(iterations_needed)
-    for ratio, expected in ((0.6, 19), (0.4, 70), (0.75, 9), (0.8, 7)):
+    for ratio, expected in ((0.6, 19), (0.4, 70), (0.75, 9), (0.8, 7), (0.98, 2), (0.999, 1)):
         assert_iterations(iterations_needed(ratio, 3, 0.99), expected, ratio, 3, 0.99)
 
 

@@ -1,0 +1,369 @@
+"""Every answer that is one edit away from a right one, and what becomes of it.
+
+``python -m tests.survey [EXERCISE ...]`` prints a table: how many such answers there are, how many
+of them answer as the solution does, which others lose nothing, and what a sample of the wrong ones
+loses when it is judged behind the walls, slips included.
+"""
+
+import ast
+import contextlib
+import copy
+import random
+import signal
+import statistics
+import sys
+import time
+import types
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from grader.course.lessons import Lesson, all_lessons, lesson_of, load_reference
+from grader.course.variants import fill_in, variants_of
+from grader.intake.handed_in import HandedIn
+from grader.judging.asking import hidden_questions, run_tests, shown_questions
+from grader.judging.judge import program_for
+from grader.judging.repair import slips_in
+from grader.judging.results import result_of
+from grader.judging.trial import Setting, ask
+from grader.sandbox import choose_sandbox
+from tests.alike import alike, anything
+from tests.students import student_with
+from tests.test_slips import solution_of
+from utils.checks import checks_of
+from utils.checks.remembering import one_run
+from utils.notebooks import slicing
+from utils.notebooks.edits import edits_of
+
+SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that tell two answers apart
+CALLS = 1000
+SECONDS = 0.5  # of the processor for a question, beside four times what a right answer takes
+SAMPLE = 6  # wrong answers of each exercise that are judged behind the walls
+MOST = 0.6  # of an exercise's points, for one edit
+EXERCISES = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
+SOLUTION = "the solution"
+
+
+# ---- answers, and what one edit makes of them ---------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A right answer: a notebook, and the statements in it that belong to the exercise alone."""
+
+    lesson: Lesson
+    exercise: str
+    name: str
+    cells: tuple[str, ...]
+    theirs: tuple[slicing.Statement, ...]
+
+    def code(self, edit=None):
+        """These statements, one of them with an edit."""
+        texts = [
+            edit.statement if edit and holds(statement, edit) else ast.unparse(statement.node)
+            for statement in self.theirs
+        ]
+        return compile("\n".join(texts), "<answer>", "exec")
+
+    def function(self, code):
+        """What some code defines in a notebook that has everything else."""
+        space = dict(getattr(load_reference(self.lesson.name), self.exercise).__globals__)
+        exec(code, space)
+        return space[self.exercise]
+
+
+def holds(statement, edit):
+    return statement.cell == edit.cell and (
+        statement.node.lineno <= edit.last and edit.first <= statement.node.end_lineno
+    )
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """What one edit makes of a right answer."""
+
+    answer: Answer
+    edit: object
+    code: types.CodeType
+
+    @property
+    def before(self):
+        """The lines that the edit changes."""
+        lines = self.answer.cells[self.edit.cell - 1].split("\n")
+        return "\n".join(lines[self.edit.first - 1 : self.edit.last]).strip()
+
+    @property
+    def after(self):
+        """What they become."""
+        return self.edit.text.strip()
+
+
+def answers_to(exercise):
+    """The solution, and the right answers of the variants, in notebooks that are right else."""
+    lesson = lesson_of(exercise)
+    yield answer_in(lesson, exercise, SOLUTION, lesson.solved.read_bytes())
+    right = {one.name: solution_of(one.name) for one in lesson.machine_graded}
+    for variant in variants_of(exercise):
+        if variant.right:
+            text = fill_in(lesson, right | {exercise: variant.source})
+            yield answer_in(lesson, exercise, variant.name, text.encode())
+
+
+def answer_in(lesson, exercise, name, content):
+    """The answer that a notebook holds."""
+    cells = HandedIn(f"{lesson.name}.ipynb", content).notebook().code
+    statements, _ = slicing.parse_notebook(cells)
+    others = frozenset(lesson.names) - {exercise}
+    needed = slicing.slice_for((exercise,), statements)
+    theirs = tuple(statement for statement in needed if not statement.binds & others)
+    return Answer(lesson, exercise, name, tuple(cells), theirs)
+
+
+def mutants_of(answer):
+    """All that one edit makes of an answer, but for what Python reads as the same."""
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    seen = {key_of(answer.code())}
+    definitions = [one for one in answer.theirs if isinstance(one.node, kinds)]
+    for edit in edits_of(list(answer.cells), definitions):
+        with contextlib.suppress(SyntaxError, ValueError):
+            code = answer.code(edit)
+            if key_of(code) not in seen:
+                seen.add(key_of(code))
+                yield Mutant(answer, edit, code)
+
+
+def key_of(code):
+    """Equal for texts that Python reads as the same."""
+    inner = [
+        key_of(value) if isinstance(value, types.CodeType) else repr(value)
+        for value in code.co_consts
+    ]
+    return code.co_code, code.co_names, code.co_varnames, code.co_exceptiontable, *inner
+
+
+# ---- asked here, and not in the sandbox, which takes too long for so many -----------------------
+
+
+class TakesTooLong(BaseException):
+    """No right answer takes so long."""
+
+
+@contextlib.contextmanager
+def within(seconds):
+    """Raise `TakesTooLong` after some seconds of the processor."""
+
+    def stop(*about):
+        raise TakesTooLong
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds, 0.1)  # again, for code that catches everything
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+
+
+class Recorder:
+    """A right function, and what it was called with."""
+
+    def __init__(self, function):
+        self.function, self.calls = function, []
+
+    def __call__(self, *arguments, **keywords):
+        self.calls.append(copy.deepcopy((arguments, keywords)))
+        return self.function(*arguments, **keywords)
+
+
+class Asker:
+    """Asks functions in the place of an exercise; those that lose something lose it early."""
+
+    def __init__(self, exercise):
+        self.exercise, self.lesson = exercise, lesson_of(exercise)
+        self.right = vars(load_reference(self.lesson.name))
+        self.student = student_with(self.lesson, self.right)
+        outcomes = self.run(self.right[exercise], SEED)
+        assert not any(outcome.failure for outcome in outcomes)
+        checks = [outcome.check for outcome in outcomes]
+        self.hidden = hidden_questions(self.lesson, self.student, SEED, checks)
+        self.cost, self.lost = {}, {}
+        for number, question in enumerate(self.questions()):
+            begin = time.process_time()
+            question()
+            self.cost[number], self.lost[number] = time.process_time() - begin, 0
+
+    def run(self, function, seed):
+        """How the checks of the exercise end."""
+        student = student_with(self.lesson, {**self.right, self.exercise: function})
+        mine = self.exercise
+        return run_tests(self.lesson, student, seed, lambda check: check.exercise == mine)
+
+    def questions(self):
+        """Those that students see, and those that they do not see."""
+        return [*shown_questions(self.student, checks_of(self.exercise)), *self.hidden]
+
+    def loses(self, function):
+        """Whether a function loses a point."""
+        answers = {**self.right, self.exercise: function}
+        vars(self.student).update(vars(student_with(self.lesson, answers)))
+        questions = self.questions()
+        # What is cheap, or tells many apart, comes first.
+        for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
+            try:
+                with one_run(), within(SECONDS + 4 * self.cost[number]):
+                    questions[number]()
+            except BaseException:
+                self.lost[number] += 1
+                return True
+        return False
+
+    def calls(self):
+        """What the checks call the function with on other streets, and in other draws."""
+        recorder = Recorder(self.right[self.exercise])
+        for seed in OTHER_SEEDS:
+            self.run(recorder, seed)
+        random.Random(1).shuffle(recorder.calls)
+        return recorder.calls[:CALLS]
+
+
+def outcome_of(function, call):
+    """What a call returns, or the name of what it raises; and what it makes of its arguments."""
+    arguments, keywords = copy.deepcopy(call)
+    try:
+        with within(10 * SECONDS):
+            answer = function(*arguments, **keywords)
+    except (Exception, TakesTooLong) as error:
+        answer = type(error).__name__
+    return answer, list(arguments)
+
+
+class Oracle:
+    """Knows whether a function that loses nothing answers as the solution does."""
+
+    def __init__(self, asker):
+        self.asker, self.exercise = asker, asker.exercise
+        self.right = asker.right[self.exercise]
+        self.calls = asker.calls()
+        self.expected = [outcome_of(self.right, call) for call in self.calls]
+
+    def tells(self, function):
+        """A call to which the function answers otherwise, and is wrong; None where there is none.
+
+        There is no one right detector: one that earns everything on other streets is right.
+        """
+        if self.exercise == "detect_obstacles":
+            for seed in OTHER_SEEDS:
+                failed = [one for one in self.asker.run(function, seed) if one.failure]
+                if failed:
+                    return failed[0].check.name
+            return None
+        for call, (expected, left) in zip(self.calls, self.expected, strict=True):
+            answer, mine = outcome_of(function, call)
+            if not alike(self.exercise, call, answer, expected) or not anything_all(mine, left):
+                return call
+        return None
+
+
+def anything_all(mine, left):
+    return len(mine) == len(left) and all(map(anything, mine, left))
+
+
+# ---- the table ----------------------------------------------------------------------------------
+
+
+@dataclass
+class Surveyed:
+    """What came of the mutants of some answers to an exercise."""
+
+    exercise: str
+    mutants: int = 0
+    alike: int = 0
+    escaped: list = field(default_factory=list)
+    wrong: list = field(default_factory=list)
+
+
+def survey(exercise, answers):
+    """Ask all mutants of some answers."""
+    asker = Asker(exercise)
+    oracle, found = None, Surveyed(exercise)
+    with np.errstate(all="ignore"):
+        for answer in answers:
+            assert not asker.loses(answer.function(answer.code())), answer.name
+            for mutant in mutants_of(answer):
+                try:
+                    with within(SECONDS):
+                        function = answer.function(mutant.code)
+                except BaseException:  # what stands outside of a function may fail here
+                    continue
+                found.mutants += 1
+                if asker.loses(function):
+                    found.wrong.append(mutant)
+                    continue
+                oracle = oracle or Oracle(asker)
+                call = oracle.tells(function)
+                if call is None:
+                    found.alike += 1
+                else:
+                    found.escaped.append((mutant, call))
+    return found
+
+
+# ---- judged behind the walls --------------------------------------------------------------------
+
+
+def losses_of(exercise, sandbox, most=SAMPLE):
+    """What mutants of the solution lose, as shares of the exercise: a fixed draw of them.
+
+    Those that lose nothing are left out, and so are those that are no functions.
+    """
+    answer = next(answers_to(exercise))
+    mutants = list(mutants_of(answer))
+    random.Random(exercise).shuffle(mutants)
+    lost = []
+    for mutant in mutants:
+        if len(lost) == most:
+            break
+        share = share_lost(mutant, sandbox)
+        if share:
+            lost.append((share, mutant))
+    return lost
+
+
+def share_lost(mutant, sandbox):
+    """What a mutant loses of its exercise, judged as in a class, where all else is right."""
+    answer, edit = mutant.answer, mutant.edit
+    program = program_for(answer.lesson, answer.cells, {})
+    program = program.edited(edit.cell, edit.first, edit.last, edit.text)
+    setting = Setting(answer.lesson, SEED, sandbox)
+    exercise = next(one for one in answer.lesson.machine_graded if one.name == answer.exercise)
+    asked = ask(setting, program, lambda check: check.exercise == exercise.name, explain=True)
+    assert not asked.fault
+    slip = slips_in(setting, program, asked, {}).get(exercise.name)
+    return 1 - result_of(exercise, asked, None, slip).score / exercise.points
+
+
+def main():
+    """Print the table."""
+    sandbox = choose_sandbox()
+    everything = []
+    heads = ("edits", "alike", "escaped", "judged", "median", "> 60 %")
+    print(f"{'exercise':34}" + "".join(f"{head:>9}" for head in heads))
+    for exercise in sys.argv[1:] or EXERCISES:
+        found = survey(exercise, [next(answers_to(exercise))])
+        lost = [share for share, _ in losses_of(exercise, sandbox)]
+        everything += lost
+        print(
+            f"{exercise:34}{found.mutants:9}{found.alike:9}{len(found.escaped):9}{len(lost):9}"
+            f"{statistics.median(lost):9.0%}{sum(share > MOST for share in lost):9}",
+            flush=True,
+        )
+    severe = sum(share > MOST for share in everything) / len(everything)
+    middle = statistics.median(everything)
+    print(
+        f"Of {len(everything)} wrong answers the median loses {middle:.0%}, and {severe:.0%} lose"
+    )
+    print(f"more than {MOST:.0%} of their exercise.")
+
+
+if __name__ == "__main__":
+    main()
