@@ -140,6 +140,7 @@ def _run(lesson: Lesson) -> bytes:
         timeout=LONGEST_CELL,
         resources={"metadata": {"path": str(lesson.released.parent)}},
         store_widget_state=False,
+        extra_arguments=["--log-level=ERROR"],  # what kernels remark upon would cross the bar
     )
     client.comm_open_handlers.clear()  # what a widget shows stays in its cell
     try:
