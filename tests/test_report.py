@@ -111,11 +111,41 @@ def test_the_sum_counts_what_is_missing_and_not_what_is_excused():
 
 
 def test_who_is_not_on_the_roster_is_named_beside_the_class(tmp_path):
-    page = report(
-        tmp_path, [verdict("yan ", [check(True)])], class_of([result("yan", MISSING, None)])
-    )
+    verdicts, results = [verdict("yan ", [check(True)])], class_of([result("yan", MISSING, None)])
+    page = report(tmp_path, verdicts, results)
+    assert page.count("not in the gradebook") == 1 and "not on the roster" not in page
+    (tmp_path / "roster.csv").write_text("id\nyan\n")
+    page = report(tmp_path, verdicts, results)
     assert page.count("not on the roster") == 1
     assert "2 students" in page
+
+
+def test_without_a_roster_the_page_says_who_stands_there(tmp_path):
+    results = class_of([result("ada", MARKED, 1.0)], strangers=("zoe",))
+    words = "Without a roster.csv, only who has handed in stands here."
+    assert words in report(tmp_path, [], results)
+    (tmp_path / "roster.csv").write_text("id\nada\n")
+    page = report(tmp_path, [], results)
+    assert words not in page
+    assert "Not on the roster, and with marks in the gradebook: zoe." in page
+
+
+def test_a_section_is_measured_by_those_who_have_a_mark():
+    people = tuple(Person(name, section=name[0].upper()) for name in ("a1", "a2", "a3", "b1"))
+    results = class_of(
+        [
+            result("a1", MARKED, 15.0, penalty=3.0),
+            result("a1", EXCUSED, 0.0, lesson=SEVEN),
+            result("a2", MARKED, 30.0),
+            result("a2", MISSING, None, lesson=SEVEN),
+            result("a3", MISSING, None),
+            result("b1", EXCUSED, None),
+        ],
+        people=people,
+    )
+    a, b = marks_table([SIX, SEVEN], results, {}).sections
+    assert (a.name, a.people, a.marked, a.mean) == ("A", 3, 2, pytest.approx((0.4 + 0.5) / 2))
+    assert (b.name, b.people, b.marked, b.mean) == ("B", 1, 0, None)
 
 
 def test_a_failing_judge_is_no_mark():

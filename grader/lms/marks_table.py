@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import statistics
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 
@@ -36,6 +37,8 @@ class Row:
     cells : tuple of Cell
     late : Cell
     sum : Cell
+    share : float or None
+        What that is of what it could be; None for who has no mark.
     """
 
     person: Person
@@ -43,6 +46,27 @@ class Row:
     cells: tuple[Cell, ...]
     late: Cell
     sum: Cell
+    share: float | None = None
+
+
+@dataclass(frozen=True)
+class Section:
+    """How a section did.
+
+    Attributes
+    ----------
+    name : str
+        Empty for those who are in none.
+    people, marked : int
+        How many are in it, and how many of them have a mark.
+    mean : float or None
+        Of what these have of what they could have, from 0 to 1.
+    """
+
+    name: str
+    people: int
+    marked: int
+    mean: float | None
 
 
 @dataclass(frozen=True)
@@ -55,8 +79,10 @@ class MarksTable:
     most : tuple of str
         Points of each lesson.
     rows : tuple of Row
-    has_sections, has_late : bool
-        Whether there is anything to show in these columns.
+    sections : tuple of Section
+        Empty where nobody is in one.
+    has_late : bool
+        Whether anybody is late.
     from_gradebook : bool
         False where the scores are the judge's.
     """
@@ -64,7 +90,7 @@ class MarksTable:
     lessons: tuple[Lesson, ...]
     most: tuple[str, ...]
     rows: tuple[Row, ...]
-    has_sections: bool
+    sections: tuple[Section, ...]
     has_late: bool
     from_gradebook: bool
 
@@ -98,7 +124,7 @@ def marks_table(
         tuple(lessons),
         tuple(points(worth[lesson.name]) for lesson in lessons),
         tuple(rows),
-        any(row.person.section for row in rows),
+        tuple(_sections(rows)),
         any(row.late.text for row in rows),
         bool(results.people),
     )
@@ -118,7 +144,20 @@ def _known(
     found = [result for result in mine if result]
     stages = dict.fromkeys(lesson.stage for lesson in lessons)
     standings = [one for stage in stages if (one := results.stage(person.id, stage))]
-    return Row(person, True, cells, _late(standings), _sum(found))
+    counted = [one for one in found if one.standing != EXCUSED]
+    most = sum(one.max_score for one in counted)
+    earned = [one.points for one in counted if one.points is not None]
+    share = sum(earned) / most if earned and most else None
+    return Row(person, True, cells, _late(standings), _sum(found), share)
+
+
+def _sections(rows: Sequence[Row]) -> Iterator[Section]:
+    if not any(row.person.section for row in rows):
+        return
+    for name in sorted({row.person.section for row in rows if row.is_known}):
+        shares = [row.share for row in rows if row.is_known and row.person.section == name]
+        marked = [share for share in shares if share is not None]
+        yield Section(name, len(shares), len(marked), statistics.mean(marked) if marked else None)
 
 
 def _cell(result: NotebookResult | None, verdict: Verdict | None) -> Cell:

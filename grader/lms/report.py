@@ -28,7 +28,7 @@ from grader.classroom.pages import TEMPLATES, coded, printable, render
 from grader.classroom.submissions import Submission
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.roster import Person
+from grader.course.roster import Person, read_roster
 from grader.intake.handed_in import HandedIn
 from grader.judging.verdict import JUDGED, Verdict, write_atomically
 from grader.lms.distribution import Distribution, distribution_of
@@ -116,6 +116,8 @@ def write_report(
         run=run,
         warning=warning,
         table=table,
+        strangers=results.strangers,
+        has_roster=read_roster(course) is not None,
         undecided=[one for one in results.stages if one.undecided],
         mistakes=common_messages(counted),
         stopped=[(student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))],
