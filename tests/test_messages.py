@@ -264,6 +264,7 @@ def test_one_cause_is_told_once_and_every_other_in_full():
     ("message", "kind"),
     [
         ("12 rows", "… rows"),
+        ("60,000 rows of 1,234.5 m", "… rows of … m"),
         ("-1.5e-07 m, 2e+3 m", "… m, … m"),
         ("shape (3, 4), not (7,)", "shape (…), not (…)"),
         ("at (1.5, 2, -3)", "at (…)"),

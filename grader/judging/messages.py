@@ -113,7 +113,7 @@ def without_numbers(message: str, few: int = 0) -> str:
         return number[0] if is_small and next(whole, None) is not None else "…"
 
     message = re.sub(r",? for example \([^)]*\)", "", message)
-    message = re.sub(r"(?<!\w)-?\d+(\.\d+)?(e[+-]?\d+)?(?!\w)", told, message)
+    message = re.sub(r"(?<!\w)-?\d+(,\d{3})*(\.\d+)?(e[+-]?\d+)?(?!\w)", told, message)
     return re.sub(r"\(…(, …)*,?\)", "(…)", message).replace("… row ", "… rows ")
 
 

@@ -751,7 +751,7 @@ def detect_obstacles(cloud, threshold=0.5, minimum=10):
 
 # %% wrong: the minimum of lesson 09 on a thinned cloud
 # loses only: finds_people, test_people
-# says: cubes of 0.2 m
+# says: have no box of their own
 from scipy.spatial import cKDTree
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components

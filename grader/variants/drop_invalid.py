@@ -119,7 +119,7 @@ def drop_invalid(cloud):
 
 # %% wrong: the sum of the coordinates is zero
 # loses only: keeps_points_with_a_zero
-# says: missing, for example
+# says: 1 row missing
 # told: add up to 0
 def drop_invalid(cloud):
     total = cloud[:, :3].sum(axis=1)
@@ -231,7 +231,7 @@ def drop_invalid(cloud):
 
 # %% wrong: stacks what is left
 # loses only: takes_an_empty_scan
-# says: need at least one array
+# says: raised ValueError
 def drop_invalid(cloud):
     return np.vstack([row for row in cloud if np.isfinite(row[:3]).all() and row[:3].any()])
 

@@ -272,7 +272,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 
 # %% wrong: yaw in degrees
 # loses: turns_with_the_cluster, test_any_heading
-# says: A yaw in degrees
+# says: The yaw, in radians
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for name in np.unique(cluster_labels[cluster_labels > 0]):

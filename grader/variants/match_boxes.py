@@ -282,7 +282,7 @@ def match_boxes(previous, current, max_distance):
 
 # %% wrong: NaN for new ones
 # loses only: marks_new_ones, test_new_ones
-# says: it gets -1
+# says: is not marked as new
 def match_boxes(previous, current, max_distance):
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1)[None], axis=2)
     partner = np.full(len(current), np.nan)

@@ -177,7 +177,7 @@ def principal_axes(points):
 
 # %% wrong: not centred
 # loses only: centres_the_points, finds_vehicles, test_place, test_scanned
-# says: Subtract the mean
+# says: The points are not centred
 # told: The points are not centred
 def principal_axes(points):
     q = points[:, :3]

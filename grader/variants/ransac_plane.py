@@ -334,7 +334,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 # %% wrong: draws with replacement
 # loses only: draws_three_rows, test_three_points
-# says: with replacement a row comes up twice
+# says: In some runs there was none
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
     length = np.linalg.norm(normal)
@@ -680,7 +680,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: roads only
-# loses only: finds_a_wall, test_streets, test_any_direction
+# loses only: finds_a_wall, draws_three_rows, draws_from_all_rows, test_streets, test_any_direction, test_three_points, test_few_points
 # says: A plane with many more points
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
@@ -943,7 +943,7 @@ def ransac_plane(points, iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: the normal is made long in the end
-# loses only: model_has_a_unit_normal
+# loses only: model_has_a_unit_normal, includes_the_edge, test_edge
 # says: has length
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)

@@ -379,7 +379,7 @@ def assert_matched(
         return
     first = wrong[0]
     if expected[first] < 0:
-        message = f"Current box {first} has no partner: it gets -1."
+        message = f"Current box {first} has no partner, and is not marked as new."
     elif yours[first] not in range(-1, len(previous)):
         message = (
             f"Current box {first} gets {yours[first]:g}, which is no row of previous: there are "
