@@ -1,0 +1,410 @@
+"""A stage on a JupyterHub, from handing out to feedback, in a browser. `.ci/hub` starts it.
+
+The hub, the exchange and the instructor's commands are those of grader/README.md, block by block.
+"""
+
+import contextlib
+import json
+import os
+import re
+import secrets
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+from pathlib import Path
+
+import nbformat
+from selenium import webdriver
+from selenium.common.exceptions import WebDriverException
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+PROJECT = Path(__file__).resolve().parents[1]
+STAGE, LESSON = "stage3_obstacles", "07_filter_by_distance"
+EXERCISES = ("filter_by_distance", "crop_region", "remove_ego_returns")
+POINTS = 30  # of the lesson
+STUDENTS = ("ada", "ben")
+PATIENCE = 90  # seconds for any one thing to appear
+# So that a browser has every cell, not only those on the screen, and is asked nothing.
+SETTINGS = {
+    "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
+    "@jupyterlab/apputils-extension:notification": {"fetchNews": "false"},
+}
+COURSE = Path("/home/instructor/course")
+EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
+
+
+# ---- accounts and commands ----------------------------------------------------------------------
+
+
+def blocks():
+    """The shell commands of the README's section, by their first words."""
+    text = (PROJECT / "grader" / "README.md").read_text("utf-8")
+    section = re.search(r"^## On a JupyterHub\n(.*?)^## ", text, re.M | re.S)[1]
+    found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", section, re.M | re.S)
+    return {start: "#" + rest for start, rest in found}
+
+
+def run_as(name, script, check=True, **variables):
+    """Run shell commands in a home, with what is installed for the hub."""
+    command = [
+        *("runuser", "-u", name, "--", "env", "-i", f"HOME={home(name)}", f"USER={name}"),
+        *("LANG=C.UTF-8", "PATH=/srv/hub/bin:/usr/local/bin:/usr/bin:/bin"),
+        *(f"{key}={value}" for key, value in variables.items()),
+        *("bash", "-euc", script),
+    ]
+    done = subprocess.run(
+        command, cwd=home(name), text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    print(f"\n== {name}: {script.strip()}\n{done.stdout.rstrip()}", flush=True)
+    if check:
+        assert done.returncode == 0, f"exit status {done.returncode}"
+    return done
+
+
+def home(name):
+    """Where somebody's files are."""
+    return "/root" if name == "root" else f"/home/{name}"
+
+
+def make_accounts():
+    """Accounts of this machine, with passwords, that PAM knows."""
+    passwords = {name: secrets.token_urlsafe(12) for name in (*STUDENTS, "instructor")}
+    for name in passwords:
+        command = ["useradd", "--create-home", "--key", "HOME_MODE=0700", "--shell", "/bin/bash"]
+        subprocess.run([*command, name], check=True)
+    lines = "".join(f"{name}:{word}\n" for name, word in passwords.items())
+    subprocess.run(["chpasswd"], input=lines, text=True, check=True)
+    return passwords
+
+
+@contextlib.contextmanager
+def hub():
+    """The address of a hub at work, and where it writes what it does."""
+    ports = [free_port() for _ in range(3)]
+    log = Path("/srv/jupyterhub/log")
+    command = [
+        "jupyterhub",
+        f"--JupyterHub.bind_url=http://127.0.0.1:{ports[0]}",
+        f"--JupyterHub.hub_port={ports[1]}",
+        f"--ConfigurableHTTPProxy.api_url=http://127.0.0.1:{ports[2]}",
+    ]
+    with log.open("w") as file:
+        process = subprocess.Popen(command, cwd=log.parent, stdout=file, stderr=file)
+        try:
+            address = f"http://127.0.0.1:{ports[0]}"
+            wait_for(f"{address}/hub/health")
+            yield address
+        except BaseException:
+            print(f"\n== The hub's last words\n{log.read_text()[-6000:]}", flush=True)
+            raise
+        finally:
+            process.send_signal(signal.SIGTERM)
+            process.wait(60)
+
+
+def wait_for(address):
+    """Until something answers there."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            urllib.request.urlopen(address, timeout=PATIENCE).close()
+            return
+        except OSError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(1)
+
+
+def free_port():
+    """A port that nobody listens on."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+# ---- the browser --------------------------------------------------------------------------------
+
+
+class Seat:
+    """Somebody in front of a browser, who has logged in."""
+
+    def __init__(self, address, name, password, pictures):
+        self.address, self.name, self.password = address, name, password
+        self.pictures = pictures
+        options = webdriver.ChromeOptions()
+        for flag in (
+            *("headless=new", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run"),
+            *("disable-background-networking", "disable-component-update", "disable-sync"),
+            *("disable-dev-shm-usage", "window-size=1280,1000"),
+            f"user-data-dir={tempfile.mkdtemp()}",
+        ):
+            options.add_argument(f"--{flag}")
+        self.browser = webdriver.Chrome(options, Service("/usr/bin/chromedriver"))
+
+    def __enter__(self):
+        try:
+            self.log_in()
+        except BaseException:
+            self.__exit__(*sys.exc_info())
+            raise
+        return self
+
+    def log_in(self):
+        """As anybody does: a name, a password, and a server of one's own."""
+        self.open("/hub/login", until="#username_input")
+        self.picture("login")
+        self.find("#username_input").send_keys(self.name)
+        self.find("#password_input").send_keys(self.password + Keys.ENTER)
+        self.wait(
+            lambda: f"/user/{self.name}/" in self.browser.current_url, "a server of one's own"
+        )
+        self.open(f"/user/{self.name}/lab", until=".jp-Launcher")
+
+    def __exit__(self, kind, error, trace):
+        if error is not None:
+            self.picture("when_it_failed")
+        self.browser.quit()
+
+    def open(self, path, until):
+        """Open an address of the hub, and wait for something on the page."""
+        self.browser.get(self.address + path)
+        self.wait(lambda: self.browser.find_elements(By.CSS_SELECTOR, until), until)
+
+    def find(self, selector):
+        """One element."""
+        return self.browser.find_element(By.CSS_SELECTOR, selector)
+
+    def wait(self, condition, what):
+        """Until something is so; what it says then."""
+
+        def so(browser):
+            with contextlib.suppress(WebDriverException):  # what was there was drawn anew
+                return condition()
+
+        return WebDriverWait(self.browser, PATIENCE).until(so, f"{self.name} waits for {what}")
+
+    def text(self, selector):
+        """What stands in an element, seen or not."""
+        return self.find(selector).get_property("textContent")
+
+    def click(self, selector, words):
+        """Click on what says these words."""
+
+        def clicked():
+            for element in self.browser.find_elements(By.CSS_SELECTOR, selector):
+                if element.text.strip() == words:
+                    element.click()
+                    return True
+            return False
+
+        self.wait(clicked, f"{words!r} to click on")
+
+    def picture(self, name):
+        """Keep what is on the screen."""
+        self.browser.save_screenshot(str(self.pictures / f"{self.name}_{name}.png"))
+
+    # What JupyterLab and nbgrader show.
+
+    def choose(self, menu, entry):
+        """Choose from a menu."""
+        self.click(".lm-MenuBar-itemLabel", menu)
+        self.click(".lm-Menu-itemLabel", entry)
+
+    def assignments(self):
+        """Open nbgrader's list."""
+        self.choose("Nbgrader", "Assignment List")
+        self.listed("released", "")
+
+    def listed(self, kind, words):
+        """Wait until a part of the list says something."""
+        selector = f"#{kind}_assignments_list"
+        self.wait(lambda: words in self.text(selector), f"{words!r} under {kind}")
+
+    def press(self, kind, words):
+        """A button in a part of the list."""
+        self.click(f"#{kind}_assignments_list button", words)
+
+    def notebook(self, path):
+        """Open a notebook, and wait for its kernel."""
+        self.open(f"/user/{self.name}/lab/tree/{path}", until=".jp-Notebook .jp-CodeCell")
+        self.idle()
+
+    def idle(self):
+        """Wait until the kernel has nothing to do."""
+        prompts = "return [...document.querySelectorAll('.jp-InputPrompt')].map(p => p.innerText)"
+        state = ".jp-Notebook-ExecutionIndicator"
+        self.wait(
+            lambda: (
+                self.find(state).get_attribute("data-status") == "idle"
+                and "[*]:" not in self.browser.execute_script(prompts)
+            ),
+            "an idle kernel",
+        )
+
+    def cell(self, words):
+        """The code cell with these words, on the screen."""
+
+        def shown():
+            for cell in self.browser.find_elements(By.CSS_SELECTOR, ".jp-CodeCell"):
+                if words in cell.get_property("textContent"):
+                    scroll = "arguments[0].scrollIntoView({block: 'center'})"
+                    self.browser.execute_script(scroll, cell)
+                    return cell
+            return None
+
+        return self.wait(shown, f"a cell with {words!r}")
+
+    def write(self, words, source):
+        """Put something else into a cell, as by pasting."""
+        cell = self.cell(words)
+        self.wait(lambda: cell.find_element(By.CSS_SELECTOR, ".cm-content").click() is None, words)
+        keys = webdriver.ActionChains(self.browser)
+        keys.key_down(Keys.CONTROL).send_keys("a").key_up(Keys.CONTROL).perform()
+        self.browser.execute_cdp_cmd("Input.insertText", {"text": source})
+
+    def saved(self, path, words):
+        """Save, and wait until the file says all of it."""
+        self.choose("File", "Save Notebook")
+        file = Path(f"/home/{self.name}") / path
+        saved = f"{words} in {path}"
+        self.wait(lambda: all(one in file.read_text("utf-8") for one in words), saved)
+
+
+# ---- the play -----------------------------------------------------------------------------------
+
+
+def answers():
+    """What the lesson's own solution has in the cells that students fill."""
+    solved = nbformat.read(PROJECT / "solutions" / STAGE / f"{LESSON}.ipynb", as_version=4)
+    graded = [cell for cell in solved.cells if "nbgrader" in cell.metadata]
+    cells = {cell.metadata.nbgrader.grade_id: cell.source for cell in graded}
+    marks = re.compile(r"^ *### (BEGIN|END) SOLUTION\n?", re.M)
+    return {name: marks.sub("", cells[name]).rstrip() for name in EXERCISES}
+
+
+def work(seat, written):
+    """Fetch, run the first cell, write answers, run everything, hand in."""
+    path = f"{STAGE}/{LESSON}.ipynb"
+    seat.assignments()
+    seat.listed("released", STAGE)
+    seat.press("released", "Fetch")
+    seat.listed("fetched", STAGE)
+    seat.picture("fetched")
+    seat.notebook(path)
+    seat.cell("Run this cell first").click()
+    seat.choose("Run", "Run Selected Cell")
+    said = "Everything this notebook needs is here."
+    seat.wait(lambda: said in seat.text(".jp-Notebook .jp-OutputArea"), said)
+    seat.idle()
+    seat.picture("first_cell")
+    for name, source in written.items():
+        seat.write(f"def {name}(", source)
+    if written:
+        seat.choose("Run", "Run All Cells")
+        seat.wait(
+            lambda: seat.browser.find_elements(By.CSS_SELECTOR, ".jp-OutputArea img"), "a plot"
+        )
+        seat.idle()
+        seat.cell(f"check({EXERCISES[0]})")
+        seat.picture("checked")
+    written_last = [source.splitlines()[-1].strip() for source in written.values()]
+    seat.saved(path, (said, *written_last))
+    seat.assignments()
+    seat.press("fetched", "Submit")
+    seat.listed("submitted", STAGE)
+    seat.picture("submitted")
+
+
+def look_at_feedback(seat):
+    """Fetch it from the list, and open the lesson's page."""
+    seat.assignments()
+    seat.listed("submitted", STAGE)
+    seat.press("submitted", "Fetch Feedback")
+    seat.listed("submitted", "(view feedback)")
+    seat.picture("feedback_listed")
+    pages = list(Path(f"/home/{seat.name}/{STAGE}/feedback").glob(f"*/{LESSON}.html"))
+    assert len(pages) == 1, pages
+    page = pages[0].relative_to(f"/home/{seat.name}")
+    seat.open(f"/user/{seat.name}/files/{page}", until="#toc, body h1, body h4")
+    seat.picture("feedback")
+    return seat.text("body")
+
+
+def look_around():
+    """What a student must not reach, and who is meant to does."""
+    secret = [
+        f"cat {COURSE}/.course_seed",
+        f"cat {COURSE}/gradebook.db",
+        f"ls {COURSE}/grader/tests",
+        f"ls {COURSE}/submitted/ada",
+        f"ls {EXCHANGE}/inbound",
+        f"ls {EXCHANGE}/feedback",
+    ]
+    for command in secret:
+        quietly = f"{command} > ~/out"
+        assert run_as("instructor", quietly, check=False).returncode == 0
+        assert run_as("ben", quietly, check=False).returncode != 0
+    for command in (f"mv {EXCHANGE} {EXCHANGE}.mine", f"touch {EXCHANGE}/outbound/{STAGE}/x"):
+        assert run_as("ben", command, check=False).returncode != 0
+    assert run_as("ben", f"ls /home/ada/{STAGE}", check=False).returncode != 0
+
+
+def scores():
+    """What nbgrader's gradebook holds: (student, lesson) to points."""
+    query = """
+        SELECT submitted_assignment.student_id, notebook.name, SUM(grade.auto_score)
+        FROM grade JOIN submitted_notebook ON grade.notebook_id = submitted_notebook.id
+        JOIN submitted_assignment ON submitted_notebook.assignment_id = submitted_assignment.id
+        JOIN notebook ON submitted_notebook.notebook_id = notebook.id
+        GROUP BY submitted_assignment.student_id, notebook.name
+    """
+    with contextlib.closing(sqlite3.connect(COURSE / "gradebook.db")) as book:
+        return {(student, lesson): points for student, lesson, points in book.execute(query)}
+
+
+def play(pictures):
+    """From an empty machine to the feedback."""
+    steps = blocks()
+    passwords = make_accounts()
+    run_as("root", steps["As root"])
+    run_as("instructor", steps["As the instructor"], ADDRESS="/srv/course.git")
+    run_as("instructor", steps["Hand out"])
+    settings = Path("/srv/hub/share/jupyter/lab/settings/overrides.json")
+    settings.parent.mkdir(exist_ok=True)
+    settings.write_text(json.dumps(SETTINGS), "utf-8")
+    with hub() as address:
+
+        def seat(name):
+            return Seat(address, name, passwords[name], pictures)
+
+        with seat("ada") as ada:
+            work(ada, answers())
+        with seat("ben") as ben:
+            work(ben, {})
+        run_as("instructor", steps["Collect"])
+        look_around()
+        found = scores()
+        assert found["ada", LESSON] == POINTS, found
+        assert found["ben", LESSON] == 0, found
+        with seat("instructor") as instructor:
+            instructor.open("/user/instructor/formgrader", until="a[href*=manage_submissions], h1")
+            instructor.wait(lambda: STAGE in instructor.text("body"), STAGE)
+            instructor.picture("formgrader")
+        with seat("ada") as ada:
+            assert f"{POINTS}.0 / {POINTS}.0" in look_at_feedback(ada)
+        with seat("ben") as ben:
+            assert f"0.0 / {POINTS}.0" in look_at_feedback(ben)
+    print(f"\nAll of it works. What they saw is in {pictures}")
+
+
+if __name__ == "__main__":
+    os.umask(0o022)
+    play(Path(sys.argv[1]))
