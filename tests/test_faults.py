@@ -698,6 +698,7 @@ def test_every_file_is_accounted_for(course):
     stage = course.submitted / "ada" / LESSON.stage
     (stage / "helper.py").write_text("")
     (stage / "timestamp.txt").write_text("")
+    (stage / "submission_secret.txt").write_text("")
     assert unaccounted_files(course) == []
     (stage / "08_bounding_boxes.md").write_text("")
     (stage / "06_filter_ground.py").write_text("")

@@ -16,6 +16,10 @@ from grader.course.roster import read_roster
 from grader.intake.handed_in import HandedIn, read_handed_in
 
 
+# What nbgrader's exchange puts beside the notebooks: when, and what their feedback is named by.
+OF_THE_EXCHANGE = {"timestamp.txt", "submission_secret.txt"}
+
+
 class Replaced(Exception):
     """What was handed in is no longer what was judged; `str()` is the sentence to show."""
 
@@ -149,7 +153,7 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
     judged = {path for submission in submissions for path in (submission.path, *submission.older)}
     found = []
     for path in _files_below(course.submitted):
-        if path not in judged and path.name != "timestamp.txt":
+        if path not in judged and path.name not in OF_THE_EXCHANGE:
             reason = _reason(course, path)
             if reason:
                 found.append((path.relative_to(course.root), reason))
