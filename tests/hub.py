@@ -31,7 +31,7 @@ STAGE, LESSON = "stage3_obstacles", "07_filter_by_distance"
 EXERCISES = ("filter_by_distance", "crop_region", "remove_ego_returns")
 POINTS = 30  # of the lesson
 STUDENTS = ("ada", "ben")
-PATIENCE = 90  # seconds for any one thing to appear
+PATIENCE = 240  # seconds for any one thing to appear
 # So that a browser has every cell, not only those on the screen, and is asked nothing.
 SETTINGS = {
     "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
@@ -166,7 +166,7 @@ class Seat:
         self.wait(
             lambda: f"/user/{self.name}/" in self.browser.current_url, "a server of one's own"
         )
-        self.open(f"/user/{self.name}/lab", until=".jp-Launcher")
+        self.open(f"/user/{self.name}/lab", until=".lm-MenuBar-itemLabel")
 
     def __exit__(self, kind, error, trace):
         if error is not None:

@@ -15,7 +15,6 @@ from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.intake.handed_in import HandedIn, read_handed_in
 
-
 # What nbgrader's exchange puts beside the notebooks: when, and what their feedback is named by.
 OF_THE_EXCHANGE = {"timestamp.txt", "submission_secret.txt"}
 
