@@ -1,6 +1,7 @@
 """When it is proven that one thing alone is wrong, with a student made of nothing."""
 
 import functools
+import itertools
 import operator
 from types import SimpleNamespace
 
@@ -189,12 +190,13 @@ class Edited:
 def passing(monkeypatch):
     """A function that gives the numbers of the edits of a student that pass."""
 
-    def passing(student, shown="ab", limits=None, raised_at=frozenset()):
+    def passing(student, shown="ab", limits=None, raised_at=frozenset(), clock=lambda: 100.0):
         monkeypatch.setattr(repair, "Student", student)
         monkeypatch.setattr(repair, "shown_questions", lambda *about: student.questions(shown))
         monkeypatch.setattr(repair, "hidden_questions", student.hidden)
         # Half of the time goes by out here.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
+        monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits)
         found = list(repair._passing(setting, HANDED_IN, "line_through", (), raised_at))
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
@@ -248,6 +250,12 @@ def test_edits_of_an_exercise_have_a_second_between_them(passing):
     assert passing(student) == [] and student.tried == 2 * repair.LOOK_AFTER
     student = Edited(["abxy"] * 100, 0.001)
     assert passing(student) == [] and student.tried == 99
+
+
+def test_the_clock_is_looked_at_after_each_edit_that_takes_long(passing):
+    seconds = itertools.count(100.0)
+    student = Edited(["abxy"] * 200, 0.3)  # and as much out here
+    assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 2
 
 
 def test_each_call_has_the_time_of_a_right_answer(passing):
