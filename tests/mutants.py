@@ -65,8 +65,8 @@ TESTS = {
     "grader/intake/handed_in.py": ("test_handed_in.py",),
     "grader/intake/notebook.py": ("test_handed_in.py",),
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
-    "grader/lms/gradebook.py": ("test_gradebook.py",),
-    "grader/classroom/grade.py": ("test_faults.py", "test_rules.py"),
+    "grader/lms/gradebook.py": ("test_gradebook.py", "test_history.py", "test_enrolment.py"),
+    "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_by_roster.py"),
 }
 
 # Prints changed versions of the module on standard input, each as a line of JSON: all that there

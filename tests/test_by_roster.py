@@ -87,7 +87,7 @@ def test_a_zero_and_what_waits_are_no_dash(course, capsys, monkeypatch):
         book.db.commit()
     hand_in(course, "yan", GROUND)  # and was not judged
     capsys.readouterr()
-    commands._print_all(course, verdicts(course), [])
+    commands._print_all(course, verdicts(course), gradebook.class_results(course), [])
     shown = capsys.readouterr().out
     assert cells(shown, "ada")[1] == "0*" and cells(shown, "yan")[1:3] == ["?", "-"]
     assert "* a person has still to grade · ? not entered yet" in shown

@@ -19,7 +19,7 @@ from grader.course.variants import fill_in
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook
 from grader.lms.gradebook import GradebookTrouble, enter
-from grader.lms.results import MARKED, MISSING, WAITING
+from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnreachable
 
 GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
@@ -655,6 +655,25 @@ def test_where_the_gradebook_is_is_said_without_a_password(course):
         "c.CourseDirectory.db_url = 'postgresql+pg8000://teacher:secret@host/grades'\n"
     )
     assert gradebook.address(course) == "postgresql+pg8000://teacher:***@host/grades"
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("sqlite:///nowhere/gradebook.db", "cannot be opened: (sqlite3.OperationalError) unable"),
+        ("postgresql+nobody://host/grades", "cannot be opened: "),
+        ("postgresql+psycopg2cffi://host/grades", "needs the package psycopg2cffi, which is not"),
+    ],
+)
+def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
+    (course.root / "nbgrader_config.py").write_text(
+        f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
+    )
+    with pytest.raises(GradebookUnreachable) as caught:
+        gradebook.open_gradebook(course)
+    assert says in str(caught.value) and "\n" not in str(caught.value)
+    assert "c.CourseDirectory.db_url" in str(caught.value)
+    assert ".. c.Course" not in str(caught.value)
 
 
 def test_what_is_entered_stays_as_it_is():
