@@ -401,7 +401,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 
 # %% wrong: the exact step keeps the default
 # loses: follows_the_threshold, test_other_thresholds
-# says: also in the exact step
+# says: Points that belong together have different labels
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
