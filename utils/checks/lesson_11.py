@@ -469,7 +469,9 @@ def _right_axes(points: np.ndarray) -> np.ndarray:
 
 
 def _displaced_first(right: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """The axes with the one first that points to the middle of the points."""
+    """The axes with the one first that points to the middle of the points, where there are any."""
+    if not len(points):
+        return right
     first = np.abs(points.mean(axis=0) @ right).argmax()
     return np.column_stack([right[:, first], np.delete(right, first, axis=1)])
 
