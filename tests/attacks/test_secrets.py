@@ -9,6 +9,7 @@ import hashlib
 
 import numpy as np
 import pytest
+import sklearn.cluster  # noqa: F401  (SciPy draws what its documentation shows, as it is imported)
 
 from grader import cli, commands
 from grader.course.lessons import load_reference
