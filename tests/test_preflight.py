@@ -357,6 +357,7 @@ def marked(made, grade_id):
     return {**made, "metadata": {"nbgrader": {"grade_id": grade_id}}}
 
 
+TEXT = ("markdown", "raw")
 GROUND = "def filter_ground(cloud):\n    return {}"
 VOXELS = "def voxel_grid(cloud):\n    return {}"
 
@@ -384,11 +385,14 @@ def test_what_is_prepared_stays_as_it_is():
         # Of several the first is the one.
         ([text(GROUND), text(GROUND)], ["code", "markdown"]),
         ([text(GROUND + "\n" + VOXELS), text(VOXELS)], ["code", "markdown"]),
+        # What is written nowhere else is not lost.
+        ([text(GROUND + "\n" + VOXELS), code(VOXELS)], ["code", "code"]),
     ],
 )
 def test_which_text_is_code(cells, kinds):
     made = prepared_of(*cells)
     assert [cell.kind for cell in made.cells] == kinds
+    assert made.code == tuple(cell.source for cell in made.cells if cell.kind not in TEXT)
     turned = sum(cell["cell_type"] != "code" for cell in cells) - kinds.count("markdown")
     said = [note for note in made.notes if "stood in a text cell" in note]
     assert len(said) == turned and all(note.split()[0] in EXERCISES for note in said)
@@ -636,6 +640,7 @@ def test_an_answer_whose_cell_was_deleted_is_looked_for_below_its_question():
     said, certain, kept, own, notes = written_in(prompt(), text("First."), text("Second."))
     assert (said, certain, own) == ("First.\n\nSecond.", True, "First.")
     assert kept == [prompt()["source"], "First."] and len(notes) == 1
+    assert written_in(prompt(), text("You see 14."), text("And 3."))[0] == "You see 14.\n\nAnd 3."
     # As it was given out, but for its metadata: there is nothing more to look for.
     said, certain, kept, own, notes = written_in(text("A remark."), prompt(), STUB)
     assert (said, certain, own, notes) == ("", True, "YOUR ANSWER HERE", [])
