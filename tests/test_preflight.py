@@ -459,6 +459,8 @@ def test_of_another_lesson_is_said_where_nothing_of_this_one_is_there():
         f"06_filter_ground (1).ipynb holds the notebook of {other}, and nothing of "
         f"{LESSON.name}. Hand in {LESSON.name}.ipynb.",
     )
+    earlier = prepared_of(code("x = 1"), lesson_name="05_euclidean_clustering")
+    assert "holds the notebook of 05_euclidean_clustering, and nothing of 06" in earlier.notes[0]
     assert prepared_of(code(GROUND), lesson_name=other).notes == ()
     assert prepared_of(code("x = 1"), lesson_name=LESSON.name).notes == ()
     assert prepared_of(code("x = 1")).notes == ()
