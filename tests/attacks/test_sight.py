@@ -21,10 +21,11 @@ from tests.attacks.attacking import WALLS, attack, function, outcome_of, tried
 
 SPY = """
 import os
-def f(paths):
+def f(paths, installed):
     found = []
     for path in paths:
         for folder, folders, files in os.walk(path):
+            folders[:] = [name for name in folders if os.path.join(folder, name) not in installed]
             for name in files:
                 try:
                     with open(os.path.join(folder, name), "rb") as file:
@@ -40,11 +41,10 @@ def f(paths):
 def test_walks_the_project_and_every_home():
     """For tests, solutions, the course's secret and other students."""
     places = [str(PROJECT), str(Path.home()), "/home", "/root", "/srv", "/mnt", "/var", "/etc"]
-    seen = [Path(path) for path in outcome_of(SPY, places, call_seconds=8.0)]
-    ours = [path for path in seen if path.is_relative_to(PROJECT)]
     # What is installed may lie in the project, and Python itself in a home.
-    installed = (Path(sys.prefix), Path(sys.base_prefix))
-    ours = [path for path in ours if not path.is_relative_to(sys.prefix)]
+    installed = [sys.prefix, sys.base_prefix]
+    seen = [Path(path) for path in outcome_of(SPY, places, installed, call_seconds=8.0)]
+    ours = [path for path in seen if path.is_relative_to(PROJECT)]
     assert ours, "what is shown is there"
     assert [path for path in ours if not any(map(path.is_relative_to, SHOWN))] == []
     places = {path.relative_to(PROJECT).parts[:3] for path in SHOWN if path.is_dir()}
@@ -52,7 +52,6 @@ def test_walks_the_project_and_every_home():
     assert {path.suffix for path in SHOWN if path.is_relative_to(PROJECT / "data")} == {".txt"}
     system = ("/etc/ld.so.cache", "/etc/alternatives")
     others = [path for path in seen if path not in ours]
-    others = [path for path in others if not any(map(path.is_relative_to, installed))]
     assert [path for path in others if not str(path).startswith(system)] == []
 
 
