@@ -28,7 +28,11 @@ def models(one, other):
     """Lines or planes, or None; the sign of all numbers is free."""
     if one is None or other is None:
         return one is other
-    return arrays(one, other) or arrays(one, -np.asarray(other))
+    one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+    # Single precision may do, also where the points lie a hand's breadth apart.
+    return one.shape == other.shape and any(
+        np.allclose(one, sign * other, rtol=1e-4, atol=1e-4) for sign in (1, -1)
+    )
 
 
 def rows(one, other):
@@ -153,6 +157,7 @@ def anything(one, other):
 
 
 BY_EXERCISE = {
+    "insert": lambda one, other: True,  # the tree is what counts
     "line_through": models,
     "plane_through": models,
     "fit_plane": models,
@@ -172,9 +177,9 @@ WITH_THE_ARGUMENTS = {
 
 
 def alike(exercise, call, answer, expected):
-    """Whether an answer to a call is as good as the expected one; exceptions are their names."""
-    if isinstance(answer, str) or isinstance(expected, str):
-        return answer == expected
+    """Whether an answer to a call is as good as the expected one; what it raises is a type."""
+    if isinstance(answer, type) or isinstance(expected, type):
+        return answer is expected
     try:
         if exercise in WITH_THE_ARGUMENTS:
             arguments, keywords = call

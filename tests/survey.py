@@ -8,6 +8,7 @@ loses when it is judged behind the walls, slips included.
 import ast
 import contextlib
 import copy
+import os
 import random
 import signal
 import statistics
@@ -32,8 +33,10 @@ from tests.students import student_with
 from tests.test_slips import solution_of
 from utils.checks import checks_of
 from utils.checks.remembering import one_run
+from utils.checks.vocabulary import call_each, observe, timed
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
+from utils.remote import Remote
 
 SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that tell two answers apart
 CALLS = 1000
@@ -164,6 +167,26 @@ def within(seconds):
         signal.signal(signal.SIGPROF, before)
 
 
+class Beyond(Remote):
+    """A function as the judge meets it: it gets copies, and is looked at where it is."""
+
+    def __init__(self, function):
+        self.function, self.__name__ = function, getattr(function, "__name__", "")
+
+    def __call__(self, *arguments, **keywords):
+        given, named = copy.deepcopy((arguments, keywords))
+        return self.function(*given, **named)
+
+    def observe(self, *arguments):
+        return observe(self.function, *arguments)
+
+    def timed(self, *arguments):
+        return timed(self.function, *arguments)
+
+    def each(self, calls):
+        call_each(self.function, calls)
+
+
 class Recorder:
     """A right function, and what it was called with."""
 
@@ -173,6 +196,13 @@ class Recorder:
     def __call__(self, *arguments, **keywords):
         self.calls.append(copy.deepcopy((arguments, keywords)))
         return self.function(*arguments, **keywords)
+
+
+@contextlib.contextmanager
+def quiet():
+    """Let nobody print, as answers do by the thousand."""
+    with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+        yield
 
 
 class Asker:
@@ -206,6 +236,7 @@ class Asker:
         """Whether a function loses a point."""
         answers = {**self.right, self.exercise: function}
         vars(self.student).update(vars(student_with(self.lesson, answers)))
+        setattr(self.student, self.exercise, Beyond(function))
         questions = self.questions()
         # What is cheap, or tells many apart, comes first.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
@@ -227,21 +258,26 @@ class Asker:
 
 
 def outcome_of(function, call):
-    """What a call returns, or the name of what it raises; and what it makes of its arguments."""
+    """What a call returns, or the type of what it raises; and what it makes of its arguments."""
     arguments, keywords = copy.deepcopy(call)
     try:
         with within(10 * SECONDS):
             answer = function(*arguments, **keywords)
     except (Exception, TakesTooLong) as error:
-        answer = type(error).__name__
+        answer = type(error)
     return answer, list(arguments)
 
 
 class Oracle:
-    """Knows whether a function that loses nothing answers as the solution does."""
+    """Knows whether a function that loses nothing answers as a right answer does.
 
-    def __init__(self, asker):
+    As the solution, or as the answer that it was made of: both are right, and may differ where the
+    docstring lets them.
+    """
+
+    def __init__(self, asker, answer):
         self.asker, self.exercise = asker, asker.exercise
+        self.answer = answer.function(answer.code())
         self.right = asker.right[self.exercise]
         self.calls = asker.calls()
         self.expected = [outcome_of(self.right, call) for call in self.calls]
@@ -258,14 +294,19 @@ class Oracle:
                     return failed[0].check.name
             return None
         for call, (expected, left) in zip(self.calls, self.expected, strict=True):
-            answer, mine = outcome_of(function, call)
-            if not alike(self.exercise, call, answer, expected) or not anything_all(mine, left):
+            outcome = outcome_of(function, call)
+            if not self.agree(call, outcome, (expected, left)) and not self.agree(
+                call, outcome, outcome_of(self.answer, call)
+            ):
                 return call
         return None
 
-
-def anything_all(mine, left):
-    return len(mine) == len(left) and all(map(anything, mine, left))
+    def agree(self, call, outcome, right):
+        """Whether what was returned is as good, and what was given is left the same."""
+        (answer, left), (expected, as_it_should_be) = outcome, right
+        return alike(self.exercise, call, answer, expected) and all(
+            map(anything, left, as_it_should_be)
+        )
 
 
 # ---- the table ----------------------------------------------------------------------------------
@@ -285,9 +326,10 @@ class Surveyed:
 def survey(exercise, answers):
     """Ask all mutants of some answers."""
     asker = Asker(exercise)
-    oracle, found = None, Surveyed(exercise)
-    with np.errstate(all="ignore"):
+    found = Surveyed(exercise)
+    with np.errstate(all="ignore"), quiet():
         for answer in answers:
+            oracle = None
             assert not asker.loses(answer.function(answer.code())), answer.name
             for mutant in mutants_of(answer):
                 try:
@@ -299,7 +341,7 @@ def survey(exercise, answers):
                 if asker.loses(function):
                     found.wrong.append(mutant)
                     continue
-                oracle = oracle or Oracle(asker)
+                oracle = oracle or Oracle(asker, answer)
                 call = oracle.tells(function)
                 if call is None:
                     found.alike += 1

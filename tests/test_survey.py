@@ -17,6 +17,11 @@ ANSWERS = {
 # that is let be.
 _LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
 KNOWN = {
+    "drop_invalid": {
+        "return work[~np.isnan(work[:, :3]).any(axis=1)]": (
+            "an intensity that is infinite comes back as one that is no number: missing, both say"
+        ),
+    },
     "detect_obstacles": {
         "normal = np.cross(q / p, r - p)": _LUCK,
         "normal = np.cross(q - p, r / p)": _LUCK,
