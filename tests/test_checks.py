@@ -405,6 +405,22 @@ def test_import_is_quick_and_light():
     assert done.stdout.strip() == "[]", done.stderr
 
 
+# ---- titles ------------------------------------------------------------------------------------
+
+
+def test_no_two_checks_of_an_exercise_have_one_title(lesson):
+    """In a table of them nobody could tell one that passed from one that did not."""
+    titles = []
+
+    def noted_and_not_asked(one_check):
+        titles.append((one_check.exercise, one_check.title.casefold().rstrip(".")))
+        return False
+
+    run_tests(lesson, SimpleNamespace(), 3, noted_and_not_asked)
+    assert len(titles) > 10 * len(lesson.machine_graded)
+    assert [title for title in {*titles} if titles.count(title) > 1] == []
+
+
 # ---- nothing that a function does reaches a check ----------------------------------------------
 
 

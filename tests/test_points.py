@@ -76,7 +76,7 @@ def test_a_verdict_adds_up(lesson, sandbox):
     verdict = judge_handed_in(handed_in, 11, sandbox, lesson)
     published = json.loads(json.dumps(verdict.as_dict()))
     for exercise in published["exercises"]:
-        names = [test["name"] for test in exercise["tests"]]  # titles may occur twice
+        names = [test["name"] for test in exercise["tests"]]
         assert len(names) == len(set(names)) >= 3
         assert {test["visible"] for test in exercise["tests"]} == {True, False}
         kept = [exercise["slip"]["score"]] if exercise["slip"] else []
@@ -90,7 +90,7 @@ def test_a_verdict_adds_up(lesson, sandbox):
 
 
 def test_the_report_names_the_check_that_failed():
-    """Also where another one of the exercise has the same title, as 12 have."""
+    """By its own name, also if another one of the exercise had the same title."""
     shown, hidden = (
         CheckResult(name, "Finds it", False, 0.0, 1.0, "", visible)
         for name, visible in (("finds_it", True), ("test_finds_it", False))

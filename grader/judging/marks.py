@@ -14,7 +14,8 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
     ----------
     exercise : str
     title, hint : str
-        Shown to students: they may say what is demanded, never how it is tested.
+        Shown to students: they may say what is demanded, never how it is tested. In the title of a
+        test that is asked with several parameters, ``{}`` is the id of each.
     weight : float
         Share of the exercise's points, relative to its other checks.
     """
@@ -23,4 +24,6 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
 
 def check_of(item: pytest.Item) -> Check:
     """The check that a test is."""
-    return dataclasses.replace(item.get_closest_marker("judged").args[0], name=item.name)
+    check = item.get_closest_marker("judged").args[0]
+    title = check.title.format(item.callspec.id) if hasattr(item, "callspec") else check.title
+    return dataclasses.replace(check, name=item.name, title=title)

@@ -197,7 +197,7 @@ def test_points_with_a_zero_stay(student, seed):
 @hidden(
     "drop_invalid",
     weight=1,
-    title="Keeps points that are merely close to the sensor",
+    title="Keeps any point near the sensor that is not exactly there",
     hint="Only exactly (0, 0, 0) is a lost return. The nearest real point may be nearest of "
     "all for a good reason.",
 )

@@ -106,7 +106,7 @@ def test_equal_points_have_no_line(student, seed):
 @hidden(
     "line_through",
     weight=1,
-    title="Points that are merely close together have a line",
+    title="Points five centimetres apart have a line, wherever they lie",
     hint="Return None where the length is 0, and only there.",
 )
 def test_close_points_have_a_line(student, seed):

@@ -290,10 +290,12 @@ def assert_marks(answer, points, tolerance):
 @hidden(
     "ransac_plane",
     weight=4,
-    title="Finds the road in a street",
+    title="Finds the road in {}",
     hint="Draw your plane from the side, as in the notebook: does it lie in the road?",
 )
-@pytest.mark.parametrize("name", ["course", "fresh"])
+@pytest.mark.parametrize(
+    "name", ["course", "fresh"], ids=["the course's own scan", "a street you have not seen"]
+)
 def test_streets(student, seed, name):
     for run in range(3):
         points, most, iterations = street_and_its_best(name, seed, run, 0.2)
@@ -375,7 +377,7 @@ def test_tolerances(student, seed):
 @hidden(
     "ransac_plane",
     weight=2,
-    title="Takes three different rows",
+    title="Takes three different rows of four",
     hint="rng.choice(n, 3, replace=False): with replacement a row comes up twice.",
 )
 def test_three_points(student, seed):

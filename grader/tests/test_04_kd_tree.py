@@ -243,10 +243,10 @@ def test_search_crooked(student, seed):
 @hidden(
     "search",
     weight=3,
-    title="Leaves out what is in the corners of the box, in the plane and in space",
+    title="Leaves out what is in the corners of the box, in {}",
     hint="A point counts when its distance is at most the tolerance, wherever the box ends.",
 )
-@pytest.mark.parametrize("k", [2, 3])
+@pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
 def test_search_circle(student, seed, k):
     rng = np.random.default_rng(seed + k)
     for _ in range(3):
@@ -427,10 +427,10 @@ FULL = (3, 7, 15, 31, 127)
 @hidden(
     "median_order",
     weight=3,
-    title="The least depth, for points you have not seen",
+    title="The least depth for points in {}",
     hint="Does each part go on with the next axis, also when it came from the right?",
 )
-@pytest.mark.parametrize("k", [2, 3])
+@pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
 def test_depth(student, seed, k):
     rng = np.random.default_rng(seed + k)
     for n in (2, 3, 5, 8, 16, 31, 32, 77, 200):
@@ -454,10 +454,10 @@ def test_halves(student, seed):
 @hidden(
     "median_order",
     weight=3,
-    title="The median along x, y and so on in turn",
+    title="The median along {} in turn",
     hint="The axis of a part is its depth modulo the number of columns.",
 )
-@pytest.mark.parametrize("k", [2, 3])
+@pytest.mark.parametrize("k", [2, 3], ids=["two axes", "three axes"])
 def test_medians(student, seed, k):
     rng = np.random.default_rng(seed + 10 + k)
     for n in FULL:

@@ -206,10 +206,10 @@ def test_voxels_of_fresh_street(student, seed):
 @hidden(
     "voxel_grid",
     weight=5,
-    title="As many points as cells, for sizes that you have not seen",
+    title="As many points as cells, for a {} size that you have not seen",
     hint="Cells are voxel_size wide, whatever the size is.",
 )
-@pytest.mark.parametrize("size", [0.35, 1.1])
+@pytest.mark.parametrize("size", [0.35, 1.1], ids=["small", "large"])
 def test_voxel_sizes(student, seed, size):
     cloud = one_corner(samples.obstacles_of_street(seed, 9000), seed)
     assert_counted(student, evenly_lit(cloud), size)

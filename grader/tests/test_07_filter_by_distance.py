@@ -416,10 +416,12 @@ def test_crop_input(student, seed):
 @hidden(
     "remove_ego_returns",
     weight=3,
-    title="Frees the course's own scan and a fresh street of our own car",
+    title="Frees {} of our own car",
     hint="In the picture the box must be empty, and everything beside it still there.",
 )
-@pytest.mark.parametrize("street", ["course", "fresh"])
+@pytest.mark.parametrize(
+    "street", ["course", "fresh"], ids=["the course's own scan", "a fresh street"]
+)
 def test_remove_from_streets(student, seed, street):
     cloud = course_around_the_car() if street == "course" else scan_around_the_car(seed)
     assert_box_filtered(student, "remove_ego_returns", cloud, *EGO_BOX)

@@ -162,7 +162,7 @@ def test_noise(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right for points in any order",
+    title="Right for points in {} order",
     hint="The box is the same in whatever order the points come. The first of them is the smallest "
     "so far and the largest so far at once.",
 )
@@ -176,7 +176,7 @@ def test_any_order_of_points(student, seed, step):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Right wherever the cluster lies",
+    title="Right where all coordinates are {}",
     hint="A cluster may lie on any side of the sensor: all its coordinates may be below 0, or all "
     "above.",
 )

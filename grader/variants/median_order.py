@@ -179,7 +179,7 @@ def median_order(points):
     return order
 
 # %% wrong: two dimensions are written into the function
-# loses only: takes_three_axes, test_depth[3, test_medians[3, test_medians_of_street
+# loses only: takes_three_axes, test_depth[space, test_medians[three, test_medians_of_street
 # says: along z
 # told: z is left out
 def median_order(points, rows=None, depth=0):

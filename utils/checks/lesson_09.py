@@ -231,8 +231,9 @@ def removes_neighbours(filter_clusters: Callable) -> None:
     hint='"Fewer than" is <, not <=.',
 )
 def keeps_the_tie(filter_clusters: Callable) -> None:
-    labels = np.repeat([1, 2, 3], [4, 5, 9])
-    assert_kept(filter_clusters(labels.copy(), 5), labels, np.repeat([0, 2, 3], [4, 5, 9]), 5)
+    for sizes, kept in (([4, 5, 9], [0, 2, 3]), ([9, 4, 5], [1, 0, 3])):
+        labels = np.repeat([1, 2, 3], sizes)
+        assert_kept(filter_clusters(labels.copy(), 5), labels, np.repeat(kept, sizes), 5)
 
 
 @visible(
