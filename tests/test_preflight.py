@@ -379,8 +379,12 @@ def test_what_is_prepared_stays_as_it_is():
         ([text(GROUND), code(VOXELS)], ["code", "code"]),
         # It is written elsewhere as code: then this is an old one.
         ([text(GROUND), code(GROUND)], ["markdown", "code"]),
-        ([marked(text(GROUND), "filter_ground"), code(GROUND)], ["code", "code"]),
-        ([marked(text(GROUND), "voxel_grid"), code(GROUND)], ["code", "code"]),
+        ([code(GROUND), text(GROUND)], ["code", "markdown"]),
+        ([marked(text(GROUND), "filter_ground"), code(GROUND)], ["markdown", "code"]),
+        ([marked(text(GROUND), "voxel_grid"), code(GROUND)], ["markdown", "code"]),
+        ([code(GROUND), marked(text(GROUND), "voxel_grid")], ["code", "markdown"]),
+        # In its own cell it is the answer, and what came before was tried.
+        ([code(GROUND), marked(text(GROUND), "filter_ground")], ["code", "code"]),
         ([marked(text("My answer."), "filter_ground")], ["markdown"]),
         # Of several the first is the one.
         ([text(GROUND), text(GROUND)], ["code", "markdown"]),
@@ -396,6 +400,70 @@ def test_which_text_is_code(cells, kinds):
     turned = sum(cell["cell_type"] != "code" for cell in cells) - kinds.count("markdown")
     said = [note for note in made.notes if "stood in a text cell" in note]
     assert len(said) == turned and all(note.split()[0] in EXERCISES for note in said)
+
+
+def defined_last(made, name):
+    """What the last code cell that defines a function says it returns."""
+    last = next(source for source in reversed(made.code) if f"def {name}" in source)
+    return last.split(f"def {name}(cloud):\n    return ")[1].split("\n")[0]
+
+
+TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
+
+
+@pytest.mark.parametrize("turned_round", [False, True])
+@pytest.mark.parametrize(
+    ("cells", "ground", "voxels"),
+    [
+        # What stands as code ran, and counts, wherever it stands; the rest is not lost.
+        ([text(TWO), code(GROUND.format(3))], "3", "2"),
+        ([code(GROUND.format(3)), text(TWO)], "3", "2"),
+        ([code(GROUND.format(4)), code(GROUND.format(3)), text("Mine."), text(TWO)], "3", "2"),
+        ([code(VOXELS.format(3)), text(TWO)], "1", "3"),
+        ([text(TWO), code(VOXELS.format(3))], "1", "3"),
+        ([code(GROUND.format(3)), marked(text(TWO), "voxel_grid")], "3", "2"),
+        # So of two text cells, of which the first was needed.
+        ([text(GROUND.format(3)), text(TWO)], "3", "2"),
+        ([code(GROUND.format(3)), text(TWO), marked(text(TWO), "voxel_grid")], "3", "2"),
+    ],
+)
+def test_a_text_cell_with_what_stands_elsewhere_too(cells, ground, voxels, turned_round):
+    if turned_round:  # the order of definitions within a cell says nothing
+        swapped = VOXELS.format(2) + "\n" + GROUND.format(1)
+        cells = [{**cell, "source": cell["source"].replace(TWO, swapped)} for cell in cells]
+    made = prepared_of(code("import numpy as np"), *cells)
+    assert (defined_last(made, "filter_ground"), defined_last(made, "voxel_grid")) == (
+        ground,
+        voxels,
+    )
+    # What ran keeps its order.
+    ran = [cell["source"] for cell in cells if cell["cell_type"] == "code"]
+    assert [source for source in made.code if source in ran] == ran
+    said = [note for note in made.notes if "stood in a text cell" in note]
+    mine, other = ("voxel_grid", "filter_ground") if voxels == "2" else EXERCISES
+    assert said[-1] == (
+        f"{mine} stood in a text cell, where Jupyter does not run it. It was judged as code. "
+        f"{other} in that cell was not judged, but the one in another cell. In Jupyter, select the "
+        f"cell and press Y to make it code again, and delete {other} in it."
+    )
+
+
+def test_a_text_cell_with_everything():
+    made = prepared_of(text(TWO))
+    assert made.code == (TWO,)
+    assert made.notes == (
+        "filter_ground and voxel_grid stood in a text cell, where Jupyter does not run them. They "
+        "were judged as code. In Jupyter, select the cell and press Y to make it code again.",
+    )
+
+
+def test_an_answer_in_text_beside_the_cell_as_it_was_given_out():
+    for cells in ([stub_of("filter_ground"), text(TWO)], [text(TWO), stub_of("filter_ground")]):
+        made = prepared_of(*cells)
+        assert (
+            defined_last(made, "filter_ground") == "1" and defined_last(made, "voxel_grid") == "2"
+        )
+        assert "filter_ground and voxel_grid stood in a text cell" in made.notes[0]
 
 
 def stub_of(name):

@@ -177,31 +177,58 @@ def _reading(draft: _Draft) -> Iterator[str]:
 
 
 def _retyped(draft: _Draft) -> Iterator[str]:
-    """Solutions in cells that became Markdown or raw by a slip of the keyboard."""
-    names = _functions(draft.lesson)
-    written = {name for name in names if _cells_that_define(draft, name)}
+    """Solutions in cells that became Markdown or raw by a slip of the keyboard.
+
+    What stands as code ran in the student's notebook, so it counts further on: a text cell that
+    holds some of it, too, beside what stands nowhere else, is moved before it.
+    """
+    names, by_hand = _functions(draft.lesson), _by_hand(draft.lesson)
+    orders = [(place, 0, place) for place in range(len(draft.cells))]
+    # Where in that order each function is written last.
+    last = {name: orders[all_of[-1]] for name in names if (all_of := _answers_to(draft, name))}
+    turned = []
     for place, cell in enumerate(draft.cells):
-        if cell.kind == "code" or "```" in cell.source:
+        if cell.kind == "code" or cell.grade_id in by_hand or "```" in cell.source:
             continue
-        marked = cell.grade_id in names
         holds = [name for name in names if _defines(cell, name)]
-        if holds and (marked or holds[0] not in written):
-            written.update(holds)
-            draft.cells[place] = dataclasses.replace(cell, kind="code")
-            kind = {"markdown": "a text cell", "raw": "a raw cell"}[cell.kind]
-            yield (
-                f"{holds[0]} stood in {kind}, where Jupyter does not run it. It was judged as "
-                "code. In Jupyter, select the cell and press Y to make it code again."
-            )
+        wanted = [
+            name
+            for name in holds
+            if name not in last or (name == cell.grade_id and last[name] < orders[place])
+        ]
+        if not wanted:
+            continue
+        before = min((last[name] for name in holds if name not in wanted), default=orders[place])
+        if before < orders[place]:
+            orders[place] = (before[0], before[1] - 1, place)
+        last |= {name: max(last.get(name, orders[place]), orders[place]) for name in holds}
+        draft.cells[place] = dataclasses.replace(cell, kind="code")
+        turned.append((cell.kind, orders[place], holds))
+    draft.cells = [draft.cells[place] for *_, place in sorted(orders)]
+    for kind, order, holds in turned:
+        judged = [name for name in holds if last[name] == order]
+        if judged:
+            yield _on_retyped(kind, judged, [name for name in holds if name not in judged])
+
+
+def _on_retyped(kind: str, judged: list[str], others: list[str]) -> str:
+    """What is said of a text cell with functions that were judged, and others that were not."""
+    cell = {"markdown": "a text cell", "raw": "a raw cell"}[kind]
+    it, was = ("it", "It was") if len(judged) == 1 else ("them", "They were")
+    are, those = ("was", "the one in another cell") if len(others) == 1 else ("were", "others")
+    names, more = " and ".join(judged), " and ".join(others)
+    return (
+        f"{names} stood in {cell}, where Jupyter does not run {it}. {was} judged as code. "
+        + (f"{more} in that cell {are} not judged, but {those}. " if others else "")
+        + "In Jupyter, select the cell and press Y to make it code again"
+        + (f", and delete {more} in it." if others else ".")
+    )
 
 
 def _stubs_behind(draft: _Draft) -> Iterator[str]:
     """The cell as it was given out, pasted again behind the answer: it would undo it."""
-    given = _given(draft.lesson)
     for name in _functions(draft.lesson):
-        stub = given[name].source.split() if name in given else None
-        places = _cells_that_define(draft, name)
-        answers = [place for place in places if draft.cells[place].source.split() != stub]
+        places, answers = _cells_that_define(draft, name), _answers_to(draft, name)
         if answers and places[-1] > answers[-1]:
             for place in (place for place in places if place > answers[-1]):
                 draft.cells[place] = Cell("code", "# Left out: the cell as it was given out.")
@@ -389,6 +416,14 @@ def _cells_that_define(draft: _Draft, name: str) -> list[int]:
         for place, cell in enumerate(draft.cells)
         if cell.kind == "code" and _defines(cell, name)
     ]
+
+
+def _answers_to(draft: _Draft, name: str) -> list[int]:
+    """Cells that define a function, but for those as they were given out."""
+    given = _given(draft.lesson).get(name)
+    stub = given.source.split() if given else None
+    places = _cells_that_define(draft, name)
+    return [place for place in places if draft.cells[place].source.split() != stub]
 
 
 def _functions(lesson: Lesson) -> list[str]:
