@@ -16,6 +16,9 @@ from grader.lms.exporters import EXPORTERS
 from grader.lms.results import GradebookUnreachable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
+FULL = (errno.ENOSPC, errno.EDQUOT)
+DENIED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EEXIST, errno.ENOTDIR)
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
@@ -49,11 +52,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 130
     except OSError as error:
-        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        if error.errno not in (*FULL, *DENIED):
             raise
+        where = error.filename or error
         print(
-            f"The disk is full ({error.filename or error}). What has been judged is kept: make "
-            "room, and give the same command again.",
+            f"The disk is full ({where}). What has been judged is kept: make room, and give the "
+            "same command again."
+            if error.errno in FULL
+            else f"{where}: {error.strerror}. Make it yours to read and write, a folder where one "
+            "is needed, and give the same command again.",
             file=sys.stderr,
         )
         return commands.FAULT

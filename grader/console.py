@@ -17,7 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from grader.classroom.collect.collecting import Outcome, Question
+    from grader.classroom.collect.outcome import Outcome, Question
     from grader.classroom.doctor import Finding
     from grader.classroom.similarity.stage import StageComparison
     from grader.classroom.submissions import Submission

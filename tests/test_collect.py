@@ -1,6 +1,7 @@
 """What a class handed in, from the archives of learning platforms to ``submitted/``."""
 
 import csv
+import errno
 import os
 import struct
 import unicodedata
@@ -323,7 +324,7 @@ def test_moodle_teams(course):
     rows = (f"Participant {n},{n},{m}@x.edu,x,Team_Rot,,-" for n, m in ((1, "ada"), (2, "cy")))
     table.write_text("\n".join((titles, *rows)))
     outcome = collect(course, path, times=table)
-    assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "same"}}
+    assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "same"}, "bjorn": {"07": "same"}}
 
 
 # ---- GitHub Classroom, folders ------------------------------------------------------------------
@@ -514,6 +515,15 @@ def test_what_may_be_meant_is_asked_about_only_while_a_lesson_is_missing(course)
     assert {remark.name for remark in outcome.remarks} == {"ada/scratch.ipynb", "ada/report.pdf"}
 
 
+def test_what_is_no_notebook_is_asked_about_only_while_its_lesson_is_missing(course):
+    """A `.py` of a lesson that is there is not asked for, whatever else is missing."""
+    files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
+    files += [(f"ada/{SIX}.ipynb", notebook())]
+    outcome = collect(course, archive(course, files))
+    assert set(asked(outcome)) == {f"ada/{SEVEN}.py"}
+    assert [remark.name for remark in outcome.remarks] == [f"ada/{SIX}.py"]
+
+
 def test_who_handed_in_a_picture_alone_is_named(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
     assert asked(outcome) == {"ada": "handed in no notebook: photo.png"}
@@ -528,7 +538,7 @@ def test_two_are_not_one_student_unless_somebody_says_so(course):
     path = archive(course, files)
     who = {"byronannabella_77": "ada"}
     outcome = collect(course, path, who=who)
-    assert states(outcome) == {} and not course.submitted.exists()
+    assert states(outcome) == {} and not list(course.submitted.glob("*/*"))
     assert "--who lovelaceada_4001=ada" in asked(outcome)["lovelaceada_4001"]
     collect(course, path, who={**who, "lovelaceada_4001": "ada"})
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
@@ -661,6 +671,94 @@ def test_a_time_belongs_to_the_files_with_which_it_came(course):
     collect(course, second, times=table)
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
     assert read_record(course.submitted / "ada" / STAGE).undecided == ""
+
+
+# ---- what was answered ----
+
+
+def remarked(outcome):
+    return {remark.name: remark.text for remark in outcome.remarks}
+
+
+def test_whose_it_is_is_asked_once_in_a_stage(course):
+    """Of the next archive the answer is known, and told; of another stage it is asked again."""
+    team = moodle_files("Team Rot", 77, [(f"{SIX}.ipynb", notebook())])
+    first = archive(course, team, "first.zip", when=MONDAY)
+    collect(course, first, who={"TEAM ROT_77": "ada,cy"})
+    team = moodle_files("Team Rot", 77, [(f"{SIX}.ipynb", notebook(text="again"))])
+    outcome = collect(course, archive(course, team, "second.zip", when=TUESDAY))
+    assert states(outcome) == {"ada": {"06": "newer"}, "cy": {"06": "newer"}}
+    assert outcome.questions == []
+    assert remarked(outcome)["Team Rot_77"].startswith("taken for that of ada, cy")
+    outcome = collect(course, first, stages=("stage1_ransac",))
+    assert "Team Rot_77" in asked(outcome), "members of a team change from stage to stage"
+
+
+def test_another_answer_takes_the_place_of_the_first(course):
+    path = archive(course, [(f"eve/{SIX}.ipynb", notebook())])
+    collect(course, path, who={"eve": "ada,bjorn"})
+    assert states(collect(course, path, who={"eve": "cy"})) == {"cy": {"06": "new"}}
+    assert states(collect(course, path)) == {"cy": {"06": "same"}}
+
+
+def test_who_is_nobody_is_left_out_from_then_on(course):
+    files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
+    path = archive(course, files)
+    assert "of nobody on the course, -" in asked(collect(course, path))["eve"]
+    for who in ({"eve": "-"}, {}):
+        outcome = collect(course, path, who=who)
+        assert outcome.questions == []
+        assert set(states(outcome)) == {"ada"}
+    assert remarked(outcome)["eve"].startswith("left out")
+
+
+def test_who_has_left_the_roster_is_asked_about_again(course):
+    """And the rest of the team keeps what the team handed in."""
+    files = [(f"eve/{SIX}.ipynb", notebook()), (f"team/{SIX}.ipynb", notebook(text="team"))]
+    path = archive(course, files)
+    collect(course, path, who={"eve": "ada", "team": "bjorn,cy"})
+    roster = course.root / "roster.csv"
+    roster.write_text(
+        "".join(line for line in roster.open() if not line.startswith(("ada", "bjorn")))
+    )
+    outcome = collect(course, path)
+    assert set(asked(outcome)) == {"eve"}
+    assert states(outcome) == {"cy": {"06": "same"}}
+
+
+def test_answers_that_cannot_be_read_are_asked_for_again(course):
+    path = archive(course, [(f"eve/{SIX}.ipynb", notebook())])
+    collect(course, path, who={"eve": "cy"})
+    (kept,) = course.submitted.glob(".*")
+    kept.write_bytes(b'[]\n{"stage": 1}\n\xff\n' + kept.read_bytes())
+    assert set(asked(collect(course, path))) == {"eve"}
+
+
+def test_which_of_two_counts_is_asked_once(course):
+    """Until something else comes."""
+    pair = [
+        (f"ada/one/{SIX}.ipynb", notebook(text="one"), MONDAY),
+        (f"ada/two/{SIX}.ipynb", notebook(text="two"), MONDAY),
+        ("bjorn/photo.png", b"x"),
+    ]
+    path = archive(course, pair)
+    assert f"ada/one/{SIX}.ipynb" in asked(collect(course, path))
+    collect(course, path, lessons={f"ada/two/{SIX}.ipynb": "06"})
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
+    outcome = collect(course, path)
+    assert set(asked(outcome)) == {"bjorn"} and states(outcome)["ada"] == {"06": "same"}
+    third = (f"ada/three/{SIX}.ipynb", notebook(text="three"), MONDAY)
+    outcome = collect(course, archive(course, [*pair, third], "more.zip"))
+    assert f"ada/three/{SIX}.ipynb" in asked(outcome)[f"ada/two/{SIX}.ipynb"]
+    assert states(outcome)["ada"] == {"06": "?"}
+    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
+
+
+def test_what_names_no_lesson_is_asked_about_once(course):
+    path = archive(course, [("ada/scratch.ipynb", notebook(named=False))])
+    collect(course, path, lessons={"ada/scratch.ipynb": "07"})
+    outcome = collect(course, path)
+    assert outcome.questions == [] and states(outcome) == {"ada": {"07": "same"}}
 
 
 # ---- hostile archives ---------------------------------------------------------------------------
@@ -834,6 +932,23 @@ def test_stopped_it_goes_on_from_there(course):
         module.collect(course, [path], [STAGE], None, {}, {}, stop)
     found = states(collect(course, path))
     assert found == {"ada": {"06": "same"}, "bjorn": {"06": "same"}, "cy": {"06": "new"}}
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EPERM])
+def test_where_nothing_may_be_written_it_is_said(course, command, monkeypatch, capsys, number):
+    def refuse(*about, dir, **options):
+        raise OSError(number, os.strerror(number), str(dir))
+
+    monkeypatch.setattr("tempfile.mkstemp", refuse)
+    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    said = capsys.readouterr().err
+    assert str(course.submitted / "ada" / STAGE) in said and "same command again" in said
+
+
+def test_a_file_in_the_place_of_a_folder_is_named(course, command, capsys):
+    course.submitted.write_text("")
+    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    assert str(course.submitted) in capsys.readouterr().err
 
 
 def test_a_full_disk_leaves_nothing_half_written(course, monkeypatch):

@@ -52,7 +52,12 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
     ):
         (course.root / file).write_text(f"ada {NEEDLE}")
     (course.root / "handed_back" / "x" / "bob.html").write_text("bob")
-    assert len(holding(course, NEEDLE)) >= 6
+    lines = [
+        f'{{"student": "{id}", "stage": "{STAGE}", "label": "{label}"}}\n'
+        for id, label in (("ada", NEEDLE), ("bob", "Bobby"))
+    ]
+    (course.submitted / ".whose.jsonl").write_text("".join(lines))
+    assert len(holding(course, NEEDLE)) >= 7
     roster.write_text("id,last_name\nbob,Bell\n")
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
@@ -73,6 +78,7 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
     assert {one.student for one in gradebook.class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()
     assert (course.autograded / "bob" / STAGE).is_dir()
+    assert (course.submitted / ".whose.jsonl").read_text() == lines[1]
 
 
 @pytest.mark.slow

@@ -1,9 +1,9 @@
 """Collect what a class handed in: ``python -m grader collect ARCHIVE… --stage STAGE``.
 
-An archive is opened (`opening`, `zips`), one of `KINDS` says who handed in what, `owners` finds
-them on the roster, `looking` opens their files in a process of its own, `choosing` finds the newest
-for each lesson, `placing` puts it into ``submitted/``, and `collecting` does that for each student
-and asks about the rest.
+An archive is opened (`opening`, `zips`), one of `KINDS` says who handed in what, and `owners` finds
+them on the roster, or in `answers`: that is `collecting`. What one `student` handed in is opened in
+a process of its own (`looking`), `recognising` says which lesson a notebook is for, `choosing`
+finds the newest, and `placing` puts it into ``submitted/``. The `outcome` has what is left to ask.
 
 Another kind of archive is a module with a function from `Archive` to what was handed in, and a line
 in the table.

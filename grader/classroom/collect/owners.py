@@ -8,6 +8,7 @@ import shlex
 import unicodedata
 from collections.abc import Iterable, Sequence
 
+from grader.classroom.collect.answers import NOBODY, same
 from grader.classroom.collect.protocol import CollectTrouble, Owner
 from grader.classroom.collect.worksheet import Row, Worksheet
 from grader.course.roster import Person, Roster
@@ -30,7 +31,7 @@ class Owners:
         Without one, folders are called as the archive calls people.
     worksheet : Worksheet
     answers : dict of str to (tuple of str)
-        Of whoever collects: the label of an owner, and the ids of all whose it is.
+        Of whoever collects: the label of an owner (`same`), and the ids of all whose it is.
 
     Raises
     ------
@@ -43,21 +44,21 @@ class Owners:
     ) -> None:
         self._roster = roster
         self._worksheet = worksheet
-        self._answers = {_same(label): ids for label, ids in answers.items()}
+        self._answers = answers
         self._folders: dict[str, str] = {}
         for label, ids in answers.items():
             for id in ids:
                 self._check(label, id)
 
     def whose(self, owner: Owner) -> tuple[str, ...]:
-        """Ids of all whose work it is: of one person, or of a team.
+        """Ids of all whose work it is: of one person, of a team, or of nobody on the course.
 
         Raises
         ------
         Unknown
         """
-        answer = self._answers.get(_same(owner.label))
-        if answer:
+        answer = self._answers.get(same(owner.label))
+        if answer is not None:
             return answer
         if self._roster is None:
             return (self._folder(owner),)
@@ -74,7 +75,7 @@ class Owners:
 
     def is_answered(self, owner: Owner) -> bool:
         """Whether somebody has said whose it is."""
-        return _same(owner.label) in self._answers
+        return same(owner.label) in self._answers
 
     def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """A question about who is known only by what an archive calls them; empty without one.
@@ -181,12 +182,13 @@ class Owners:
         elif owner.participant and not self._worksheet.rows:
             where = "give Moodle's worksheet with --timestamps FILE, or "
         return (
-            f"Nobody on the roster is called so: {where}add {_who(owner, 'ID')} (of a team, ID,ID)"
+            f"Nobody on the roster is called so: {where}add {_who(owner, 'ID')} (of a team, ID,ID; "
+            f"of nobody on the course, {NOBODY})"
         )
 
     def _folder(self, owner: Owner) -> str:
         name = safe_folder(owner.folder)
-        before = self._folders.setdefault(_same(name), owner.folder)
+        before = self._folders.setdefault(same(name), owner.folder)
         if before != owner.folder:
             raise Unknown(f"Their folder would be that of {before}: add {_who(owner, 'ID')}")
         return name
@@ -202,10 +204,6 @@ def safe_folder(name: str) -> str:
 
 def _who(owner: Owner, ids: str) -> str:
     return f"--who {shlex.quote(f'{owner.label}={ids}')}"
-
-
-def _same(text: str) -> str:
-    return unicodedata.normalize("NFC", text).casefold().strip()
 
 
 def _letters(text: str) -> str:

@@ -34,6 +34,8 @@ class Source:
         That the learning platform marked it so.
     participant : str
         Moodle's number of whose it is, a person or a team.
+    beaten : tuple of str
+        SHA-256 of other files for the same, which somebody said do not count.
     """
 
     digest: str
@@ -42,6 +44,7 @@ class Source:
     order: int = 0
     late: bool = False
     participant: str = ""
+    beaten: tuple[str, ...] = ()
 
     def newer_than(self, other: Source) -> bool | None:
         """Whether it was handed in after another; None where nothing tells."""

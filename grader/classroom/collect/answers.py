@@ -1,0 +1,132 @@
+"""What whoever collects has answered: whose something is, and which lesson a file is for.
+
+Whose it is is kept in ``submitted/.whose.jsonl``, a line for each person whom an answer names, so
+that the next archive of the stage does not ask again. Which lesson a file is for, the record in the
+student's folder tells, by what was placed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import shlex
+import unicodedata
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.classroom.collect.protocol import CollectTrouble
+from grader.course.lessons import Lesson, all_lessons
+from grader.course.paths import Course
+from grader.course.roster import Roster
+from grader.judging.verdict import write_atomically
+
+NOBODY = "-"
+
+
+@dataclass(frozen=True)
+class Answers:
+    """All answers that count.
+
+    Attributes
+    ----------
+    who : dict of str to (tuple of str)
+        By what an archive calls somebody (`same`), the ids of all whose it is; none where it is
+        nobody's.
+    lessons : dict of str to grader.course.lessons.Lesson
+        By name of a file.
+    before : frozenset of str
+        Those of `who` that were given before.
+    """
+
+    who: dict[str, tuple[str, ...]]
+    lessons: dict[str, Lesson]
+    before: frozenset[str] = frozenset()
+
+
+def read_answers(
+    course: Course,
+    roster: Roster | None,
+    stages: Sequence[str],
+    who: dict[str, str],
+    lessons: dict[str, str],
+) -> Answers:
+    """The answers of now, and those of before that they do not replace.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    roster : grader.course.roster.Roster or None
+        Who has left it is forgotten.
+    stages : sequence of str
+        That are collected.
+    who, lessons : dict of str to str
+        As they were typed.
+
+    Raises
+    ------
+    CollectTrouble
+        There is no such lesson.
+    """
+    before: dict[str, list[str]] = {}
+    for stage, label, id in _read(course):
+        if stage in stages and (roster is None or not id or roster.person(id)):
+            before.setdefault(same(label), []).extend([id] if id else [])
+    now = {
+        same(label): () if ids == NOBODY else tuple(ids.split(",")) for label, ids in who.items()
+    }
+    found = {label: tuple(dict.fromkeys(ids)) for label, ids in before.items()} | now
+    return Answers(found, _lessons(lessons), frozenset(before.keys() - now.keys()))
+
+
+def remember(
+    course: Course, stages: Sequence[str], answers: Answers, asked: Collection[str]
+) -> None:
+    """Keep the answers of now on what archives call somebody, for these stages."""
+    now = {same(label): label for label in asked}
+    now = {key: label for key, label in now.items() if key in answers.who.keys() - answers.before}
+    lines = [line for line in _read(course) if not (line[0] in stages and same(line[1]) in now)] + [
+        (stage, label, id)
+        for stage in stages
+        for key, label in now.items()
+        for id in answers.who[key] or ("",)
+    ]
+    if now:
+        write_atomically("".join(map(_line, lines)), _path(course))
+
+
+def same(label: str) -> str:
+    """What is equal for two labels that mean the same."""
+    return unicodedata.normalize("NFC", label).casefold().strip()
+
+
+def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
+    """Lessons that were named by number or name."""
+    found = {}
+    for file, answer in answers.items():
+        lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
+        if lesson is None:
+            raise CollectTrouble(f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}.")
+        found[file] = lesson
+    return found
+
+
+def _read(course: Course) -> list[tuple[str, str, str]]:
+    """Stage, label and id of each line that can be read."""
+    found = []
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        for line in _path(course).read_text("utf-8").splitlines():
+            with contextlib.suppress(ValueError, TypeError, KeyError):
+                about = json.loads(line)
+                found.append((about["stage"], about["label"], about["student"]))
+    return found
+
+
+def _line(line: tuple[str, str, str]) -> str:
+    stage, label, id = line
+    # The README deletes a student by what stands here.
+    return json.dumps({"student": id, "stage": stage, "label": label}, ensure_ascii=False) + "\n"
+
+
+def _path(course: Course) -> Path:
+    return course.submitted / ".whose.jsonl"

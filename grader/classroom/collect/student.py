@@ -1,0 +1,215 @@
+"""What one student handed in: each file goes to its lesson, or is asked about."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from pathlib import Path
+
+from grader.classroom.collect.answers import Answers
+from grader.classroom.collect.choosing import File, newest
+from grader.classroom.collect.looking import MODULE, NOTEBOOK, OTHER, look_at
+from grader.classroom.collect.outcome import ASKED, Outcome, Question
+from grader.classroom.collect.placing import KEPT, StageFolder, Unsure
+from grader.classroom.collect.protocol import Handed
+from grader.classroom.collect.recognising import Contradiction, Unrecognised, is_lesson, lesson_of
+from grader.classroom.collect.worksheet import Row
+from grader.classroom.contents import lesson_by_name
+from grader.classroom.submissions import Submission
+from grader.course.lessons import Lesson
+from grader.course.paths import Course
+
+
+class Student:
+    """Places what one student handed in.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    id : str
+    there : dict of Lesson to Submission
+        What they have in ``submitted/`` by now.
+    answers : Answers
+    outcome : Outcome
+        What becomes of it is noted here.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        id: str,
+        there: dict[Lesson, Submission],
+        answers: Answers,
+        outcome: Outcome,
+    ) -> None:
+        self._course, self._id, self._there = course, id, there
+        self._answers, self._outcome = answers, outcome
+        self._states = outcome.states.setdefault(id, {})
+        self._doubts: list[tuple[Question, Lesson | None]] = []
+
+    def collect(self, handed: Sequence[tuple[Path, Handed]], rows: Iterable[Row] | None) -> None:
+        """Place all that is theirs.
+
+        Parameters
+        ----------
+        handed : sequence of (pathlib.Path, Handed)
+            With the archive that it is in.
+        rows : iterable of Row, or None
+            What a table of times says about them; None where there is no such table.
+        """
+        files = self._files(handed)
+        notebooks = self._by_lesson(files)
+        folders: dict[str, StageFolder] = {}
+        for lesson, several in sorted(notebooks.items(), key=lambda pair: pair[0].name):
+            if lesson in self._outcome.lessons:
+                folder = folders.setdefault(lesson.stage, self._folder(lesson.stage))
+                self._states[lesson] = self._place(folder, lesson, several, files)
+            else:
+                self._tell_other_stage(lesson, several)
+        self._note_times(folders.values(), rows)
+        if not notebooks and not self._doubts:
+            names = ", ".join(dict.fromkeys(one.path[-1] for _, one in handed))
+            self._doubt(handed[0][1].owner.label, f"handed in no notebook: {names}")
+        self._tell_doubts()
+
+    def _files(self, handed: Sequence[tuple[Path, Handed]]) -> list[File]:
+        """Notebooks and modules; what may have been meant to be one is a doubt."""
+        files = []
+        for archive, one in handed:
+            if one.remark:
+                self._doubt(one.name, one.remark)
+                continue
+            for piece in look_at(one.entry, one.path[-1]):
+                file = File(archive, one, piece)
+                if piece.kind == OTHER:
+                    self._outcome.left[file.path[-1]] += 1
+                elif piece.kind in (NOTEBOOK, MODULE):
+                    files.append(file)
+                else:
+                    lesson = lesson_by_name(file.path[-1])
+                    wish = f"{lesson.name}.ipynb" if lesson else "the .ipynb file"
+                    text = piece.complaint or f"is no notebook: ask for {wish}"
+                    self._doubt(file.name, text, lesson)
+        return files
+
+    def _by_lesson(self, files: Sequence[File]) -> dict[Lesson, list[File]]:
+        """The notebooks among some files; what nothing tells the lesson of is asked."""
+        found: dict[Lesson, list[File]] = {}
+        for file in files:
+            if file.piece.kind != NOTEBOOK:
+                continue
+            if file.handed.given and file.piece.content.untouched:
+                self._outcome.left[file.path[-1]] += 1
+                continue
+            try:
+                lesson = self._answers.lessons.get(file.name) or lesson_of(
+                    file, self._there, self._is_placed
+                )
+            except Unrecognised as doubt:
+                self._doubt(file.name, str(doubt))
+            except Contradiction as question:
+                self._states.update(dict.fromkeys(question.lessons, ASKED))
+                self._outcome.ask(file.name, str(question))
+            else:
+                found.setdefault(lesson, []).append(file)
+        return found
+
+    def _place(
+        self, folder: StageFolder, lesson: Lesson, several: list[File], files: list[File]
+    ) -> str:
+        """Place the newest of some files for a lesson, and its modules; how that went."""
+        name = f"{lesson.name}.ipynb"
+        answered = [file for file in several if file.name in self._answers.lessons]
+        beaten = folder.beaten(name)
+        best = newest(answered or [one for one in several if one.digest not in beaten] or several)
+        if len(best) > 1:
+            names = ", ".join(file.name for file in best[1:])
+            self._outcome.ask(
+                best[0].name,
+                f"is for {lesson.name}, as is {names}, and nothing tells which is newer. Add "
+                f"{is_lesson(best[0], lesson.number)}, or the same for the other",
+            )
+            return ASKED
+        file = best[0]
+        if answered:
+            beaten = {one.digest for one in several} - {file.digest}
+        source = dataclasses.replace(file.source, beaten=tuple(sorted(beaten)))
+        try:
+            state = folder.place(name, file.piece.data, source, self._there.get(lesson))
+        except Unsure as question:
+            self._outcome.ask(file.name, str(question))
+            return ASKED
+        if state != KEPT:
+            self._place_modules(folder, file, files)
+        return state
+
+    def _place_modules(self, folder: StageFolder, notebook: File, files: list[File]) -> None:
+        """Place the modules that lie beside a notebook, which may import them."""
+        beside: dict[str, list[File]] = {}
+        for file in files:
+            if file.piece.kind == MODULE and file.lies_beside(notebook):
+                beside.setdefault(file.path[-1], []).append(file)
+        for name, several in beside.items():
+            file = newest(several)[0]
+            try:
+                folder.place(name, file.piece.data, file.source)
+            except Unsure as question:
+                self._outcome.ask(file.name, str(question))
+
+    def _tell_other_stage(self, lesson: Lesson, several: list[File]) -> None:
+        """Ask about files that were handed in with the wrong stage, unless they are there.
+
+        What nobody worked in came with the course, of which somebody handed in all.
+        """
+        worked = [file for file in several if not file.piece.content.untouched]
+        several = [file for file in worked if not self._is_placed(lesson, file)]
+        if not several:
+            return
+        text = f"belongs to {lesson.stage}. To place it there, add --stage {lesson.stage}"
+        if lesson in self._there:
+            self._outcome.remarks.append(Question(several[0].name, text))
+        else:
+            self._outcome.ask(several[0].name, text)
+
+    def _note_times(self, folders: Iterable[StageFolder], rows: Iterable[Row] | None) -> None:
+        """Write when it was handed in, where that is known, and keep in mind where it is not."""
+        when, undecided = _time(list(rows)) if rows is not None else (None, "")
+        for folder in folders:
+            reason = folder.note_time(when, undecided)
+            if reason:
+                self._outcome.undecided[self._id] = reason
+            elif folder.is_late() and not (folder.path / "timestamp.txt").is_file():
+                self._outcome.late.append(self._id)
+
+    def _tell_doubts(self) -> None:
+        """Ask about what may have been meant to be work, where some is missing."""
+        missing = [
+            lesson
+            for lesson in self._outcome.lessons
+            if lesson not in self._states and lesson not in self._there
+        ]
+        for question, lesson in self._doubts:
+            named = lesson in self._outcome.lessons
+            is_open = lesson in missing if named else bool(missing)
+            (self._outcome.questions if is_open else self._outcome.remarks).append(question)
+
+    def _doubt(self, name: str, text: str, lesson: Lesson | None = None) -> None:
+        self._doubts.append((Question(name, text), lesson))
+
+    def _is_placed(self, lesson: Lesson, file: File) -> bool:
+        """Whether this very file was collected for a lesson before."""
+        return self._folder(lesson.stage).holds(f"{lesson.name}.ipynb", file.digest)
+
+    def _folder(self, stage: str) -> StageFolder:
+        return StageFolder(self._course.submitted / self._id / stage)
+
+
+def _time(rows: Sequence[Row]) -> tuple[datetime | None, str]:
+    """When a student handed in, and why nobody knows where nobody does."""
+    times = [row.when for row in rows if row.when]
+    if times:
+        return max(times), ""
+    if rows:
+        return None, f"for a time, the table of times has {rows[0].said or 'nothing'!r}"
+    return None, "the table of times has no line about them"
