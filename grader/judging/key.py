@@ -27,6 +27,8 @@ ENTRIES = (
 )
 # What only shows a result, and is imported when somebody looks. Judging does not even read it.
 SHOWS = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
+# Of what students see; checks ask about single objects of it.
+TRUTH = PROJECT / "data" / "cloud_truth.npz"
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
 
 # Text instead of a syntax tree, which takes ten times as long; what it finds in a docstring
@@ -64,7 +66,7 @@ def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     # The source says what is forbidden; the solution holds right helpers, borrowed ones as well.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     shown = {file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))}
-    return frozenset(_with_all_imported(entries) | notebooks | shown)
+    return frozenset(_with_all_imported(entries) | notebooks | shown | {TRUTH})
 
 
 def _with_all_imported(files: Iterable[Path]) -> set[Path]:

@@ -352,7 +352,7 @@ def test_limit(student, seed):
 
 @hidden(
     "match_boxes",
-    weight=7,
+    weight=10,
     title="One to one, also in a crowd",
     hint="Two that want the same partner: what does the second one get?",
 )
@@ -366,7 +366,7 @@ def test_one_to_one(student, seed):
 
 @hidden(
     "match_boxes",
-    weight=6,
+    weight=4,
     title="Of many rivals the nearer ones win",
     hint="Sort all pairs by distance, and go through them from the closest.",
 )

@@ -550,7 +550,7 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
 
 @visible(
     "match_boxes",
-    weight=7,
+    weight=10,
     title="One to one: two boxes never get the same partner",
     why="Two cars under one name are one car to the planner.",
     hint="Once a pair is chosen, strike out its row and its column: neither is free any more.",
@@ -566,7 +566,7 @@ def is_one_to_one(match_boxes: Callable) -> None:
 
 @visible(
     "match_boxes",
-    weight=6,
+    weight=4,
     title="Of two that want the same partner the nearer one gets it",
     why="The name goes to whoever happens to stand first in the list, and cars swap names.",
     hint="Take the closest of all pairs first. Going through the current boxes in their order "
