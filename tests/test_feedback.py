@@ -106,6 +106,15 @@ def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
     assert (folded.others, [one.says for one in folded.folds]) == ((), ["2 more fail: … metres."])
     folded = fold(ExerciseResult("f", 0.0, 3.0, tests[:2], "One.", "a"))
     assert (folded.others, folded.folds) == ((tests[1],), ())
+    alike = tuple(
+        check(name, f"{number} of 5 rows.") for name, number in zip("bcd", "122", strict=True)
+    )
+    for failed, says in (
+        (alike, "3 more fail: … of 5 rows."),
+        (alike[1:], "2 more fail: 2 of 5 rows."),
+    ):
+        folded = fold(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
+        assert [one.says for one in folded.folds] == [says]
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,14 @@
 """What may be told of a failure: its kind, and what stands in the notebook anyway."""
 
+import ast
+
 import pytest
 
+from grader.course.paths import PROJECT
 from grader.judging.asking import JudgeTimeout
 from grader.judging.messages import (
     failure_of,
+    in_common,
     messages_of,
     text_of,
     told,
@@ -15,12 +19,14 @@ from grader.sandbox.quoting import LONGEST_LINE, sentence_on, sentence_on_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
+    NUMBER,
     FarTooMuch,
     NotStarted,
     NotYet,
     Raised,
     Stopped,
     WrongForm,
+    fixed,
 )
 from utils.checks.outcomes import Outcome
 from utils.checks.story import resolve
@@ -277,3 +283,75 @@ def test_one_cause_is_told_once_and_every_other_in_full():
 )
 def test_what_differs_from_cloud_to_cloud_is_left_out(message, kind):
     assert without_numbers(message) == kind
+
+
+def test_numbers_of_the_task_are_told_of_a_hidden_check_too():
+    said = fixed("Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur") + f" {17} times, not 1."
+    failure = CheckFailed(said)
+    plain = "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur 17 times, not 1."
+    assert (failure.message, str(failure)) == (plain, plain)
+    assert words(HIDDEN, failure)[0] == (
+        "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur … times, not …."
+    )
+    # They are none of the few that may be told of a shown one.
+    assert words(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
+        "1, 2, 3, 4: 5, 6, 7, 8 and …"
+    )
+
+
+FAILURES = ("CheckFailed", "WrongForm", "FarTooMuch")
+SAY_SO = [
+    path
+    for folder in ("utils/checks", "grader/tests")
+    for path in sorted((PROJECT / folder).rglob("*.py"))
+    if path.name != "failures.py"
+]
+
+
+def calls_of(names):
+    """Calls of some functions in all that asks students: where, and what they are given."""
+    for path in SAY_SO:
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") in names:
+                yield f"{path.name}:{node.lineno}", node.args
+
+
+def literal_parts(message):
+    """The pieces of a text that stand in the code, without those that are fixed."""
+    if isinstance(message, ast.JoinedStr):
+        return [part for value in message.values for part in literal_parts(value)]
+    if isinstance(message, ast.BinOp):
+        return [*literal_parts(message.left), *literal_parts(message.right)]
+    return [message.value] if isinstance(message, ast.Constant) else []
+
+
+def test_only_what_stands_in_the_code_is_fixed():
+    given = dict(calls_of(("fixed",)))
+    assert len(given) > 30
+    assert [
+        where
+        for where, arguments in given.items()
+        if not (len(arguments) == 1 and isinstance(arguments[0], ast.Constant))
+    ] == []
+
+
+def test_what_stands_in_the_code_of_a_message_is_fixed():
+    said = [*calls_of(FAILURES)]
+    assert len(said) > 150
+    assert [
+        (where, part)
+        for where, arguments in said
+        for part in (literal_parts(arguments[0]) if arguments else [])
+        if NUMBER.search(part)
+    ] == []
+
+
+def test_of_messages_that_are_alike_the_numbers_stay_in_which_they_agree():
+    both = ["3 of 17 rows, for example (1, 2)", "4 of 17 rows, for example (3, 4)"]
+    assert in_common(both) == "… of 17 rows"
+    assert in_common(both[:1]) == "3 of 17 rows"
+    assert in_common(["from 0 to n - 1; row 3", "from 0 to n - 1; row 5"]) == (
+        "from 0 to n - 1; row …"
+    )
+    assert in_common(["one of … rows"] * 2) == "one of … rows"
+    assert in_common(["shape (3, 4)", "shape (3,)"]) == "shape (…)"

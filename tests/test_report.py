@@ -214,6 +214,13 @@ def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
     wrong = verdict("dee", [check(False)], "`<` stands where `>=` is asked for.")
     assert not_started([*empty, wrong]) == [("filter_ground", 3)]
     assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
+    others = [
+        verdict(name, [check(False)], f"{count} rows; at least 4 are wanted.")
+        for name, count in (("eve", 2), ("flo", 3))
+    ]
+    assert common_messages([wrong, *others])[0] == (
+        *("filter_ground", "… rows; at least 4 are wanted.", 2),
+    )
     page = report(tmp_path, [*empty, wrong])
     assert "<code>&lt;</code> stands where <code>&gt;=</code> is asked for." in page
     assert "Not started: <code>filter_ground</code> by 3." in page

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.messages import without_numbers
+from grader.judging.messages import in_common, without_numbers
 from grader.judging.verdict import ExerciseResult, Verdict
 
 # Of fewer, chance makes a discrimination of 0.4 where there is none.
@@ -124,12 +124,15 @@ def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
 def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[str, str, int]]:
     """(exercise, what is wrong, number of students), most frequent first."""
     students: dict[tuple[str, str], set[str]] = {}
+    said: dict[tuple[str, str], list[str]] = {}
     for verdict in verdicts:
         for exercise in verdict.exercises:
             if exercise.cause and not is_not_started(exercise):
-                mistake = (exercise.name, without_numbers(exercise.cause.splitlines()[0]))
+                first = exercise.cause.splitlines()[0]
+                mistake = (exercise.name, without_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
-    found = [(*mistake, len(names)) for mistake, names in students.items()]
+                said.setdefault(mistake, []).append(first)
+    found = [(one[0], in_common(said[one]), len(names)) for one, names in students.items()]
     return sorted(found, key=lambda mistake: -mistake[2])[:most]
 
 

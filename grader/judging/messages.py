@@ -7,19 +7,29 @@ notebook; but a neighbour's may be in the answer. There the student's own `check
 
 import functools
 import re
+from collections.abc import Callable, Sequence
 
 from grader.judging.asking import JudgeTimeout
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.quoting import sentence_on
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
-from utils.checks.failures import NotStarted, NotYet, Raised, Stopped, WrongForm
+from utils.checks.failures import (
+    NUMBER,
+    NotStarted,
+    NotYet,
+    Raised,
+    Stopped,
+    WrongForm,
+    with_numbers,
+)
 from utils.checks.outcomes import Outcome
 from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
 
 # Counts, as "2 of 5 rows", are told of what students see: so many, and below a hundred.
 FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
+_EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
 def told(outcome: Outcome, open_to_all: bool) -> Outcome:
@@ -89,7 +99,7 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, CheckFailed):
         kind = type(error) if isinstance(error, WrongForm) else CheckFailed
         words = with_few_numbers if visible else without_numbers
-        return kind(words(error.message), hint=error.hint)
+        return kind(words(error.marked), hint=error.hint)
     if isinstance(error, JudgeTimeout):
         return WrongForm(
             "Comparing the answer took longer than any right answer needs: is it much larger "
@@ -104,16 +114,31 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
 def without_numbers(message: str, few: int = 0) -> str:
     """A message without what differs from cloud to cloud: what is left is the kind of mistake.
 
-    Of small whole numbers a few may stay: an answer that is a secret says little by these.
+    Numbers of the task itself stay (`utils.checks.failures.fixed`). Of small whole numbers a few
+    may stay: an answer that is a secret says little by these.
     """
     whole = iter(range(few))
 
-    def told(number: re.Match) -> str:
-        is_small = re.fullmatch(SMALL_NUMBER, number[0])
-        return number[0] if is_small and next(whole, None) is not None else "…"
+    def is_told(number: str) -> bool:
+        return bool(re.fullmatch(SMALL_NUMBER, number)) and next(whole, None) is not None
 
-    message = re.sub(r",? for example \([^)]*\)", "", message)
-    message = re.sub(r"(?<!\w)-?\d+(,\d{3})*(\.\d+)?(e[+-]?\d+)?(?!\w)", told, message)
+    return _with_some_numbers(message, is_told)
+
+
+def in_common(messages: Sequence[str]) -> str:
+    """What messages say that are alike without their numbers: those stay in which they agree."""
+    parts = [[*NUMBER.finditer(_EXAMPLE.sub("", message))] for message in messages]
+    if len({*map(len, parts)}) > 1:
+        return without_numbers(messages[0])
+    agree = iter(
+        [len({number[0] for number in column}) == 1 for column in zip(*parts, strict=True)]
+    )
+    return _with_some_numbers(messages[0], lambda number: next(agree))
+
+
+def _with_some_numbers(message: str, is_told: Callable[[str], bool]) -> str:
+    message = _EXAMPLE.sub("", message)
+    message = with_numbers(message, lambda number: number if is_told(number) else "…")
     return re.sub(r"\(…(, …)*,?\)", "(…)", message).replace("… row ", "… rows ")
 
 

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.messages import without_numbers
+from grader.judging.messages import in_common, without_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult
 
 # How the messages of checks begin that are told together, and what is said of one and of many.
@@ -107,4 +107,5 @@ def _fold(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> Fold:
     says = f"{len(group)} more {kind[many]}." if isinstance(kind, tuple) else ""
     counts = Counter(test.title for test in group)
     titles = (f"{one} ({count} times)" if count > 1 else one for one, count in counts.items())
-    return Fold(says or f"{len(group)} more fail: {kind}", len(group), tuple(titles))
+    says = says or f"{len(group)} more fail: {in_common([test.message for test in group])}"
+    return Fold(says, len(group), tuple(titles))

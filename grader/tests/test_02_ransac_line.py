@@ -12,6 +12,7 @@ import numpy as np
 
 from grader.judging import samples
 from grader.judging.marks import hidden
+from utils.checks.failures import fixed
 from utils.checks.lesson_02 import (
     as_result,
     assert_border_counts,
@@ -401,8 +402,10 @@ def test_iterations_count(student, seed):
     points, _ = wall_and_clutter((seed, 3), 14, 46)
     if are_at_least(24, successes(student, [points] * 48, 1, 0.3)):  # a good sample: 1 in 25
         raise CheckFailed(
-            "With max_iterations=1 the line is found in most runs. A single sample of two points "
-            "can hardly do that."
+            fixed(
+                "With max_iterations=1 the line is found in most runs. A single sample of two "
+                "points can hardly do that."
+            )
         )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from grader.judging import samples
 from grader.judging.marks import hidden
 from utils.checks.lesson_09 import (
+    KEEPS_ZERO,
     assert_chooses,
     assert_kept,
     assert_labels_kept,
@@ -123,7 +124,7 @@ def test_noise(student, seed):
     labels[rng.random(len(labels)) < 0.3] = 0
     yours = as_labels(student.filter_clusters(labels.copy(), 4), len(labels))
     if (yours[labels == 0] > 0).any():
-        raise CheckFailed("Points with label 0 belong to no cluster and keep the 0.")
+        raise CheckFailed(KEEPS_ZERO)
 
 
 @hidden(

@@ -90,6 +90,7 @@ def shown(tmp_path, capsys):
         "in the name of a list": "return type(word, (list,), {})([1])",
         "in the name of a field": "return np.zeros(2, [(word, object)])",
         "in a text": "return word",
+        "in a text with the marks of our own numbers": "return '\\x0e' + word + '\\x0f'",
         "in a list of texts": "return [word]",
         "in a key": "return {word: 1}",
         "in a set": "return {word}",

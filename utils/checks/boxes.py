@@ -11,6 +11,7 @@ import numpy as np
 
 import utils
 from utils.boxes import distance_outside
+from utils.checks.failures import fixed
 from utils.checks.vocabulary import (
     TOLERANCE,
     CheckFailed,
@@ -465,10 +466,10 @@ def _wrong_shape(shape: tuple[int, ...]) -> str:
     if len(shape) == 3 and shape[1:] == (8, 4):
         return "A corner has x, y and z only: leave the intensity out."
     if len(shape) == 3 and shape[2] == 3:
-        return f"There are {shape[1]} corners for each box; a box has 8."
+        return f"There are {shape[1]} corners for each box; {fixed('a box has 8')}."
     if shape == (8, 3):
         return "This is one box alone; even one box is returned as an array of boxes."
-    return "The answer must hold N boxes of 8 corners (rows) of 3 coordinates."
+    return fixed("The answer must hold N boxes of 8 corners (rows) of 3 coordinates.")
 
 
 def _names(cluster_labels: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from utils.checks.clusters import (
     counted,
     in_order,
 )
+from utils.checks.failures import fixed
 from utils.checks.promises import Case, promise
 from utils.checks.vocabulary import CheckFailed, as_labels, brief, frozen
 
@@ -50,7 +51,7 @@ def default(case: Case, name: str, *, why: str) -> None:
         left_out = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
         if not np.array_equal(in_order(given), in_order(left_out)):
             raise CheckFailed(
-                "Without a threshold the clusters are others than at 0.5 m.",
+                fixed("Without a threshold the clusters are others than at 0.5 m."),
                 given="twelve points in a row",
                 yours=counted(left_out),
                 expected=f"{counted(given)}, as your function finds at 0.5 m",

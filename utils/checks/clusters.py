@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from utils.checks.failures import fixed
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
@@ -128,7 +129,7 @@ def assert_from_one(answer: object, n: int) -> None:
     wanted = np.arange(1, len(found) + 1)
     if not np.array_equal(found, wanted):
         raise CheckFailed(
-            "The labels in use are not 1 to N, the number of clusters.",
+            fixed("The labels in use are not 1 to N, the number of clusters."),
             yours=brief(found),
             expected=brief(wanted),
         )
@@ -162,4 +163,6 @@ def assert_parts_at_the_threshold(euclidean_clustering: Callable) -> None:
     pair = np.array([[2.0, 0.0, 0.0], [2.5, 0.0, 0.0]])
     labels = as_labels(euclidean_clustering(pair, 0.5), 2)
     if labels[0] == labels[1]:
-        raise CheckFailed("Two points 0.5 m apart are in one cluster at the threshold 0.5 m.")
+        raise CheckFailed(
+            fixed("Two points 0.5 m apart are in one cluster at the threshold 0.5 m.")
+        )

@@ -11,6 +11,7 @@ import numpy as np
 import utils
 from utils.boxes import Box, distance_outside
 from utils.checks.boxes import footprint
+from utils.checks.failures import fixed
 from utils.checks.remembering import answer_to, once
 from utils.checks.scans import OWN_CAR, clear_cars, clear_people
 from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs, point_text
@@ -61,7 +62,7 @@ def as_boxes(answer: object) -> np.ndarray:
         return np.empty((0, 8, 3))
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
         raise WrongForm(
-            "The answer must hold N boxes of 8 corners (rows) of 3 coordinates.",
+            fixed("The answer must hold N boxes of 8 corners (rows) of 3 coordinates."),
             yours=f"shape {boxes.shape}",
             expected="shape (N, 8, 3)",
         )
@@ -265,8 +266,10 @@ def assert_nothing_at_sensor(answer: object, frame: Frame) -> None:
     at = [number for number in near if _within(sensor, boxes[number], 0.1).any()]
     if at:
         raise CheckFailed(
-            "A box stands around (0, 0, 0): that is where the sensor is, and where it puts returns "
-            "that were lost.",
+            fixed(
+                "A box stands around (0, 0, 0): that is where the sensor is, and where it puts "
+                "returns that were lost."
+            ),
             yours=f"a box from {point_text(boxes[at[0]].min(axis=0))} to "
             f"{point_text(boxes[at[0]].max(axis=0))}",
             expected="no box there",

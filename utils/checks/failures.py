@@ -5,8 +5,41 @@ What two failures have in common is their `cause`: rows with the same one are fo
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Hashable
+
+NUMBER = re.compile(r"(?<!\w)-?\d+(,\d{3})*(\.\d+)?(e[+-]?\d+)?(?!\w)")
+# Stand around a number of the task, as long as nobody reads it.
+_BEGIN, _END = "\x0e", "\x0f"
+
+
+def fixed(text: str) -> str:
+    """A piece of a message whose numbers are the same whatever is asked.
+
+    The judge takes the numbers out of what it tells of a hidden check, as they may be a part of
+    the question; these it leaves.
+
+    Parameters
+    ----------
+    text : str
+        As it stands in the code; nothing is put into it.
+    """
+    return NUMBER.sub(rf"{_BEGIN}\g<0>{_END}", text)
+
+
+def with_numbers(message: str, told: Callable[[str], str]) -> str:
+    """A message of a check, in which each number is told in another way, but for what is `fixed`.
+
+    Parameters
+    ----------
+    message : str
+    told : callable
+        Takes a number, as text, and returns what is told of it.
+    """
+    parts = re.split(f"{_BEGIN}(.*?){_END}", message)
+    others = [NUMBER.sub(lambda number: told(number[0]), part) for part in parts[::2]]
+    return "".join(itertools.chain(*itertools.zip_longest(others, parts[1::2], fillvalue="")))
 
 
 class CheckFailed(AssertionError):
@@ -16,6 +49,8 @@ class CheckFailed(AssertionError):
     ----------
     message : str
         What is wrong, in a sentence.
+    marked : str
+        The same, with marks around what is `fixed` in it.
     given, yours, expected : str or None
         Short texts: the input of the smallest case, and the two answers to stand side by side.
     draw : callable or None
@@ -38,9 +73,14 @@ class CheckFailed(AssertionError):
         tip: str = "",
         hint: str = "",
     ) -> None:
-        super().__init__(message)
-        self.message, self.given, self.yours, self.expected = message, given, yours, expected
+        self.marked = message
+        super().__init__(self.message)
+        self.given, self.yours, self.expected = given, yours, expected
         self.draw, self.tip, self.hint = draw, tip, hint
+
+    @property
+    def message(self) -> str:  # noqa: D102 (as above)
+        return self.marked.replace(_BEGIN, "").replace(_END, "")
 
     @property
     def cause(self) -> Hashable:

@@ -9,7 +9,7 @@ import utils
 from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes, same_array
-from utils.checks.failures import NotYet
+from utils.checks.failures import NotYet, fixed
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
@@ -67,7 +67,8 @@ def _length_of_normal(line: np.ndarray) -> float:
     length = float(np.hypot(line[0], line[1]))
     if length < 1e-9:
         raise CheckFailed(
-            "The normal (a, b) has length 0: such a line has no direction.", yours=brief(line)
+            fixed("The normal (a, b) has length 0: such a line has no direction."),
+            yours=brief(line),
         )
     return length
 
@@ -108,7 +109,7 @@ def assert_unit_normal(answer: object) -> None:
     length = _length_of_normal(line)
     if abs(length - 1) > TOLERANCE:
         raise CheckFailed(
-            "The normal (a, b) must have length 1.",
+            fixed("The normal (a, b) must have length 1."),
             yours=f"length {length:.3f}, of {brief(line)}",
             expected="length 1",
         )
@@ -483,8 +484,10 @@ def returns_an_array(point_line_distance: Callable) -> None:
     answer = point_line_distance(_BESIDE.copy(), _SLANTED.copy())
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
-            "The numbers are right, and they are no array: `distances <= 0.5` would raise an "
-            "exception.",
+            fixed(
+                "The numbers are right, and they are no array: `distances <= 0.5` would raise an "
+                "exception."
+            ),
             yours=type(answer).__name__,
             expected="ndarray",
         )
@@ -822,7 +825,7 @@ def _noticed(
 
     few = after(1)
     if all(_same(one[0], other[0]) for one, other in zip(few, answers, strict=True)):
-        return f" With 1 round instead of {max_iterations} the answers are the same."
+        return f" With {fixed('1 round')} instead of {max_iterations} the answers are the same."
     half = after(max_iterations // 2)
     fewer = sum(
         last.sum() < first.sum() for (_, first), (_, last) in zip(half, answers, strict=True)
@@ -959,10 +962,13 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
 
     if lines(1):
         return
-    after_two = " With max_iterations=2 there is one: a round is missing." if lines(2) else ""
+    after_two = fixed(" With max_iterations=2 there is one: a round is missing.")
     raise CheckFailed(
-        "Ten points lie on one line, and with max_iterations=1 there is none, whatever the seed."
-        + after_two,
+        fixed(
+            "Ten points lie on one line, and with max_iterations=1 there is none, whatever the "
+            "seed."
+        )
+        + (after_two if lines(2) else ""),
         yours="no line in 12 of 12 runs",
         expected="a line in each",
         hint="range(max_iterations) has max_iterations rounds; range(1, max_iterations) and "
@@ -986,8 +992,10 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
         found += is_found(as_result(answer, len(points))[0], points[on_line], 0.3)
     if found >= 24:  # with a chance of 1 in 25, never
         raise CheckFailed(
-            "With max_iterations=1 the line was found in most runs. A single sample of two points "
-            "can hardly do that.",
+            fixed(
+                "With max_iterations=1 the line was found in most runs. A single sample of two "
+                "points can hardly do that."
+            ),
             yours=f"found in {found} of 48 runs",
             expected="in about 2 of 48 runs",
         )
@@ -1138,7 +1146,7 @@ def follows_its_rng(ransac_line: Callable) -> None:
         raise NotYet("two rounds give a line")
     if len(lines) == 1:
         raise CheckFailed(
-            "20 different seeds gave 20 times the same line.",
+            fixed("20 different seeds gave 20 times the same line."),
             given="max_iterations=2",
             yours=f"always {lines.pop()}",
             expected="nearly 20 different ones",

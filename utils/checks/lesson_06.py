@@ -10,6 +10,7 @@ import numpy as np
 from utils.checks import promises, row_promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.failures import fixed
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
@@ -506,7 +507,7 @@ def keeps_the_size(voxel_grid: Callable) -> None:
     try:
         assert_cells(voxel_grid(cloud.copy()), cloud, len(with_it), 0.2)
     except CheckFailed as failure:
-        failure.message = "voxel_grid(cloud) and voxel_grid(cloud, 0.2) are not the same."
+        failure.marked = fixed("voxel_grid(cloud) and voxel_grid(cloud, 0.2) are not the same.")
         failure.expected = f"{_rows(len(with_it))}, as with 0.2"
         raise
 

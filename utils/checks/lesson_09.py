@@ -8,7 +8,7 @@ import utils
 from utils.checks import promises
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.failures import NotYet
+from utils.checks.failures import NotYet, fixed
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
@@ -25,6 +25,7 @@ from utils.checks.vocabulary import (
 # minimum that goes with them: what happens then is a check of its own.
 _LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6, 5]))
 _KEPT = frozen(np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0, 5]))
+KEEPS_ZERO = fixed("Points with label 0 belong to no cluster and keep the 0.")
 
 
 def assert_kept(
@@ -51,9 +52,9 @@ def assert_kept(
         f"{_of(labels, cluster)} should be {'gone' if cluster in left else 'left'}"
         for cluster in [*left[:1], *gone[:1]]
     ]
-    text = "; ".join(parts) or "points with label 0 belong to no cluster and keep the 0"
+    text = "; ".join(parts)
     raise CheckFailed(
-        f"{text[0].upper()}{text[1:]}.",
+        f"{text[0].upper()}{text[1:]}." if text else KEEPS_ZERO,
         given=_call(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
         yours=_counted(yours),
         expected=_counted(expected),
@@ -198,7 +199,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     if (yours < 0).any():
         raise CheckFailed(
-            "Points of removed clusters get the label 0, not a negative one.",
+            fixed("Points of removed clusters get the label 0, not a negative one."),
             yours=brief(yours),
             expected=brief(_KEPT),
         )
@@ -275,7 +276,7 @@ def keeps_the_default(filter_clusters: Callable) -> None:
     )
     if not np.array_equal(given, left_out):
         raise CheckFailed(
-            "Without a minimum other clusters stay than with a minimum of 100.",
+            fixed("Without a minimum other clusters stay than with a minimum of 100."),
             given=_call(labels, None),
             yours=f"{np.count_nonzero(left_out)} points stay",
             expected=f"{np.count_nonzero(given)}, as in your function with 100",
@@ -302,7 +303,7 @@ def leaves_noise_alone(filter_clusters: Callable) -> None:
     yours = as_labels(filter_clusters(labels.copy(), 3), len(labels))
     if (yours[labels == 0] > 0).any():
         raise CheckFailed(
-            "Points with label 0 belong to no cluster and keep the 0.",
+            KEEPS_ZERO,
             given=f"labels {brief(labels)}, minimum 3",
             yours=brief(yours),
             expected=brief(np.where(labels == 2, 2, 0)),

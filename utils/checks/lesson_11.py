@@ -18,6 +18,7 @@ from utils.checks.boxes import (
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.vocabulary import (
@@ -71,7 +72,9 @@ def as_axes(answer: object) -> np.ndarray:
     """
     axes = as_array(answer, what="three axes, one in each column")
     if axes.shape != (3, 3):
-        words = "Three axes of three components are a 3 x 3 matrix, however many points there are."
+        words = fixed(
+            "Three axes of three components are a 3 x 3 matrix, however many points there are."
+        )
         if axes.shape == (4, 4):
             words = "Intensity is not a direction in space: take the first three columns."
         elif axes.ndim == 2 and axes.shape[0] == axes.shape[1] > 4:
@@ -161,7 +164,9 @@ def assert_orthonormal(answer: object) -> None:
     lengths = np.linalg.norm(axes, axis=0)
     if np.abs(lengths - 1).max() > 1e-3:
         raise CheckFailed(
-            "Not every axis has length 1.", yours=f"lengths {brief(lengths)}", expected="1, 1 and 1"
+            fixed("Not every axis has length 1."),
+            yours=f"lengths {brief(lengths)}",
+            expected="1, 1 and 1",
         )
     if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
         raise CheckFailed("The axes are not at right angles to each other.", yours=brief(axes))
@@ -739,7 +744,7 @@ def goes_round(get_oriented_boxes: Callable) -> None:
     if np.abs((sides * np.roll(sides, -1, axis=0)).sum(axis=1)).max() > 0.1:
         raise CheckFailed("From corner to corner the floor is crossed, not gone round.")
     if np.abs(roof[:, :2] - floor[:, :2]).max() > 1e-2:
-        raise CheckFailed("Corners 4 to 7 are not above corners 0 to 3, one by one.")
+        raise CheckFailed(fixed("Corners 4 to 7 are not above corners 0 to 3, one by one."))
 
 
 @noted(

@@ -28,6 +28,7 @@ from utils.checks.detections import (
     detected,
 )
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
 from utils.checks.promises import Case
 from utils.checks.remembering import once
 from utils.checks.scans import (
@@ -234,7 +235,9 @@ def returns_an_array(detect_obstacles: Callable) -> None:
         answer = detect_obstacles(cloud)
         if np.shape(answer)[1:] != (8, 3) or not isinstance(answer, np.ndarray):
             raise CheckFailed(
-                "np.array(boxes).reshape(-1, 8, 3) is an array also where there are no boxes.",
+                fixed(
+                    "np.array(boxes).reshape(-1, 8, 3) is an array also where there are no boxes."
+                ),
                 yours=brief(answer),
             )
 
@@ -323,7 +326,7 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     """
     if isinstance(answer, (list, tuple)) and any(entry is None for entry in answer):
         raise WrongForm(
-            "None is no index: a box without a partner gets -1.",
+            fixed("None is no index: a box without a partner gets -1."),
             yours=brief(answer),
             expected="whole numbers from -1 up",
         )

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.claims import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
-from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm
+from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
 from utils.remote import Observed, Remote
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
@@ -213,13 +213,17 @@ def assert_shape(yours: np.ndarray, expected: tuple[int, ...], each: str, column
         if shape == () and n > 1:
             words = " This is one number for all points: an axis= is missing."
         elif shape == (n, 1):
-            words = " A column (n, 1) is a table: take [:, 0], or leave out the None in [:, None]."
+            words = fixed(
+                " A column (n, 1) is a table: take [:, 0], or leave out the None in [:, None]."
+            )
         elif shape == (1, n):
-            words = " (1, n) is a table of one row: take [0]."
+            words = fixed(" (1, n) is a table of one row: take [0].")
         elif n > 1 and shape == (n, n):
-            words = " (n, n) comes from (n, 1) against (n,): both must be (n,)."
+            words = fixed(" (n, n) comes from (n, 1) against (n,): both must be (n,).")
         elif columns and shape == (columns,):
-            words = f" There are {columns}, one for each column: axis=1 goes along a row."
+            words = (
+                f" There are {columns}, one for each column: {fixed('axis=1')} goes along a row."
+            )
     raise WrongForm(
         f"There must be {each}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
     )

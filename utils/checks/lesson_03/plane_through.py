@@ -8,6 +8,7 @@ import numpy as np
 from utils.checks import promises
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
 from utils.checks.lesson_03.planes import (
     LARGE_AND_SMALL,
     TRIANGLES,
@@ -100,7 +101,7 @@ def assert_through(answer: object, triangle: np.ndarray) -> None:
     if gaps_from(worst[None], plane)[0] > 2e-3:
         raise CheckFailed(
             f"The points do not lie on the plane: at {point_text(worst)}, for example, "
-            f"a x + b y + c z + d is {worst @ plane[:3] + plane[3]:.3g}, not 0.",
+            f"a x + b y + c z + d is {worst @ plane[:3] + plane[3]:.3g}, {fixed('not 0')}.",
             given=triangle_text(triangle),
             yours=plane_text(plane),
             expected=expected_text(plane, best_plane(triangle)[0]),
@@ -223,7 +224,7 @@ def takes_a_small_triangle(plane_through: Callable) -> None:
     answer = plane_through(*_TINY.copy())
     if answer is None:
         raise CheckFailed(
-            "These points are 8 and 10 cm apart and not on one line: they have a plane.",
+            fixed("These points are 8 and 10 cm apart and not on one line: they have a plane."),
             given=triangle_text(_TINY),
             yours="None",
             expected=plane_text(best_plane(_TINY)[0]),

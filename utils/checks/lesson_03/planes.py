@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.diagnosis import same_array
+from utils.checks.failures import fixed
 from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, frozen, point_text
 from utils.geometry import with_unit_normal
 
@@ -66,7 +67,8 @@ def as_plane(answer: object) -> np.ndarray:
         raise CheckFailed("Some of the four numbers are not finite.", yours=brief(plane))
     if not plane[:3].any():
         raise CheckFailed(
-            "The normal (a, b, c) is (0, 0, 0), which is no direction.", yours=plane_text(plane)
+            fixed("The normal (a, b, c) is (0, 0, 0), which is no direction."),
+            yours=plane_text(plane),
         )
     return plane
 
@@ -82,7 +84,7 @@ def assert_unit_normal(answer: object) -> None:
     length = np.linalg.norm(plane[:3])
     if abs(length - 1) > 1e-3:
         raise CheckFailed(
-            f"The normal (a, b, c) has length {length:.4g}, not 1.",
+            f"The normal (a, b, c) has length {length:.4g}, {fixed('not 1')}.",
             yours=plane_text(plane),
             expected=plane_text(plane / length),
         )

@@ -6,7 +6,7 @@ import numpy as np
 
 from utils.checks import promises
 from utils.checks.core import noted, visible
-from utils.checks.failures import NotYet
+from utils.checks.failures import NotYet, fixed
 from utils.checks.lesson_03.planes import (
     TRIANGLES,
     as_plane,
@@ -196,10 +196,13 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
 
     if planes(1):
         return
-    after_two = " With max_iterations=2 there is one: a round is missing." if planes(2) else ""
+    after_two = fixed(" With max_iterations=2 there is one: a round is missing.")
     raise CheckFailed(
-        "Twenty points lie on one plane, and with max_iterations=1 there is none, whatever the "
-        f"seed.{after_two}",
+        fixed(
+            "Twenty points lie on one plane, and with max_iterations=1 there is none, whatever the "
+            "seed."
+        )
+        + (after_two if planes(2) else ""),
         yours="None in 12 of 12 runs",
         expected="a plane in each",
         hint="range(max_iterations) has max_iterations rounds; range(1, max_iterations) and "
@@ -225,8 +228,10 @@ def tries_no_more(ransac_plane: Callable) -> None:
             lucky += np.count_nonzero(near & belongs) > 17
     if lucky > 18:  # expected: one
         raise CheckFailed(
-            "With max_iterations=1 this plane comes out again and again; one single sample hardly "
-            "ever finds it. More are tried than allowed.",
+            fixed(
+                "With max_iterations=1 this plane comes out again and again; one single sample "
+                "hardly ever finds it. More are tried than allowed."
+            ),
             yours=f"found in {lucky} runs of 48",
             expected="in 1 or 2, perhaps in none",
         )
@@ -521,8 +526,10 @@ def takes_a_seed(ransac_plane: Callable) -> None:
     )
     if _alike(*generators) and not _alike(*seeds):
         raise CheckFailed(
-            "The seed 3, given twice, gave two different planes. Generators of that seed give "
-            "the same plane.",
+            fixed(
+                "The seed 3, given twice, gave two different planes. Generators of that seed give "
+                "the same plane."
+            ),
             yours=" and ".join(map(plane_text, seeds)),
             expected="twice the same",
         )

@@ -169,5 +169,5 @@ def assert_same_tree(tree: object, points: np.ndarray, indices: list[int]) -> No
         assert_indices(tree, points, indices)
     except CheckFailed as error:
         raise CheckFailed(
-            f"The tree is another one after the search. {error.message}", draw=error.draw
+            f"The tree is another one after the search. {error.marked}", draw=error.draw
         ) from None

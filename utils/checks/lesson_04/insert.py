@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import QUIZ, along_the_diagonal, chain
 from utils.checks.lesson_04.trees import (
     MOST_NODES,
@@ -242,8 +243,10 @@ def copes_with_depth(KdTree: Callable) -> None:
         if "RecursionError" not in error_names(error):
             raise
         raise CheckFailed(
-            "The tree has 1200 levels, and a function called itself for each of them until Python "
-            "stopped it (RecursionError)."
+            fixed(
+                "The tree has 1200 levels, and a function called itself for each of them until "
+                "Python stopped it (RecursionError)."
+            )
         ) from None
     try:
         last = reach(tree, ["root", *["right"] * 1200])
@@ -253,7 +256,7 @@ def copes_with_depth(KdTree: Callable) -> None:
         last = None  # the way ends before
     if last is None:
         raise CheckFailed(
-            "A point that belongs below the last of 1200 levels is not there.",
+            fixed("A point that belongs below the last of 1200 levels is not there."),
             hint="Begin at tree.root, and walk until there is no child.",
         )
 

@@ -8,6 +8,7 @@ import utils
 from utils.checks import promises
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import QUIZ, distinct
 from utils.checks.lesson_04.trees import few_points
 from utils.checks.promises import Case
@@ -58,7 +59,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
         text = f"row {missing[0]} is missing" if missing else odd
         is_short = not strange and len(order) == n - len(missing)
         raise CheckFailed(
-            f"Each row number from 0 to n - 1 must occur exactly once; {text}.",
+            fixed("Each row number from 0 to n - 1 must occur exactly once; ") + f"{text}.",
             yours=brief(order),
             expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
             hint=_IS_SHORT if is_short else "",

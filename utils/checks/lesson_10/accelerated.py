@@ -37,6 +37,7 @@ from utils.checks.clusters import (
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
 from utils.checks.lesson_10.steps import SEVEN, WIDE
 from utils.checks.vocabulary import (
     CheckFailed,
@@ -453,7 +454,9 @@ def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     cloud = np.outer([9.0, 1.0, 5.0], [1.0, 0.0, 0.0])
     labels = as_labels(euclidean_clustering_accelerated(cloud.copy(), 1.0), 3)
     if not np.array_equal(labels, in_order(labels)):
-        raise CheckFailed(f"Three points far apart have the labels {brief(labels)}, not [1, 2, 3].")
+        raise CheckFailed(
+            f"Three points far apart have the labels {brief(labels)}, {fixed('not [1, 2, 3]')}."
+        )
 
 
 @noted(

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from utils.checks.core import visible
+from utils.checks.failures import fixed
 from utils.checks.vocabulary import (
     CheckFailed,
     WrongForm,
@@ -85,7 +86,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     different = len(np.unique(right, axis=0))
     if len(cells) != different or which.min() < 0 or which.max() >= len(cells):
         raise CheckFailed(
-            f"The points lie in {different} different cells, numbered from 0.",
+            f"The points lie in {different} different cells, {fixed('numbered from 0')}.",
             given=given,
             yours=f"{len(cells)} cells; of the points {brief(which)}",
             expected=f"{different} cells",
