@@ -299,6 +299,23 @@ def test_times_of_ones_own_stand_beside_ids(course):
     assert not outcome.late and not outcome.undecided
 
 
+def test_a_table_of_the_late_ones_is_enough_where_the_platform_marks_them(course):
+    """Canvas says of the others that they are in time; a folder says nothing."""
+    table = course.root / "times.csv"
+    table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
+    files = [
+        *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True),
+        *canvas_files("Müller, Björn", 4002, [(2, f"{SIX}.ipynb", notebook())]),
+        *canvas_files("O'Neil, Cy", 4003, [(3, f"{SIX}.ipynb", notebook())], late=True),
+    ]
+    outcome = collect(course, archive(course, files), times=table)
+    assert set(outcome.undecided) == {"cy"}
+    assert why_untimed(course.submitted / "bjorn" / STAGE) == ""
+    files = [(f"{name}/{SEVEN}.ipynb", notebook(SEVEN)) for name in ("ada", "bjorn")]
+    outcome = collect(course, archive(course, files, "folders.zip"), times=table)
+    assert set(outcome.undecided) == {"bjorn"}
+
+
 def test_a_table_without_times_is_refused_with_its_columns(course):
     table = course.root / "times.csv"
     table.write_text("id,Abgabezeit\nada,2026-10-14 14:14\n")

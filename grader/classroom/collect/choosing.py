@@ -63,7 +63,7 @@ class File:
             f"{self.archive.name}: {self.name}",
             handed.entry.moment.isoformat(),
             handed.order,
-            handed.late,
+            bool(handed.late),
             handed.owner.participant,
         )
 

@@ -92,8 +92,8 @@ class Handed:
         Higher is newer, in every archive of this kind; 0 where nothing is known.
     saved : datetime or None
         When the student saved it, as far as the archive knows.
-    late : bool
-        That the learning platform marked it so.
+    late : bool or None
+        Whether the learning platform marked it so; None where it marks nothing.
     remark : str
         A sentence where it is no file but a text that was typed, or a link.
     given : bool
@@ -105,7 +105,7 @@ class Handed:
     entry: Entry
     order: int = 0
     saved: datetime | None = None
-    late: bool = False
+    late: bool | None = None
     remark: str = ""
     given: bool = False
 

@@ -48,14 +48,14 @@ class Student:
         self._states = outcome.states.setdefault(id, {})
         self._doubts: list[tuple[Question, Lesson | None]] = []
 
-    def collect(self, handed: Sequence[tuple[Path, Handed]], rows: Iterable[Row] | None) -> None:
+    def collect(self, handed: Sequence[tuple[Path, Handed]], rows: Sequence[Row] | None) -> None:
         """Place all that is theirs.
 
         Parameters
         ----------
         handed : sequence of (pathlib.Path, Handed)
             With the archive that it is in.
-        rows : iterable of Row, or None
+        rows : sequence of Row, or None
             What a table of times says about them; None where there is no such table.
         """
         files = self._files(handed)
@@ -67,7 +67,7 @@ class Student:
                 self._states[lesson] = self._place(folder, lesson, several, files)
             else:
                 self._tell_other_stage(lesson, several)
-        self._note_times(folders.values(), rows)
+        self._note_times(folders.values(), *_time(handed, rows))
         if not notebooks and not self._doubts:
             names = ", ".join(dict.fromkeys(one.path[-1] for _, one in handed))
             self._doubt(handed[0][1].owner.label, f"handed in no notebook: {names}")
@@ -172,9 +172,10 @@ class Student:
         else:
             self._outcome.ask(several[0].name, text)
 
-    def _note_times(self, folders: Iterable[StageFolder], rows: Iterable[Row] | None) -> None:
+    def _note_times(
+        self, folders: Iterable[StageFolder], when: datetime | None, undecided: str
+    ) -> None:
         """Write when it was handed in, where that is known, and keep in mind where it is not."""
-        when, undecided = _time(list(rows)) if rows is not None else (None, "")
         for folder in folders:
             reason = folder.note_time(when, undecided)
             if reason:
@@ -205,11 +206,16 @@ class Student:
         return StageFolder(self._course.submitted / self._id / stage)
 
 
-def _time(rows: Sequence[Row]) -> tuple[datetime | None, str]:
+def _time(
+    handed: Sequence[tuple[Path, Handed]], rows: Sequence[Row] | None
+) -> tuple[datetime | None, str]:
     """When a student handed in, and why nobody knows where nobody does."""
-    times = [row.when for row in rows if row.when]
+    times = [row.when for row in rows or () if row.when]
     if times:
         return max(times), ""
     if rows:
         return None, f"for a time, the table of times has {rows[0].said or 'nothing'!r}"
+    # Who marks what is late says of the rest that it is not: a table of the late ones is enough.
+    if rows is None or all(one.late is False for _, one in handed):
+        return None, ""
     return None, "the table of times has no line about them"
