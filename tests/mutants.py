@@ -65,7 +65,10 @@ TESTS = {
     "grader/intake/handed_in.py": ("test_handed_in.py",),
     "grader/intake/notebook.py": ("test_handed_in.py",),
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
-    "grader/lms/gradebook.py": ("test_gradebook.py", "test_history.py", "test_enrolment.py"),
+    "grader/lms/gradebook.py": (
+        *("test_gradebook.py", "test_standings.py", "test_history.py", "test_enrolment.py"),
+        "test_dates.py",
+    ),
     "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_by_roster.py"),
 }
 

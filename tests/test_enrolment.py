@@ -93,8 +93,9 @@ def test_who_is_not_on_the_roster_is_asked_about_and_not_entered(course):
 def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
     enter(course, verdicts(course), [STAGE], quiet)
     (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
-    assert len(trouble_in(course)) == 1
+    assert len(trouble_in(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
     assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
+    assert marks(course)["bob", "test_filter_by_distance"][0] == 18  # and nobody else waits
     (sentence,) = notes(course, gradebook.class_results(course), None)
     assert sentence.startswith("'ada' has marks in the gradebook and is not on the roster")
     assert sentence.endswith("nbgrader db student remove ada --force")

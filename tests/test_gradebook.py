@@ -2,13 +2,14 @@
 
 import dataclasses
 import datetime
+import functools
 import json
 import os
 import shutil
 from types import SimpleNamespace
 
 import pytest
-from nbgrader.api import MissingEntry
+from nbgrader.api import GradeCell, MissingEntry, SolutionCell, SourceCell
 
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
@@ -44,7 +45,7 @@ def verdict_on(course, submission, earned, **more):
         for exercise, score in zip(submission.lesson.machine_graded, earned, strict=True)
     )
     about = {
-        "status": JUDGED,
+        "status": "".join(JUDGED),  # equal, and another object: verdicts are read from files
         "key": f"of {submission.student} {earned}",
         "fingerprint": submission.read(course).fingerprint(),
     } | more
@@ -377,7 +378,29 @@ def test_lessons_that_are_released_are_registered_and_no_others(course):
     assert not (course.root / "notebooks").exists()  # the release is only read
 
 
-@pytest.mark.parametrize("what", ["points", "checksum", "solution", "name"])
+def test_a_stage_that_is_known_keeps_no_other_from_being_registered(course):
+    registered(course)
+    with gradebook.open_gradebook(course) as book:
+        assert gradebook.register(course, book, [STAGE, "stage1_ransac"]) == []
+        assert len(book.find_assignment("stage1_ransac").notebooks) == 3
+
+
+# A cell that no release has, by what it is for.
+OF_OLD = {
+    "source": functools.partial(SourceCell, name="of_old", cell_type="code", source=""),
+    "points": functools.partial(GradeCell, name="of_old", cell_type="code", max_score=0.0),
+    "solution": functools.partial(SolutionCell, name="of_old"),
+}
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        *("points", "checksum", "name"),
+        *("no source", "no points", "no solution"),
+        *("one more source", "one more points", "one more solution"),
+    ],
+)
 def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
     course, monkeypatch, what
 ):
@@ -393,14 +416,22 @@ def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
     assert registered(course)[0] == saved == []
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(GROUND.name, STAGE)
-        if what == "points":
-            notebook.grade_cells[0].max_score += 1
-        elif what == "checksum":
+        cells = {
+            "source": notebook.source_cells,
+            "points": notebook.grade_cells,
+            "solution": notebook.solution_cells,
+        }
+        *how, kind = what.split()
+        if what == "checksum":
             notebook.source_cells[1].checksum = "another"
-        elif what == "solution":
-            book.db.delete(notebook.solution_cells[0])
-        else:
+        elif what == "name":
             notebook.grade_cells[0].name = "test_another"
+        elif how == ["no"]:
+            book.db.delete(cells[kind][0])
+        elif how:
+            book.db.add(OF_OLD[kind](notebook=notebook))
+        else:
+            notebook.grade_cells[0].max_score += 1
         book.db.commit()
     assert registered(course)[0] == [] and GROUND.name in saved
     saved.clear()
@@ -432,6 +463,12 @@ def test_what_is_withdrawn_is_taken_out_and_no_other(entered):
     assert {student for student, _ in marks(entered)} == {"ada"}
 
 
+def test_what_is_withdrawn_is_taken_out_though_its_copies_are_gone(entered):
+    shutil.rmtree(entered.autograded)
+    enter(entered, verdicts(entered)[2:], [STAGE], quiet)
+    assert {student for student, _ in marks(entered)} == {"bob"}
+
+
 def test_marks_of_a_person_are_never_taken_out(entered):
     with gradebook.open_gradebook(entered) as book:
         grade_of(book.find_submission(STAGE, "ada"), "voxel_grid").manual_score = 0.0
@@ -460,24 +497,36 @@ def set_due(course, hour):
 
 
 @pytest.mark.parametrize(
-    ("hour", "lost"),
-    [("13", {}), ("12", {}), ("11", {"ada": pytest.approx(3.0)})],
+    ("seconds", "lost"),
+    [(-1, {}), (0, {}), (1, {"ada": pytest.approx(3.0)}), (2400, {"ada": pytest.approx(3.0)})],
 )
-def test_who_is_late_loses_what_the_course_says(entered, hour, lost):
+def test_who_is_late_loses_what_the_course_says(entered, seconds, lost):
     (entered.root / "nbgrader_config.py").write_text(LATE)
     when = entered.submitted / "ada" / STAGE / "timestamp.txt"
-    when.write_text("2026-03-01 13:00:00 CET\n")
-    set_due(entered, hour)
+    handed_in = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
+    when.write_text(f"{handed_in + datetime.timedelta(hours=1)} CET\n")
+    set_due(entered, "12")
     enter(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
     with gradebook.open_gradebook(entered) as book:
-        assert book.find_submission(STAGE, "ada").timestamp.hour == 12
+        assert book.find_submission(STAGE, "ada").timestamp == handed_in
         assert book.find_submission(STAGE, "bob").timestamp is None
     assert found_in(entered) == []
     set_due(entered, "14")  # somebody is kind
     assert len(found_in(entered)) == 2 * len(lost)
     enter(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == {}
+
+
+@pytest.mark.parametrize(("hour", "lost"), [("14", {}), ("12", {}), ("11", {"ada": 30.0})])
+def test_a_penalty_that_asks_for_no_time_is_for_who_is_late(entered, hour, lost):
+    (entered.root / "nbgrader_config.py").write_text(
+        "c = get_config()\nc.LateSubmissionPlugin.penalty_method = 'zero'\n"
+    )
+    (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 12:00:00 UTC")
+    set_due(entered, hour)
+    enter(entered, verdicts(entered), [STAGE], quiet)
+    assert penalties(entered) == lost
 
 
 def test_without_a_penalty_nobody_loses_anything(entered):
@@ -511,9 +560,11 @@ def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
 
 def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
     place = course.submitted / "ada" / STAGE
-    (place / "figures").mkdir()
-    (place / "figures" / "street.txt").write_text("a picture")
-    (place / "helper.py").write_text("x = 1")
+    (place / "figures" / "first").mkdir(parents=True)
+    (place / "figures" / "first" / "street.txt").write_text("a picture")
+    (place / "helper.py").write_bytes(b"x = 1  # caf\xe9")
+    (place / "README").write_text("read me")
+    (place / "distances.csv").write_text("1,2")
     for hidden in (".ipynb_checkpoints", "__pycache__"):
         (place / hidden).mkdir()
         (place / hidden / "old.txt").write_text("old")
@@ -527,10 +578,10 @@ def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
     files = {str(path.relative_to(copies)): path for path in copies.rglob("*") if path.is_file()}
     assert set(files) == {
         *(f"{GROUND.name}.ipynb", f"{DISTANCE.name}.ipynb"),
-        *("helper.py", os.path.join("figures", "street.txt")),
+        *("helper.py", "README", "distances.csv", os.path.join("figures", "first", "street.txt")),
     }
     assert {path.stat().st_mode & 0o777 for path in files.values()} == {0o444}
-    assert files["helper.py"].read_text() == "x = 1"
+    assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # as it was judged
     assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no draft, no old one
     (place / "helper.py").unlink()
     enter(course, verdicts(course, key="another"), [STAGE], quiet)

@@ -147,8 +147,16 @@ def test_a_mark_by_hand_is_a_mark_whatever_was_handed_in(course):
     assert standing(course)["bob", "06"] == (MARKED, 0.0)
     shutil.rmtree(course.autograded)
     shutil.rmtree(course.submitted)
-    assert standing(course)["bob", "06"] == (MARKED, 0.0)
-    assert standing(course)["bob", "07"] == (MARKED, 20.5)
+    assert standing(course) == {
+        ("ada", "06"): (MISSING, None),
+        ("ada", "07"): (MARKED, 18.25),
+        ("bob", "06"): (MARKED, 0.0),
+        ("bob", "07"): (MARKED, 20.5),
+    }
+    change(course, "bob", GROUND, manual_score=None)
+    change(course, "ada", GROUND, manual_score=0.0)
+    assert standing(course)["ada", "06"] == (MARKED, 0.0)
+    assert standing(course)["bob", "06"] == (MISSING, None)
 
 
 def test_what_nobody_handed_in_is_not_there(course):
