@@ -687,6 +687,24 @@ def test_an_answer_in_its_own_cell_is_all_of_it():
     assert written_in(empty)[:2] == ("", True)
 
 
+@pytest.mark.parametrize(
+    ("written", "shown"),
+    [
+        ("It finds 14 of 17.", "It finds 14 of 17."),
+        ("# It finds 14\n\n#of 17.\n## That is all.", "It finds 14\n\nof 17.\nThat is all."),
+        ("# Results\nIt finds 14 of 17.", "# Results\nIt finds 14 of 17."),
+    ],
+)
+def test_an_answer_in_a_code_cell_is_text_and_that_is_said(written, shown):
+    """Comments are no headings; a heading above a text is one."""
+    said, certain, _, own, notes = written_in(code(written, **OWN["metadata"]))
+    assert (said, certain, own) == (shown, True, written)
+    assert len(notes) == 1 and "write_up stood in a code cell" in notes[0]
+    assert written_in(marked(text(written), "write_up"))[::4] == (written, [])
+    # A stub that became code says nothing, and nothing is said of it.
+    assert written_in(code("YOUR ANSWER HERE", **OWN["metadata"]))[::4] == ("", [])
+
+
 def test_an_answer_below_its_cell_is_carried_over_up_to_what_is_not_the_students():
     footer = given_text(place_of("write_up") + 1)
     cells = [OWN, text("First."), text(" "), code("x = 1"), text("Second."), footer, text("Third.")]

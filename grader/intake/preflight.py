@@ -302,8 +302,13 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
         ]
         if filled:
             draft.graded[name] = filled[0]
-            texts = [draft.cells[place] for place in filled]
+            texts = [_as_text(draft.cells[place]) for place in filled]
             moved.update(filled[1:])
+            if any(draft.cells[place].kind == "code" for place in filled):
+                yield (
+                    f"The answer for {name} stood in a code cell. It was taken for text. In "
+                    "Jupyter, select the cell and press M to make it text again."
+                )
         else:
             begin = own[0] if own else before
             below = [] if begin is None else list(_new_text(draft, begin, released))
@@ -330,6 +335,15 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
             )
         draft.answers[name] = Answer(text, certain, pictures)
     _drop(draft, moved)
+
+
+def _as_text(cell: Cell) -> Cell:
+    """What was written in a cell; comments of code would be headings in a text."""
+    lines = [line for line in cell.source.splitlines() if line.strip()]
+    if cell.kind != "code" or not all(line.startswith("#") for line in lines):
+        return cell
+    text = re.sub(r"^#+ ?", "", cell.source, flags=re.MULTILINE)
+    return dataclasses.replace(cell, source=text)
 
 
 # What a notebook goes through. The order matters: what is code is known before answers are
