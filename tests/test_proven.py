@@ -16,6 +16,7 @@ from grader.judging.trial import Asked, Setting
 from grader.judging.verdict import Slip
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake
@@ -138,11 +139,14 @@ class Edited:
         "b" two shown questions, "x" and "y" two hidden ones.
     seconds : float
         Of the processor, for each edit that is tried.
+    slept : float
+        Seconds that each takes of the notebook's own, without a processor.
     """
 
-    def __init__(self, fails, seconds=0.0, stops=False):
+    def __init__(self, fails, seconds=0.0, stops=False, slept=0.0):
         self.fails, self.seconds, self.stops = fails, seconds, stops
         self.now, self.tried, self.hidden_made = fails[0], 0, 0
+        self.lost, self.slept = [], slept
         self.edits = [(1, number, number, f"edit {number}") for number in range(len(fails) - 1)]
 
     def __call__(self, program, sandbox, limits, budget, counted_as):
@@ -171,10 +175,12 @@ class Edited:
     def edit(self, number):
         self.tried += 1
         self.now = self.fails[number + 1]
+        self.budget.seconds -= self.slept
         self.answer("e")
 
     def answer(self, letter):
         if letter in self.now:
+            self.budget.note_lost(self.exercise, 0.3)
             raise NO
 
     def questions(self, letters):
@@ -182,6 +188,7 @@ class Edited:
 
     def hidden(self, lesson, student, seed, failed):
         assert (lesson, student, seed) == (LINE, self, 1)
+        self.lost.append(self.budget.lost.get(self.exercise, 0.0))
         self.hidden_made += 1
         return self.questions("xy")
 
@@ -190,15 +197,26 @@ class Edited:
 def passing(monkeypatch):
     """A function that gives the numbers of the edits of a student that pass."""
 
-    def passing(student, shown="ab", limits=None, raised_at=frozenset(), clock=lambda: 100.0):
+    def passing(
+        student,
+        shown="ab",
+        limits=None,
+        raised_at=frozenset(),
+        clock=lambda: 100.0,
+        budget=None,
+        meanwhile=lambda: None,
+    ):
         monkeypatch.setattr(repair, "Student", student)
         monkeypatch.setattr(repair, "shown_questions", lambda *about: student.questions(shown))
         monkeypatch.setattr(repair, "hidden_questions", student.hidden)
         # Half of the time goes by out here.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
-        setting = Setting(LINE, 1, None, limits)
-        found = list(repair._passing(setting, HANDED_IN, "line_through", (), raised_at))
+        setting = Setting(LINE, 1, None, limits, budget)
+        found = []
+        for edit in repair._passing(setting, HANDED_IN, "line_through", (), raised_at):
+            found.append(edit)
+            meanwhile()
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
         return [number for _, number, _, _ in found]
 
@@ -210,7 +228,8 @@ def test_an_edit_passes_what_was_failed_shown_and_hidden(passing):
     assert passing(student) == [5]
     assert student.hidden_made == 1 and student.tried == 7
     assert (student.program, student.counted_as) == (HANDED_IN, "line_through")
-    assert student.exercise == "line_through"
+    # What hangs with an edit did not hang without.
+    assert student.exercise not in ("line_through", "")
     assert passing(Edited(["xy", "x", ""]), shown="") == [1]
 
 
@@ -261,11 +280,48 @@ def test_the_clock_is_looked_at_after_each_edit_that_takes_long(passing):
 def test_each_call_has_the_time_of_a_right_answer(passing):
     student = Edited(["abxy", ""])
     passing(student)
-    limits = Limits(call_seconds=repair.SECONDS_OF_A_CALL, total_seconds=repair.MOST_SECONDS)
+    limits = Limits(call_seconds=repair.SECONDS_OF_A_CALL)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
-    assert student.budget.seconds == repair.MOST_SECONDS
     passing(student, limits=Limits(call_seconds=0.1, memory=7))
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
+
+
+def test_edits_take_their_time_of_what_the_notebook_has_left(passing):
+    budget = Budget(Limits())
+    student = Edited(["abxy"] * 100, slept=0.3)  # more than a second between the first two looks
+    assert passing(student, budget=budget) == [] and student.tried == repair.LOOK_AFTER
+    assert student.budget is budget
+    assert budget.seconds == pytest.approx(180 - 0.3 * repair.LOOK_AFTER)
+    # What others take meanwhile, as when an edit is judged as a whole, is not theirs.
+    student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
+
+    def judge_it():
+        budget.seconds -= 5
+
+    passes = passing(student, clock=itertools.count(1).__next__, budget=budget, meanwhile=judge_it)
+    assert passes == [0, 2, 4]
+
+
+def test_the_clock_on_the_wall_ends_it_in_any_case(passing):
+    clock = itertools.count(100.0)
+    student = Edited(["abxy"] * 200)
+    assert passing(student, clock=lambda: next(clock)) == []
+    assert 10 < student.tried < repair.MOST_SECONDS
+
+
+def test_what_one_edit_lost_is_not_the_next_ones(passing):
+    student = Edited(["abxy", "x", "e", "x", "a", ""])
+    assert passing(student) == [4] and student.lost == [0.0]
+
+
+def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
+    asked = Asked(outcomes_of("line_through", NO))
+    budget = Budget(Limits())
+    setting = Setting(LINE, 1, None, None, budget)
+    repair.slips_in(setting, HANDED_IN, asked, {})
+    assert len(tried) == 1
+    budget.begins = False
+    assert repair.slips_in(setting, HANDED_IN, asked, {}) == {} and len(tried) == 1
 
 
 def test_a_notebook_that_does_not_start_has_no_edits(passing):

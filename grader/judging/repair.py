@@ -34,7 +34,7 @@ from utils.checks.remembering import one_run
 
 # Of the processor, here and behind the walls, for the edits of one exercise.
 SECONDS = 1.0
-# With all that starting and stopping takes, by whatever clock.
+# By the clock on the wall, for code that sleeps a little each time.
 MOST_SECONDS = 60.0
 # A right answer takes less for the first questions, and an edit may well make an endless loop.
 SECONDS_OF_A_CALL = 0.25
@@ -70,9 +70,12 @@ def slips_in(
 ) -> dict[str, Repair | Mistake]:
     """What alone is wrong in each exercise that lost something, by name, where it is proven.
 
-    The edit that mends it; or the named mistake that explains all its answers.
+    The edit that mends it; or the named mistake that explains all its answers. Of a notebook whose
+    own cells never end, nothing is tried: it would be waited for once more for each exercise.
     """
     found = {}
+    if setting.budget and not setting.budget.begins:
+        return found
     for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
         mistake = asked.mistakes.get(exercise.name)
         if mistake and mistake.is_the_task:
@@ -168,32 +171,40 @@ def _passing(
 ) -> Iterator[tuple[int, int, int, str]]:
     """The first few edits that pass what the answer failed."""
     limits = setting.limits or Limits()
-    seconds = min(SECONDS_OF_A_CALL, limits.call_seconds)
-    limits = replace(limits, call_seconds=seconds, total_seconds=MOST_SECONDS)
-    budget = Budget(replace(limits, wall_seconds=MOST_SECONDS))
+    limits = replace(limits, call_seconds=min(SECONDS_OF_A_CALL, limits.call_seconds))
+    budget = setting.budget or Budget(limits)
     with one_run(), Student(program, setting.sandbox, limits, budget, exercise) as student:
-        student.exercise = exercise
+        student.exercise = f"an edit of {exercise}"  # what hangs with it, did not hang before
         try:
             student.start()
         except StudentStopped:
             return
-        shown, hidden = shown_questions(student, failed), None
-        begin, found, look_at = time.process_time(), 0, 0.0
+        shown = shown_questions(student, failed)
+        hidden = functools.cache(
+            lambda: hidden_questions(setting.lesson, student, setting.seed, failed)
+        )
+
+        def questions(number: int) -> Iterator[Callable[[], object]]:
+            yield functools.partial(student.edit, number)
+            yield from shown
+            yield from hidden()
+
+        begin, slept, found, look_at = time.process_time(), 0.0, 0, 0.0
+        until = time.monotonic() + MOST_SECONDS
         if shown and not _fails(shown[0]):  # whoever throws a coin gets no more throws
             return
         for tried, (number, edit) in enumerate(_in_order(student.edits, raised_at)):
             if tried % LOOK_AFTER == 0 or time.monotonic() > look_at:
                 look_at = time.monotonic() + LOOK_SOON
                 worked = time.process_time() - begin + student.cpu_seconds
-                if worked > SECONDS:
+                if max(worked, slept) > SECONDS or time.monotonic() > until:
                     return
-            if _fails(functools.partial(student.edit, number)) or any(map(_fails, shown)):
-                continue
-            if hidden is None:
-                hidden = hidden_questions(setting.lesson, student, setting.seed, failed)
-            if any(map(_fails, hidden)):
-                continue
-            yield edit
-            found += 1
+            budget.lost.pop(student.exercise, None)  # by the edit before
+            left = budget.seconds
+            passes = not any(map(_fails, questions(number)))
+            slept += left - budget.seconds
+            if passes:
+                yield edit
+                found += 1
             if found == MOST_JUDGED:
                 return

@@ -34,6 +34,8 @@ class Budget:
         step of a `Student`.
     hung : dict of str to str
         In which sentence it was first said that one took too long.
+    begins : bool
+        Whether the notebook's own cells came to their end when they were last run.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -41,6 +43,7 @@ class Budget:
         self.until = time.monotonic() + limits.wall_seconds
         self.lost: dict[str, float] = {}
         self.hung: dict[str, str] = {}
+        self.begins = True
 
     def note_lost(self, what: str, seconds: float) -> None:
         """Note that something took so long, and then raised or had to be stopped."""

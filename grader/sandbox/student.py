@@ -139,7 +139,7 @@ class Student:
         self._budget = budget or Budget(self._limits)
         # In a process before this one: once more is enough.
         self._hung_before = frozenset(self._budget.hung)
-        self._told, self._took = False, 0.0
+        self._told, self._took, self._past = False, 0.0, 0.0
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -167,8 +167,8 @@ class Student:
 
     @property
     def cpu_seconds(self) -> float:
-        """Processor time that the running worker has had."""
-        return self._worker.cpu_seconds() if self._worker else 0.0
+        """Processor time that its workers have had."""
+        return self._past + (self._worker.cpu_seconds() if self._worker else 0.0)
 
     def close(self) -> None:
         """Stop the sandbox."""
@@ -333,6 +333,7 @@ class Student:
         program = self._program
         self._known.clear()
         self._methods.clear()
+        self._budget.begins = False
         self._worker = self._sandbox.start(
             self._limits, program.forbidden, program.packages, program.named
         )
@@ -350,6 +351,7 @@ class Student:
             }
         )
         failed = self._start()
+        self._budget.begins = True
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._told:
             # No line of the student had run when the first of these were found.
@@ -438,6 +440,7 @@ class Student:
     def _stop(self, what: str, sentence: str | None, reason: str = "") -> NoReturn:
         """Kill the worker, remember what was stopped and why, and say so."""
         self._budget.note_lost(what, self._took)
+        self._past = self.cpu_seconds
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may live on, pipe closed
         code = worker.stop()

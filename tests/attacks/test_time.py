@@ -6,7 +6,7 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from grader.sandbox.failures import StudentError, StudentStopped
-from tests.attacks.attacking import attack, function, tried
+from tests.attacks.attacking import WALLS, attack, function, tried
 from tests.attacks.test_harm import HOLD
 
 LINE = find_lesson("02_ransac_line")
@@ -133,6 +133,28 @@ def test_its_cells_never_end():
                     student.f()
         assert 45 - student._budget.seconds < MOST + 1
     assert time.monotonic() - begin < 600
+
+
+@tried(
+    "begins",
+    {
+        "a cell that never ends": "while True: pass",
+        "a cell that ends the process": "import os\nos._exit(0)",
+    },
+)
+@pytest.mark.slow
+def test_what_never_begins_is_not_begun_again_to_look_for_an_edit(begins, hand_in, monkeypatch):
+    """Its class would wait once more for each exercise."""
+    begun, begin = [], type(WALLS).start
+
+    def counted(*arguments):
+        begun.append(arguments)
+        return begin(*arguments)
+
+    monkeypatch.setattr(type(WALLS), "start", counted)
+    answer = function(begins, "g", "") + "x = g()\ndef line_through(p, q): return x"
+    assert hand_in({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
+    assert len(begun) == 1
 
 
 SLEEPY = {
