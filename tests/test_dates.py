@@ -8,6 +8,7 @@ import pytest
 from grader.course import paths
 from grader.course.deadlines import read_deadlines
 from grader.course.paths import Course
+from grader.lms import dates as dates_module
 from grader.lms import gradebook
 from grader.lms.gradebook import enter
 from grader.lms.notes import notes
@@ -93,6 +94,94 @@ def test_an_extension_counts_as_soon_as_something_is_handed_in(entered_once, tmp
     assert gradebook.class_results(course).stage("ada", STAGE).due == datetime(
         2026, 3, 3, 12, tzinfo=UTC
     )
+
+
+def hand_in_at(course, student, time):
+    (course.submitted / student / STAGE / "timestamp.txt").write_text(f"{time} UTC")
+
+
+@pytest.mark.parametrize(
+    ("due", "until", "last"),
+    [  # Berlin's clocks go back on 25 October 2026, and forth on 28 March 2027
+        ("2026-10-24T23:59:00", "2026-10-26T23:59:00", "2026-10-26 22:59"),
+        ("2027-03-27T23:59:00", "2027-03-29T23:59:00", "2027-03-29 21:59"),
+    ],
+)
+def test_time_that_is_given_across_a_change_of_clocks_is_all_of_it_and_no_more(
+    course, due, until, last
+):
+    head = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = {due}\n'
+    dates = f"{head}[{STAGE}.sections]\nB = {until}\n[{STAGE}.students]\nada = {until}\n"
+    for student in EARNED:
+        hand_in_at(course, student, f"{last}:00")
+    assert grade_with(course, dates) == {}
+    assert told(course) == []
+    for student in EARNED:
+        hand_in_at(course, student, f"{last}:01")
+    assert set(grade_with(course, dates)) == set(EARNED)
+    assert late(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
+
+
+def test_what_leaves_the_file_leaves_the_gradebook(course):
+    section = f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
+    assert set(grade_with(course, HEAD + section)) == set(EARNED)
+    grade_with(course, HEAD.replace("-01T", "-02T"))  # another date in between
+    others = 'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = 2026-03-01T12:00:00\n'
+    assert "bob" in grade_with(course, HEAD + section)
+    assert grade_with(course, others) == {}
+    assert gradebook.class_results(course).stage("bob", STAGE).due is None
+    assert set(grade_with(course, HEAD + section)) == set(EARNED)
+    (course.root / "deadlines.toml").unlink()
+    enter(course, verdicts(course), [STAGE], quiet)
+    assert penalties(course) == {}
+    with gradebook.open_gradebook(course) as book:
+        assert book.find_assignment(STAGE).duedate is None
+        assert book.find_submission(STAGE, "bob").extension is None
+
+
+def test_what_a_person_had_entered_comes_back_when_the_files_date_goes(course):
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
+    for hour in ("18", "19"):  # nobody is late
+        assert grade_with(course, HEAD.replace("T12", f"T{hour}")) == {}
+    grade_with(course, "")
+    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=2))
+    grade_with(course, HEAD.replace("T12", "T18"))
+    with gradebook.open_gradebook(course) as book:  # and what they enter after us stays, too
+        book.update_or_create_assignment(STAGE, duedate="2026-03-01 09:00:00")
+    grade_with(course, "")
+    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=3))
+
+
+def test_time_that_a_person_granted_outlives_the_files_date(course):
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
+    assert "ada" in grade_with(course, HEAD)
+    grant(course, "ada", days=3)
+    assert "ada" not in grade_with(course, "")
+    with gradebook.open_gradebook(course) as book:  # of no date at all it is nothing
+        book.find_assignment(STAGE).duedate = None
+        book.db.commit()
+    assert grade_with(course, "") == {}
+
+
+def test_stopped_between_remembering_and_entering_it_is_a_persons_date_that_stays(
+    course, monkeypatch
+):
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
+    remember = dates_module.write_atomically
+
+    def stop(content, path):
+        remember(content, path)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(dates_module, "write_atomically", stop)
+    with pytest.raises(KeyboardInterrupt):
+        grade_with(course, HEAD.replace("T12", "T18"))
+    monkeypatch.undo()
+    grade_with(course, "")
+    assert late(course) == dict.fromkeys(EARNED, timedelta(hours=2))
 
 
 def test_what_is_taken_back_in_the_file_is_taken_back(course):

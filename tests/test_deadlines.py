@@ -117,6 +117,11 @@ def test_without_a_roster_students_may_still_have_their_own_dates(course):
         ("[stage1_ransac]\ndue = 2026-10-12", "due: 2026-10-12 is not a date with a time."),
         ('[stage1_ransac]\ndue = "2026-10-12T23:59:00"', "without quotation marks."),
         ('[stage1_ransac]\ndue = "excused"', "excused is not a date"),
+        ("[stage1_ransac]\ndue = 9999-12-31T23:59:00-05:00", "too far away to reckon with"),
+        (
+            'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = 0001-01-01T00:00:00',
+            "[stage1_ransac], due: 0001-01-01 00:00:00 is too far away",
+        ),
         (
             '[stage1_ransac.students]\nanna = "excussed"',
             "students], anna: excussed is not a date with a time. Write it as 2026-10-12T23:59:00, "

@@ -469,9 +469,20 @@ def test_what_is_withdrawn_is_taken_out_though_its_copies_are_gone(entered):
     assert {student for student, _ in marks(entered)} == {"bob"}
 
 
-def test_marks_of_a_person_are_never_taken_out(entered):
+@pytest.mark.parametrize(
+    "given", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
+)
+def test_what_a_person_gave_is_never_taken_out(entered, given):
     with gradebook.open_gradebook(entered) as book:
-        grade_of(book.find_submission(STAGE, "ada"), "voxel_grid").manual_score = 0.0
+        for student in EARNED:  # which Formgrader leaves where something was and is taken back
+            for notebook in book.find_submission(STAGE, student).notebooks:
+                notebook.grades[0].extra_credit, notebook.comments[0].manual_comment = 0.0, ""
+        notebook = book.find_submission_notebook(DISTANCE.name, STAGE, "ada")
+        if isinstance(given, str):
+            notebook.comments[0].manual_comment = given
+        else:
+            for name, points in given.items():
+                setattr(notebook.grades[-1], name, points)
         book.db.commit()
     with pytest.raises(GradebookTrouble) as trouble:
         enter(entered, [], ["stage1_ransac", STAGE], quiet)
@@ -536,7 +547,7 @@ def test_without_a_penalty_nobody_loses_anything(entered):
     assert penalties(entered) == {}
 
 
-@pytest.mark.parametrize("text", [b"yesterday", b"\xff\xfe", b"9" * 400])
+@pytest.mark.parametrize("text", [b"yesterday", b"\xff\xfe", b"9" * 400, b"", b" \n"])
 def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
     when = entered.submitted / "ada" / STAGE / "timestamp.txt"
     when.write_bytes(text)
@@ -550,7 +561,7 @@ def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
     set_due(entered, "11")
     assert undecided() == ["ada"]
     assert marks(entered) == expected_marks() and penalties(entered) == {}
-    when.write_text(" \n")  # says nothing, which is no mistake
+    when.unlink()  # nobody wants to know
     assert undecided() == []
     assert found_in(entered) == []
 

@@ -159,6 +159,18 @@ def test_a_mark_by_hand_is_a_mark_whatever_was_handed_in(course):
     assert standing(course)["bob", "06"] == (MISSING, None)
 
 
+def test_points_that_a_person_adds_or_takes_are_a_mark_and_a_comment_is_none(course):
+    shutil.rmtree(course.autograded)
+    shutil.rmtree(course.submitted)
+    change(course, "bob", GROUND, extra_credit=-0.5)
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_submission_notebook(GROUND.name, STAGE, "ada")
+        notebook.comments[0].manual_comment = "Where is it?"
+        book.db.commit()
+    assert standing(course)["bob", "06"] == (MARKED, -0.5)
+    assert standing(course)["ada", "06"] == (MISSING, None)
+
+
 def test_what_nobody_handed_in_is_not_there(course):
     shutil.rmtree(course.submitted / "ada" / STAGE)
     enter(course, verdicts(course, ZERO), [STAGE], quiet)

@@ -199,7 +199,7 @@ def _dates(course: Course) -> Finding:
         )
     texts = []
     for stage, dates in deadlines.stages.items():
-        about = [f"{dates.due:%Y-%m-%d %H:%M %Z}" if dates.due else "no date"]
+        about = [f"{deadlines.local(dates.due):%Y-%m-%d %H:%M %Z}" if dates.due else "no date"]
         about += [f"{len(deadlines.extended(stage))} later"] * bool(deadlines.extended(stage))
         about += [f"{len(dates.excused)} excused"] * bool(dates.excused)
         texts.append(f"{stage} {', '.join(about)}")

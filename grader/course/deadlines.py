@@ -18,7 +18,7 @@ import tomllib
 import zoneinfo
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from datetime import datetime, tzinfo
+from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 
 from grader.course import lessons
@@ -39,7 +39,8 @@ class Dates:
     Attributes
     ----------
     due : datetime or None
-        For everybody who is not named; aware, like the others.
+        For everybody who is not named; in UTC, like the others: between two times of a zone whose
+        clocks change, Python reckons without the hour.
     sections : dict of str to datetime
     students : dict of str to datetime
     excused : frozenset of str
@@ -70,10 +71,14 @@ class Deadlines:
     zone: tzinfo | None = None
 
     def due(self, person: Person | str, stage: str) -> datetime | None:
-        """When a stage is due for somebody; aware, or None where no date is set."""
+        """When a stage is due for somebody, in UTC; None where no date is set."""
         dates = self.stages.get(stage, Dates())
         id = person if isinstance(person, str) else person.id
         return dates.students.get(id, self._due_without_extension(id, dates))
+
+    def local(self, time: datetime) -> datetime:
+        """A time as clocks show it where the course is."""
+        return time.astimezone(self.zone)
 
     def excused(self, id: str, stage: str) -> bool:
         """Whether nothing is expected from somebody in a stage."""
@@ -184,16 +189,19 @@ _EXAMPLE = "2026-10-12T23:59:00"
 
 
 def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
-    """A date of the file with its time zone."""
+    """A date of the file, in UTC."""
     if not isinstance(value, datetime):
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesTrouble(
             f"{where}: {value!s} is not a date with a time. Write it as {_EXAMPLE}, without "
             f"quotation marks{other}."
         )
-    if value.tzinfo:
-        return value
-    return value.replace(tzinfo=zone) if zone else value.astimezone()
+    try:
+        return value.replace(tzinfo=value.tzinfo or zone).astimezone(UTC)
+    except (OverflowError, ValueError, OSError) as error:
+        raise DeadlinesTrouble(
+            f"{where}: {value!s} is too far away to reckon with. Write a date such as {_EXAMPLE}."
+        ) from error
 
 
 def _expect(where: str, table: dict, known: Iterable[str], what: str) -> None:

@@ -1,7 +1,9 @@
 """Let the gradebook know when work is due, for whom later, so that nbgrader's penalties agree.
 
 nbgrader keeps one date for a stage, and with a student's submission how much later that student
-may hand in. So a date that was given before anything was handed in is entered with what is.
+may hand in. So a date that was given before anything was handed in is entered with what is. What
+was entered is remembered in ``verdicts/``, so that what leaves the file is taken back, and what a
+person has entered in the gradebook is not.
 """
 
 from __future__ import annotations
@@ -11,21 +13,50 @@ import json
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from nbgrader.api import Gradebook, MissingEntry, SubmittedAssignment
+from nbgrader.api import Assignment, Gradebook, MissingEntry, SubmittedAssignment
 
-from grader.course.deadlines import Deadlines
+from grader.course.deadlines import Dates, Deadlines
+from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.judging.verdict import write_atomically
 
 
-def enter_due_dates(book: Gradebook, deadlines: Deadlines) -> None:
-    """Enter when each stage that the gradebook knows is due."""
-    for stage, dates in deadlines.stages.items():
+def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:
+    """Enter when each stage that the gradebook knows is due.
+
+    A date that has left the file leaves the gradebook, too, which has again what it had before.
+    """
+    for stage in stages():
         with contextlib.suppress(MissingEntry):
-            assignment = book.find_assignment(stage)
-            if dates.due and assignment.duedate != _naive(dates.due):
-                assignment.duedate = _naive(dates.due)
-                book.db.commit()
+            due = deadlines.stages.get(stage, Dates()).due
+            _enter_due_date(course, book, book.find_assignment(stage), due and _naive(due))
+
+
+def _enter_due_date(
+    course: Course, book: Gradebook, assignment: Assignment, wanted: datetime | None
+) -> None:
+    path = course.verdicts / f".due.{assignment.name}"
+    remembered = entered, before = _read_due(path)
+    if assignment.duedate != entered:  # a person has entered it
+        before = assignment.duedate
+    if wanted is not None and (wanted, before) != remembered:
+        times = [time and time.isoformat() for time in (wanted, before)]
+        write_atomically(json.dumps(times), path)  # first: what is forgotten would stay for good
+    due = before if wanted is None else wanted
+    if assignment.duedate != due:
+        assignment.duedate = due
+        book.db.commit()
+    if wanted is None:
+        path.unlink(missing_ok=True)
+
+
+def _read_due(path: Path) -> tuple[datetime | None, datetime | None]:
+    """What was entered as due, and what the gradebook had before."""
+    try:
+        entered, before = json.loads(path.read_text("utf-8"))
+        return datetime.fromisoformat(entered), before and datetime.fromisoformat(before)
+    except (OSError, ValueError, TypeError):
+        return None, None
 
 
 def extension(
@@ -36,17 +67,14 @@ def extension(
     Where somebody has granted more in the gradebook, that counts, until the file names the student.
     """
     student, stage = submission.student.id, submission.assignment.name
-    dates = deadlines.stages.get(stage)
-    if dates is None or dates.due is None:
-        return submission.extension
-    wanted = deadlines.due(student, stage) - dates.due
+    dates = deadlines.stages.get(stage, Dates())
     granted = submission.extension
-    if (
-        granted is not None
-        and granted != _entered(course, student, stage)
-        and granted > wanted
-        and student not in dates.students
-    ):
+    if granted is not None and granted == _entered(course, student, stage):
+        granted = None  # nobody's wish but the file's
+    if dates.due is None:
+        return granted
+    wanted = deadlines.due(student, stage) - dates.due
+    if granted is not None and granted > wanted and student not in dates.students:
         return granted
     return wanted or None
 

@@ -23,6 +23,7 @@ from alembic.config import Config as AlembicConfig
 from alembic.script import ScriptDirectory
 from nbgrader.api import (
     Assignment,
+    Comment,
     Grade,
     Gradebook,
     MissingEntry,
@@ -33,7 +34,7 @@ from nbgrader.api import (
 from nbgrader.coursedir import CourseDirectory
 from nbgrader.preprocessors import AssignLatePenalties, SaveCells
 from nbgrader.utils import compute_checksum, determine_grade, is_grade, is_solution
-from sqlalchemy import func, make_url, select
+from sqlalchemy import exists, func, make_url, or_
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
@@ -57,6 +58,14 @@ from grader.lms.times import Undecided, handed_in_at
 from utils.notebooks.reading import UnreadableNotebook
 
 CLOSE = 1e-6  # points are written with two digits
+# Of a notebook: a person has given points for it, or has written about it.
+_MARKED_BY_HAND = exists().where(
+    Grade.notebook_id == SubmittedNotebook.id,
+    or_(Grade.manual_score.is_not(None), func.coalesce(Grade.extra_credit, 0.0) != 0.0),
+)
+_COMMENTED = exists().where(
+    Comment.notebook_id == SubmittedNotebook.id, func.coalesce(Comment.manual_comment, "") != ""
+)
 
 
 class GradebookTrouble(Exception):
@@ -158,7 +167,7 @@ def enter(
         trouble += register(course, book, dict.fromkeys(stages))
         if roster:
             enrol(book, roster)
-        enter_due_dates(book, deadlines)
+        enter_due_dates(course, book, deadlines)
         known = {(submission.student, submission.lesson.stage) for submission, _ in judged}
         trouble += _withdraw(course, book, stages, known, student)
         for done, entry in enumerate(entries, start=1):
@@ -254,11 +263,6 @@ def class_results(course: Course) -> ClassResults:
     ------
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
-    by_hand = (
-        select(func.count(Grade.manual_score))
-        .where(Grade.notebook_id == SubmittedNotebook.id)
-        .scalar_subquery()
-    )
     # All in one question: each object by itself is three, which a server far away answers slowly.
     asked = (
         SubmittedAssignment.student_id,
@@ -268,7 +272,7 @@ def class_results(course: Course) -> ClassResults:
         SubmittedNotebook.max_score,
         func.coalesce(SubmittedNotebook.late_submission_penalty, 0.0),
         SubmittedNotebook.needs_manual_grade,
-        by_hand > 0,
+        _MARKED_BY_HAND,
         SubmittedAssignment.timestamp,
         Assignment.duedate,
         SubmittedAssignment.extension,
@@ -433,15 +437,15 @@ def _withdraw(
                 student = submission.student.id
                 if (student, stage) in known or only not in (None, student):
                     continue
-                if any(
-                    grade.manual_score is not None
-                    for notebook in submission.notebooks
-                    for grade in notebook.grades
-                ):
+                of_a_person = book.db.query(SubmittedNotebook.id).filter(
+                    SubmittedNotebook.assignment_id == submission.id,
+                    or_(_MARKED_BY_HAND, _COMMENTED),
+                )
+                if of_a_person.first():
                     trouble.append(
                         f"{student}, {stage}: nothing is handed in any more, but the gradebook "
-                        "holds marks that a person gave. Put the submission back, or take it out "
-                        f"with: nbgrader db assignment list, and Gradebook.remove_submission"
+                        "holds marks or comments of a person. Put the submission back, or take it "
+                        f"out with: nbgrader db assignment list, and Gradebook.remove_submission"
                         f"({stage!r}, {student!r})"
                     )
                     continue
@@ -495,7 +499,7 @@ def _late_penalties(course: Course) -> AssignLatePenalties:
 def _penalty(
     submission: SubmittedAssignment, notebook: SubmittedNotebook, late: AssignLatePenalties
 ) -> float | None:
-    if submission.total_seconds_late <= 0:
+    if submission.assignment.duedate is None or submission.total_seconds_late <= 0:
         return None
     penalty = late.plugin_inst.late_submission_penalty(
         submission.student.id, notebook.score, submission.total_seconds_late

@@ -17,7 +17,7 @@ from traitlets import Enum, Integer
 from grader.classroom.grade import current_verdict
 from grader.classroom.submissions import Submission
 from grader.course import earlier
-from grader.course.deadlines import read_deadlines
+from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
@@ -125,12 +125,11 @@ class SaveGrades(SaveAutoGrades):
 
 def _enter_dates(course: Course, about: dict) -> None:
     """Let nbgrader know when a student's work is due, before it takes points off."""
-    deadlines = read_deadlines(course)
-    if deadlines:
-        with Gradebook(about["db_url"]) as book:
-            enter_due_dates(book, deadlines)
-            extend(course, book.find_submission(about["assignment"], about["student"]), deadlines)
-            book.db.commit()
+    deadlines = read_deadlines(course) or Deadlines({})
+    with Gradebook(about["db_url"]) as book:
+        enter_due_dates(course, book, deadlines)
+        extend(course, book.find_submission(about["assignment"], about["student"]), deadlines)
+        book.db.commit()
 
 
 class CopyExporter(NotebookExporter):

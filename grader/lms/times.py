@@ -34,21 +34,23 @@ def handed_in_at(places: Iterable[Path]) -> datetime | None:
     ------
     Undecided
         Work whose time cannot be read is neither late nor in time; nor is work that was collected
-        late, or from a table that has no time for it.
+        late, or from a table that has no time for it. So it is with the work in one of several
+        folders, whatever the others say.
     """
-    places = sorted(places)
-    times = [time for place in places if (time := _time(place / "timestamp.txt"))]
-    for reason in (why_untimed(place) for place in places):
-        if reason and not times:
-            raise Undecided(reason)
-    return max(times, default=None)
+    times = [_time(place) for place in sorted(places)]
+    return max((time for time in times if time), default=None)
 
 
-def _time(path: Path) -> datetime | None:
+def _time(place: Path) -> datetime | None:
+    path = place / "timestamp.txt"
     if not path.is_file():
+        if reason := why_untimed(place):
+            raise Undecided(reason)
         return None
     try:
         text = read_file(path).decode().strip()
-        return parse_utc(text).replace(tzinfo=UTC) if text else None
+        if not text:  # such as nbgrader leaves one on a disk that is full
+            raise Undecided("timestamp.txt is empty")
+        return parse_utc(text).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
         raise Undecided("timestamp.txt does not say a time that can be read") from error
