@@ -54,7 +54,7 @@ from grader.lms.history import note_changes
 from grader.lms.people import enrol
 from grader.lms.results import ClassResults, GradebookUnreachable
 from grader.lms.standings import Row, standings
-from grader.lms.times import Undecided, handed_in_at
+from grader.lms.times import known_time
 from utils.notebooks.reading import UnreadableNotebook
 
 CLOSE = 1e-6  # points are written with two digits
@@ -508,11 +508,7 @@ def _penalty(
 
 
 def _timestamp(course: Course, entry: Entry) -> datetime | None:
-    """When it was handed in, in UTC without saying so; None where that is not known."""
-    with contextlib.suppress(Undecided):
-        time = handed_in_at(entry.places(course))
-        return time and time.replace(tzinfo=None)
-    return None
+    return known_time(entry.places(course))
 
 
 def _write_files(

@@ -26,6 +26,7 @@ from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import copy_apart, judged_copy
 from grader.lms.dates import enter_due_dates, extend
+from grader.lms.times import known_time
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -124,11 +125,14 @@ class SaveGrades(SaveAutoGrades):
 
 
 def _enter_dates(course: Course, about: dict) -> None:
-    """Let nbgrader know when a student's work is due, before it takes points off."""
+    """Let nbgrader know when a student's work came and is due, before it takes points off."""
     deadlines = read_deadlines(course) or Deadlines({})
     with Gradebook(about["db_url"]) as book:
         enter_due_dates(course, book, deadlines)
-        extend(course, book.find_submission(about["assignment"], about["student"]), deadlines)
+        submission = book.find_submission(about["assignment"], about["student"])
+        place = course.submitted / about["student"] / about["assignment"]
+        submission.timestamp = known_time([place])
+        extend(course, submission, deadlines)
         book.db.commit()
 
 

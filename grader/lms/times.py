@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
-from nbgrader.utils import parse_utc
+from nbgrader.utils import gettz, parse_utc
 
 from grader.classroom.collect.record import why_untimed
 from grader.intake.notebook import read_file
@@ -41,6 +42,15 @@ def handed_in_at(places: Iterable[Path]) -> datetime | None:
     return max((time for time in times if time), default=None)
 
 
+def known_time(places: Iterable[Path]) -> datetime | None:
+    """The same as nbgrader keeps it, in UTC without saying so; None also where it is undecided."""
+    try:
+        time = handed_in_at(places)
+    except Undecided:
+        return None
+    return time and time.replace(tzinfo=None)
+
+
 def _time(place: Path) -> datetime | None:
     path = place / "timestamp.txt"
     if not path.is_file():
@@ -51,6 +61,23 @@ def _time(place: Path) -> datetime | None:
         text = read_file(path).decode().strip()
         if not text:  # such as nbgrader leaves one on a disk that is full
             raise Undecided("timestamp.txt is empty")
-        return parse_utc(text).replace(tzinfo=UTC)
+        return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
         raise Undecided("timestamp.txt does not say a time that can be read") from error
+
+
+def _with_known_zone(text: str) -> str:
+    """A time whose zone nbgrader reads as it is meant.
+
+    It takes one that the machine does not know, such as the CEST that `Exchange.timezone` makes it
+    write, for UTC; and +0200 for as many seconds.
+    """
+    found = re.fullmatch(r"(\d\S*) +(\d\S*) +(\S+)", text)
+    if not found:
+        return text
+    date, clock, zone = found.groups()
+    if re.fullmatch(r"[+-]\d\d:?\d\d", zone):
+        return f"{date} {clock}{zone}"
+    if gettz(zone) is None:
+        raise Undecided(f"timestamp.txt has a time zone that this machine does not know, {zone!r}")
+    return f"{date} {clock} {zone}"
