@@ -5,12 +5,13 @@ BIN := .venv/bin
 # Jupyter refuses to run as root, which is who you are in most containers.
 AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 
-.PHONY: help lab demo grade test proof colab mutants bench build check pictures constraints clean
+.PHONY: help lab demo grade site test proof colab mutants bench build check pictures constraints clean
 
 help:
 	@echo "make lab      open the notebooks in JupyterLab"
 	@echo "make demo     grade a pretend class, end to end, in demo/"
 	@echo "make grade    grade the class in submitted/"
+	@echo "make site     write the course as pages for a web server, in site/"
 	@echo "make test     run the tests"
 	@echo "make proof    run all of them, with every seed, answer and attack"
 	@echo "make colab    run the notebooks with Colab's versions"
@@ -34,8 +35,14 @@ INSTALL := pip install --quiet --disable-pip-version-check
 	@$(BIN)/$(INSTALL) -r requirements.txt
 	@touch $@
 
+# What the pages of the course need besides.
+.venv/ready-site: .venv/ready requirements-site.txt
+	@echo "Installing what writes pages into .venv, too."
+	@$(BIN)/$(INSTALL) -r requirements-site.txt
+	@touch $@
+
 # What development needs besides.
-.venv/ready-dev: .venv/ready requirements-dev.txt requirements-3d.txt requirements-cluster.txt
+.venv/ready-dev: .venv/ready requirements-dev.txt requirements-3d.txt requirements-cluster.txt requirements-site.txt
 	@echo "Installing what the tests need into .venv, too."
 	@$(BIN)/$(INSTALL) -r requirements-dev.txt
 	@touch $@
@@ -49,6 +56,9 @@ demo: .venv/ready
 
 grade: .venv/ready
 	$(BIN)/python -m grader grade
+
+site: .venv/ready-site
+	$(BIN)/python -m grader site
 
 test: .venv/ready-dev
 	$(BIN)/python -m pytest -m "not proof and not colab"

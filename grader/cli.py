@@ -116,6 +116,19 @@ def _release(kinds: argparse._SubParsersAction) -> None:
     release.set_defaults(run=commands.run_release)
 
 
+def _site(kinds: argparse._SubParsersAction) -> None:
+    site = kinds.add_parser("site", help="write the course as pages, with search, for a web server")
+    site.add_argument(
+        "--to",
+        type=Path,
+        default=PROJECT / "site",
+        metavar="DIR",
+        help="where to write (default: site/ in the course's folder)",
+    )
+    add_workers(site)
+    site.set_defaults(run=commands.run_site)
+
+
 def _collect(kinds: argparse._SubParsersAction) -> None:
     collect = kinds.add_parser("collect", help="put what a class handed in into submitted/")
     collect.add_argument(
@@ -284,6 +297,7 @@ def _demo(kinds: argparse._SubParsersAction) -> None:
 COMMANDS = (
     _build,
     _release,
+    _site,
     _collect,
     _judge,
     _grade,

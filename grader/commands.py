@@ -90,6 +90,27 @@ def _release_solutions(options: argparse.Namespace) -> int:
     return GOOD
 
 
+def run_site(options: argparse.Namespace) -> int:
+    """Run ``site [--to DIR]``."""
+    from grader.course.build import read_origin
+    from grader.course.lessons import all_lessons
+    from grader.course.standalone import NotReleased
+    from grader.site.running import solved_runs
+    from grader.site.trouble import SiteTrouble
+    from grader.site.writing import ready, write_site
+
+    try:
+        ready(options.to)
+        with console.progress_bar("Running the lessons") as advance:
+            ran = solved_runs(all_lessons(), options.workers, advance)
+        write_site(options.to, ran, read_origin())
+    except (NotReleased, SiteTrouble) as error:
+        print(error, file=sys.stderr)
+        return FAULT
+    print(f"wrote {options.to / 'index.html'}")
+    return GOOD
+
+
 def run_collect(options: argparse.Namespace) -> int:
     """Run ``collect ARCHIVE... --stage STAGE``."""
     from grader.classroom.collect import CollectTrouble

@@ -284,7 +284,7 @@ def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     first = solved.shown(lesson)
     (cell,) = nbformat.reads(first.decode(), as_version=4).cells
     assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
-    monkeypatch.setattr(solved, "_run", lambda lesson: b"run again")
+    monkeypatch.setattr(solved, "_run", lambda lesson, before: b"run again")
     assert solved.shown(lesson) == first
     monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"2"})
     assert solved.shown(lesson) == b"run again"

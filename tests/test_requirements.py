@@ -21,6 +21,7 @@ NEEDED_BY = {
     "grader/": "requirements.txt",
     "grader/classroom/cluster.py": "requirements-cluster.txt",
     "grader/classroom/worker_plugin.py": "requirements-cluster.txt",
+    "grader/site/": "requirements-site.txt",
     "tests/": "requirements-dev.txt",
 }
 FILES = ("requirements.txt", *sorted({*NEEDED_BY.values()} - {"requirements.txt"}))

@@ -150,6 +150,14 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
         The students' notebooks of the other lessons. What was taken from an earlier one and stands
         there for all to see, because that lesson gives it, is nobody's solution.
     """
+    shown = lines_of(released)
+    return sorted(
+        secret_lines(solved, others) & shown | {line for line in shown if "SOLUTION" in line}
+    )
+
+
+def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
+    """Lines of a solution that tell somebody something; the parameters are those of `leaks`."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier.TAG in cell["metadata"].get("tags", ())
@@ -157,13 +165,11 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
             r"### BEGIN SOLUTION\n(.*?)### END SOLUTION", _text(cell["source"]), re.S
         ):
             lines = {line.strip() for line in region.splitlines()}
-            secret |= lines.difference(*map(_lines, others)) if from_earlier else lines
-    secret = {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
-    shown = _lines(released)
-    return sorted(secret & shown | {line for line in shown if "SOLUTION" in line})
+            secret |= lines.difference(*map(lines_of, others)) if from_earlier else lines
+    return {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
 
 
-def _lines(notebook: bytes) -> set[str]:
+def lines_of(notebook: bytes) -> set[str]:
     """All lines of a notebook's cells, as far as they say something."""
     return {
         line.strip()

@@ -75,16 +75,7 @@ def write_solutions(
     """
     wanted = tuple(wanted) or stages()
     lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
-    ran = {}
-    progress(0, len(lessons), "")
-    with ThreadPoolExecutor(workers) as pool:
-        running = {pool.submit(shown, lesson): lesson for lesson in lessons}
-        try:
-            for future in as_completed(running):
-                ran[running[future]] = future.result()
-                progress(len(ran), len(lessons), running[future].name)
-        finally:
-            pool.shutdown(cancel_futures=True)
+    ran = all_shown(lessons, workers, progress, shown)
     folder.mkdir(parents=True, exist_ok=True)
     for stage in wanted:
         files = {}
@@ -98,13 +89,48 @@ def write_solutions(
         yield path
 
 
-def shown(lesson: Lesson) -> bytes:
-    """The solved notebook of a lesson with all that it shows; run only if something is new."""
-    path = KEPT / f"{lesson.name}-{_fingerprint(lesson)}.ipynb"
+def all_shown(
+    lessons: Iterable[Lesson],
+    workers: int,
+    progress: Callable[[int, int, object], None],
+    show: Callable[[Lesson], bytes],
+) -> dict[Lesson, bytes]:
+    """What several notebooks show, by `show`; `write_solutions` has the other parameters."""
+    lessons, ran = tuple(lessons), {}
+    progress(0, len(lessons), "")
+    with ThreadPoolExecutor(workers) as pool:
+        running = {pool.submit(show, lesson): lesson for lesson in lessons}
+        try:
+            for future in as_completed(running):
+                ran[running[future]] = future.result()
+                progress(len(ran), len(lessons), running[future].name)
+        finally:
+            pool.shutdown(cancel_futures=True)
+    return {lesson: ran[lesson] for lesson in lessons}
+
+
+def shown(lesson: Lesson, kept: Path | None = None, before: str = "") -> bytes:
+    """The solved notebook of a lesson with all that it shows; run only if something is new.
+
+    Parameters
+    ----------
+    lesson : Lesson
+    kept : pathlib.Path, optional
+        Folder for what was run; by default `KEPT`.
+    before : str, optional
+        Code that runs after the setup, in a cell that is not kept.
+
+    Raises
+    ------
+    NotReleased
+        A cell fails.
+    """
+    kept = kept or KEPT
+    path = kept / f"{lesson.name}-{_fingerprint(lesson, before)}.ipynb"
     if not path.is_file():
-        text = _run(lesson)
-        KEPT.mkdir(exist_ok=True)
-        for old in KEPT.glob(f"{lesson.name}-*"):
+        text = _run(lesson, before)
+        kept.mkdir(exist_ok=True)
+        for old in kept.glob(f"{lesson.name}-*"):
             old.unlink()
         draft = path.with_suffix(".part")
         draft.write_bytes(text)
@@ -121,20 +147,25 @@ def as_page(notebook: bytes, lesson: Lesson) -> bytes:
     return page.encode()
 
 
-def _fingerprint(lesson: Lesson) -> str:
+def _fingerprint(lesson: Lesson, before: str) -> str:
     """Of all that a run depends on."""
-    digest = hashlib.sha256(lesson.solved.read_bytes())
+    digest = hashlib.sha256(lesson.solved.read_bytes() + before.encode())
     for name, content in sorted(course_tools().items()):
         digest.update(name.encode() + b"\0" + content + b"\0")
     digest.update((PROJECT / "constraints.txt").read_bytes())
     return digest.hexdigest()[:16]
 
 
-def _run(lesson: Lesson) -> bytes:
+def _run(lesson: Lesson, before: str) -> bytes:
     notebook = nbformat.read(lesson.solved, as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.source = MARKS.sub("", cell.source).rstrip("\n")
+    if before:
+        extra = nbformat.v4.new_code_cell(before)
+        tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
+        setup = next(number for number, names in enumerate(tags) if "setup" in names)
+        notebook.cells.insert(setup + 1, extra)
     client = nbclient.NotebookClient(
         notebook,
         timeout=LONGEST_CELL,
@@ -150,6 +181,8 @@ def _run(lesson: Lesson) -> bytes:
             f"{lesson.name}: its solution does not run to its end, so nothing was written. "
             f"{str(error)[-1000:]}"
         ) from None
+    if before:
+        notebook.cells.remove(extra)
     _settle(notebook)
     return (nbformat.writes(notebook) + "\n").encode()
 

@@ -1,0 +1,95 @@
+"""The front page: the film, what one builds, and a card for each lesson."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+from dataclasses import dataclass
+
+import nbformat
+from PIL import Image
+
+from grader.course import minutes
+from grader.course.build import Origin
+from grader.course.lessons import Lesson, all_lessons, stages
+from grader.course.paths import PROJECT
+from grader.site.lesson import title_of
+from grader.site.pictures import Pictures
+from grader.site.showing import TEMPLATES
+
+README = PROJECT / "README.md"
+FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
+STAGE = re.compile(r"^\| (\d+) · ([^|]+?) \|", re.M)
+PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
+STILL = 0.45  # of the film, whose picture stands for it where nothing may move
+
+
+@dataclass(frozen=True)
+class Card:
+    """A lesson on the front page."""
+
+    number: str
+    title: str
+    address: str
+    picture: str
+    minutes: int
+    writes: tuple[str, ...]
+
+
+def page(origin: Origin, pictures: Pictures) -> str:
+    """The front page as Markdown for MyST."""
+    alt, place = FILM.search(README.read_text("utf-8")).groups()
+    film = (PROJECT / place).read_bytes()
+    return TEMPLATES.get_template("index.md").render(
+        film=pictures.keep(film, ".gif"),
+        still=pictures.keep(_still(film), ".png"),
+        size=Image.open(io.BytesIO(film)).size,
+        alt=alt,
+        stages={name: [card(one, pictures) for one in _of(stage)] for stage, name in titles()},
+        lessons={name: _of(stage) for stage, name in titles()},
+        origin=origin,
+    )
+
+
+def titles() -> list[tuple[str, str]]:
+    """Each stage with what the README calls it."""
+    known = dict(STAGE.findall(README.read_text("utf-8")))
+    found = []
+    for stage in stages():
+        number, _, name = stage.removeprefix("stage").partition("_")
+        found.append((stage, f"Stage {number}: {known.get(number, name.replace('_', ' '))}"))
+    return found
+
+
+def _of(stage: str) -> list[Lesson]:
+    return [lesson for lesson in all_lessons() if lesson.stage == stage]
+
+
+def card(lesson: Lesson, pictures: Pictures) -> Card:
+    """What the front page says of a lesson, and its preview."""
+    first = json.loads(lesson.released.read_text("utf-8"))["cells"][0]
+    found = PREVIEW.search("".join(first["source"]))
+    picture = ""
+    if found:
+        content = base64.b64decode(first["attachments"][found[2]]["image/png"])
+        # The title beside it says where the link goes.
+        picture = pictures.tag(content, "", "")
+    return Card(
+        lesson.number,
+        title_of(lesson),
+        f"{lesson.stage}/{lesson.name}.html",
+        picture,
+        minutes.in_all(nbformat.read(lesson.solved, as_version=4)),
+        tuple(exercise.name for exercise in lesson.machine_graded),
+    )
+
+
+def _still(film: bytes) -> bytes:
+    """One picture of a film, as PNG."""
+    with Image.open(io.BytesIO(film)) as picture:
+        picture.seek(int(picture.n_frames * STILL))
+        buffer = io.BytesIO()
+        picture.convert("P").save(buffer, "PNG", optimize=True)
+        return buffer.getvalue()

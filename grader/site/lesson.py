@@ -1,0 +1,116 @@
+"""A lesson's page: the student's notebook with the outputs of the solved one."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+
+import nbformat
+from nbformat import NotebookNode
+
+from grader.course.build import Origin
+from grader.course.lessons import Lesson
+from grader.site import words
+from grader.site.pictures import Pictures
+from grader.site.recording import QUESTION
+from grader.site.showing import shown
+from grader.site.trouble import SiteTrouble
+
+FOLD = {"folded", "setup"}
+TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
+SETUP = "Brings the tools of the course"
+ASKING = "Asks for your guess"
+
+
+def page_of(lesson: Lesson, ran: bytes, origin: Origin, pictures: Pictures) -> bytes:
+    """The notebook that Sphinx makes the page of.
+
+    Parameters
+    ----------
+    lesson : Lesson
+    ran : bytes
+        Its solved notebook, with outputs: of `grader.site.running.solved_runs`.
+    origin : grader.course.build.Origin
+    pictures : Pictures
+        Gets all that the page shows.
+
+    Raises
+    ------
+    SiteTrouble
+        A cell of the student's notebook has no partner in the solved one.
+    """
+    notebook = nbformat.read(lesson.released, as_version=4)
+    solved = {cell["id"]: cell for cell in nbformat.reads(ran.decode(), as_version=4).cells}
+    cells = []
+    for cell in notebook.cells:
+        tags = set(cell.metadata.get("tags", ()))
+        if cell.id not in solved:
+            raise SiteTrouble(
+                f"{lesson.name}: cell {cell.id} is not in the solved notebook. "
+                "Run: python -m grader build"
+            )
+        if "footer" in tags:
+            continue  # the words of the course have a page of their own
+        if cell.cell_type == "code":
+            cell.outputs = [] if "setup" in tags else shown(solved[cell.id].outputs, pictures)
+            if FOLD & tags:
+                _fold(cell, _title(cell))
+            elif _only_asks(solved[cell.id]):
+                _fold(cell, ASKING)
+        elif "badge" in tags:
+            cell.source = links_of(lesson, origin)
+        else:
+            cell.source = words.linked(cell.source)
+            _lay_down(cell, pictures)
+        cells.append(cell)
+    notebook.cells = cells
+    notebook.metadata.pop("kernelspec", None)
+    return nbformat.writes(notebook).encode()
+
+
+def _title(cell: NotebookNode) -> str:
+    found = TITLE.match(cell.source)
+    return found[1] if found else SETUP
+
+
+def _only_asks(cell: NotebookNode) -> bool:
+    """Whether a cell shows nothing but questions, which the page asks itself."""
+    return bool(cell.outputs) and all(QUESTION in one.get("data", {}) for one in cell.outputs)
+
+
+def _fold(cell: NotebookNode, title: str) -> None:
+    cell.metadata["tags"] = sorted({*cell.metadata.get("tags", ()), "hide-input"})
+    prompt = f"Code: {title}"
+    cell.metadata["mystnb"] = {"code_prompt_show": prompt, "code_prompt_hide": prompt}
+
+
+def _lay_down(cell: NotebookNode, pictures: Pictures) -> None:
+    """Put the pictures that a cell carries beside the page."""
+    for name, kinds in cell.pop("attachments", {}).items():
+        place = pictures.keep(base64.b64decode(kinds["image/png"]), ".png")
+        cell.source = cell.source.replace(f"(attachment:{name})", f"(/{place})")
+
+
+def links_of(lesson: Lesson, origin: Origin) -> str:
+    """The line below the title: where the lesson can be run, and where a mistake is reported."""
+    found = [f'<a href="../notebooks/{lesson.name}.ipynb" download>Download the notebook</a>']
+    if origin.repository:
+        notebook = f"notebooks/{lesson.stage}/{lesson.name}.ipynb"
+        colab = "https://colab.research.google.com/github"
+        binder = "https://mybinder.org/v2/gh"
+        found += [
+            f'<a href="{colab}/{origin.owner_and_name}/blob/{origin.revision}/{notebook}">'
+            "Open in Colab</a>",
+            f'<a href="{binder}/{origin.owner_and_name}/{origin.revision}'
+            f'?urlpath=lab/tree/{notebook}">Open in Binder</a>',
+            f'<a class="report" href="{origin.repository}/issues/new?title=Lesson+{lesson.number}">'
+            "Report a mistake</a>",
+        ]
+    return f'<nav class="run" aria-label="This lesson">{"".join(found)}</nav>'
+
+
+def title_of(lesson: Lesson) -> str:
+    """Title of a lesson, without its number."""
+    cells = json.loads(lesson.released.read_text("utf-8"))["cells"]
+    return re.match(r"# (?:\d\d · )?(.*)", "".join(cells[0]["source"]))[1].strip()

@@ -1,0 +1,122 @@
+"""What is proven of a site before it is there: no solution, no other host, no link into nothing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote, urlsplit
+
+from grader.course.build import lines_of, secret_lines
+from grader.course.lessons import all_lessons
+from grader.course.paths import PROJECT
+from grader.site.guides import PAGES
+
+READ = {".html", ".js", ".css", ".json", ".txt", ".ipynb", ".xml"}
+FETCHED = {"src", "srcset", "poster", "data"}
+ELSEWHERE = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
+IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
+
+
+def faults(folder: Path) -> list[str]:
+    """What is wrong with a site, a sentence each; empty where nothing is.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+    """
+    pages = {path: Page.read(path) for path in sorted(folder.rglob("*.html"))}
+    found = [*_given_away(folder, pages), *_from_elsewhere(folder, pages)]
+    for path, page in pages.items():
+        name = path.relative_to(folder)
+        found += [f"{name} links to {link}, which is not there." for link in _lost(path, pages)]
+        found += [f"{name} has a picture without a description." for _ in range(page.undescribed)]
+    return found
+
+
+@dataclass
+class Page(HTMLParser):
+    """A page as its reader gets it: text, links, and what the browser fetches for it."""
+
+    text: list[str] = field(default_factory=list)
+    links: list[str] = field(default_factory=list)
+    fetched: list[str] = field(default_factory=list)
+    names: set[str] = field(default_factory=set)
+    undescribed: int = 0
+
+    def __post_init__(self) -> None:
+        super().__init__()
+
+    @classmethod
+    def read(cls, path: Path) -> Page:
+        """Read a file."""
+        page = cls()
+        page.feed(path.read_text("utf-8"))
+        page.close()
+        return page
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Note what the tag names, fetches or links to."""
+        has = {name: value or "" for name, value in attrs}
+        self.names |= {has[name] for name in ("id", "name") if name in has}
+        self.fetched += [has[name] for name in FETCHED & has.keys()]
+        if "href" in has:
+            (self.links if tag == "a" else self.fetched).append(has["href"])
+        if tag == "img" and "alt" not in has:
+            self.undescribed += 1
+
+    def handle_data(self, data: str) -> None:
+        """Keep the text."""
+        self.text.append(data)
+
+
+def _given_away(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
+    """Lines of solutions that no student's notebook has, in whatever a reader can open."""
+    lessons = all_lessons()
+    notebooks = [line for lesson in lessons for line in lines_of(lesson.released.read_bytes())]
+    readmes = [(PROJECT / path).read_text("utf-8") for path in PAGES.values()]
+    # A hint may say "return `a`", and its page has no such marks.
+    published = re.sub("[`*]", "", "\n".join([*notebooks, *readmes]))
+    secret = {
+        line: lesson.name
+        for lesson in lessons
+        for line in secret_lines(lesson.solved.read_bytes())
+        if re.sub("[`*]", "", line) not in published
+    }
+    for path in sorted(folder.rglob("*")):
+        if path.suffix not in READ or not path.is_file():
+            continue
+        raw = path.read_text("utf-8")
+        text = "".join(pages[path].text) if path in pages else raw.replace('\\"', '"')
+        for line, lesson in secret.items():
+            if line in text or line in raw:
+                name = path.relative_to(folder)
+                yield f"{name} gives away a line of the solution of {lesson}: {line!r}"
+
+
+def _from_elsewhere(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
+    """What a page or a style would fetch from another host."""
+    for path, page in pages.items():
+        for address in page.fetched:
+            if ELSEWHERE.match(address):
+                yield f"{path.relative_to(folder)} asks another host for {address}"
+    for path in sorted(folder.rglob("*.css")):
+        for address in IN_STYLES.findall(path.read_text("utf-8")):
+            yield f"{path.relative_to(folder)} asks another host for {address}"
+
+
+def _lost(path: Path, pages: dict[Path, Page]) -> Iterator[str]:
+    """Links and fetched files within the site that lead to nothing."""
+    page = pages[path]
+    for link in dict.fromkeys([*page.links, *page.fetched]):
+        parts = urlsplit(link)
+        if parts.scheme or parts.netloc or link in ("", "#"):
+            continue
+        target = path
+        if parts.path:
+            target = (path.parent / PurePosixPath(unquote(parts.path))).resolve()
+        name = unquote(parts.fragment)
+        if not target.is_file() or (name and target in pages and name not in pages[target].names):
+            yield link

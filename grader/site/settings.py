@@ -1,0 +1,53 @@
+"""What Sphinx, MyST-NB and the theme are told."""
+
+TITLE = "LiDAR Obstacle Lab"
+
+
+def conf() -> str:
+    """The text of Sphinx's ``conf.py``."""
+    return "".join(f"{name} = {value!r}\n" for name, value in settings().items())
+
+
+def settings() -> dict[str, object]:
+    """Sphinx's settings by name."""
+    theme = {
+        "use_download_button": False,  # it would need the sources in the site
+        "use_fullscreen_button": False,
+        "toc_title": "On this page",
+        "search_bar_text": "Search the course",
+        "search_as_you_type": False,
+        "navigation_with_keys": False,
+        "show_navbar_depth": 1,
+        "home_page_in_toc": False,
+        "back_to_top_button": False,
+        "footer_content_items": ["copyright.html"],
+        "pygments_light_style": "a11y-high-contrast-light",
+        "pygments_dark_style": "a11y-high-contrast-dark",
+    }
+    return {
+        "project": TITLE,
+        "html_title": TITLE,
+        "copyright": "the authors of LiDAR Obstacle Lab. Code: MIT; text and pictures: CC BY 4.0",
+        "language": "en",
+        "extensions": ["myst_nb"],
+        "exclude_patterns": ["_static/**"],
+        "nb_execution_mode": "off",
+        "nb_merge_streams": True,
+        "myst_enable_extensions": ["dollarmath", "amsmath"],
+        "myst_heading_anchors": 4,
+        "html_theme": "sphinx_book_theme",
+        "html_theme_options": theme,
+        "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},
+        "html_static_path": ["_static"],
+        "html_extra_path": ["beside"],
+        "html_css_files": ["site.css"],
+        "html_js_files": [("site.js", {"defer": "defer"})],
+        "html_copy_source": False,
+        "html_show_sourcelink": False,
+        "html_show_sphinx": False,
+        "html_use_index": False,
+        "html_domain_indices": False,
+        "mathjax_path": "mathjax/tex-chtml.js",
+        # The menu would make a stop of the Tab key of each formula.
+        "mathjax3_config": {"options": {"enableMenu": False}},
+    }

@@ -1,0 +1,55 @@
+// Keeps guesses in this browser, shows them beside the answer, and halts the film.
+(() => {
+  const key = (question) => `guess-${question}`;
+  const known = (question) => { try { return localStorage.getItem(key(question)); } catch { return null; } };
+  const keep = (question, guess) => { try { localStorage.setItem(key(question), guess); } catch { /* then not */ } };
+
+  const tell = (question, guess) => {
+    for (const answer of document.querySelectorAll(`details.answer[data-question="${question}"] .yours`)) {
+      answer.textContent = guess ? `Your guess: ${guess}` : "";
+    }
+  };
+
+  for (const form of document.querySelectorAll("form.guess")) {
+    const question = form.dataset.question;
+    const output = form.querySelector("output");
+    const shown = (value) => (output ? `${value} ${output.dataset.unit}`.trim() : value);
+    const guess = known(question);
+    if (guess) {
+      for (const field of form.querySelectorAll("input")) {
+        if (field.type === "radio") field.checked = field.value === guess;
+        else field.value = guess;
+      }
+      if (output) output.textContent = shown(guess);
+      tell(question, shown(guess));
+    }
+    form.addEventListener("input", (event) => {
+      const value = event.target.value;
+      keep(question, value);
+      if (output) output.textContent = shown(value);
+      tell(question, shown(value));
+    });
+    form.addEventListener("submit", (event) => event.preventDefault());
+  }
+
+  for (const film of document.querySelectorAll("figure.film img[data-still]")) {
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) continue;
+    const moving = film.getAttribute("src");
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = "Halt the film";
+    button.addEventListener("click", () => {
+      const halted = film.getAttribute("src") !== moving;
+      film.setAttribute("src", halted ? moving : film.dataset.still);
+      button.textContent = halted ? "Halt the film" : "Play the film";
+    });
+    film.closest("figure").append(button);
+  }
+
+  for (const report of document.querySelectorAll("a.report")) {
+    report.addEventListener("click", () => {
+      const place = location.hash ? `${document.title}, ${location.hash}` : document.title;
+      report.href = `${report.href.split("?")[0]}?title=${encodeURIComponent(place)}`;
+    });
+  }
+})();

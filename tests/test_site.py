@@ -1,0 +1,389 @@
+"""The course as pages: what is on them, what is never on them, and that they need nobody."""
+
+import base64
+import html
+import io
+import json
+import re
+
+import ipywidgets
+import matplotlib.pyplot as plt
+import nbformat
+import numpy as np
+import pytest
+from nbformat.v4 import new_code_cell, new_output
+from PIL import Image
+
+from grader import cli
+from grader.course.build import Origin, read_origin
+from grader.course.lessons import all_lessons, find_lesson
+from grader.course.paths import PROJECT
+from grader.site import front, guides, proof, recording, running, words, writing
+from grader.site.lesson import links_of, page_of
+from grader.site.pictures import Pictures
+from grader.site.showing import html_of, key_of, shown
+from grader.site.trouble import SiteTrouble
+from tests.running import errors_of, run
+from utils.scene3d import Scene, output
+
+LESSON = find_lesson("05_euclidean_clustering")
+PUBLIC = Origin("https://code.example.org/anna/lidar", "v1")
+
+
+def picture(colour, kind="PNG"):
+    buffer = io.BytesIO()
+    Image.new("RGB", (30, 20), colour).save(buffer, kind)
+    return base64.b64encode(buffer.getvalue()).decode()
+
+
+def displayed(data, about=None):
+    return new_output("display_data", data=data, metadata=about or {})
+
+
+def positions():
+    """A slider at its own value and at two others."""
+    yield displayed({recording.POSITION: {"all": [["level (m)", "-1.2"]]}})
+    yield displayed({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
+    for value, colour in (("-2.2", "green"), ("0.6", "blue")):
+        yield displayed({recording.POSITION: {"slider": "level (m)", "value": value}})
+        yield displayed({"image/png": picture(colour)})
+        yield new_output("stream", name="stdout", text=f"at {value} <m>\n")
+
+
+QUESTION = {"question": "How many?", "choices": [], "unit": "m", "between": [0, 10], "step": 1}
+ANSWER = {"question": "How many?", "answer": "7 m", "why": "Because 3 < 4."}
+
+
+def scene():
+    """A scene to turn, as a cell shows it."""
+    drawn = Scene("A corner").add_cloud(np.array([[0, 0, 0], [1, 1, 1.0]]))
+    return output.bundle_of(drawn, "XY", True, (320, 240), "matplotlib", 'A "corner" in space')
+
+
+def made_up():
+    """Solved notebooks as if they had run: one shows something of each kind."""
+    ran = {lesson: nbformat.read(lesson.solved, as_version=4) for lesson in all_lessons()}
+    code = [cell for cell in ran[LESSON].cells if cell.cell_type == "code"]
+    code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
+    code[1].outputs = [new_output("stream", name="stdout", text="0 of 2\r1 of 2\r2 of 2\n")]
+    code[2].outputs = [displayed({"image/gif": picture("red", "GIF")})]
+    code[3].outputs = [displayed({recording.QUESTION: QUESTION})]
+    code[4].outputs = [*positions()]
+    code[5].outputs = [displayed({recording.ANSWER: ANSWER}), displayed(scene())]
+    return {lesson: nbformat.writes(notebook).encode() for lesson, notebook in ran.items()}
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site") / "pages"
+    writing.write_site(folder, made_up(), PUBLIC)
+    return folder
+
+
+def text_of(path):
+    """What stands on a page, by a reader that is not the one under test."""
+    plain = re.sub(r"<(script|style)\b.*?</\1>", "", path.read_text("utf-8"), flags=re.S)
+    return html.unescape(re.sub(r"<[^>]+>", "", plain))
+
+
+# ---- what a cell showed -------------------------------------------------------------------------
+
+
+def test_a_slider_is_its_picture_at_some_positions_with_words_beside():
+    pictures = Pictures()
+    (one,) = shown([*positions()], pictures)
+    page = one.data["text/html"]
+    assert [*map(float, re.findall(r"<label [^>]*>(\S+)</label>", page))] == [-2.2, -1.2, 0.6]
+    assert re.findall(r'class="at-(\d)" checked', page) == ["0"], "the lesson's own is shown first"
+    assert len(pictures.files) == 3
+    assert page.count('class="position ') == 3
+    assert "<pre>at 0.6 &lt;m&gt;\n</pre>" in page
+    assert 'alt="In "red""' in html.unescape(page) and 'width="30" height="20"' in page
+
+
+def test_several_sliders_share_one_choice():
+    own = {recording.POSITION: {"all": [["beams", "32"], ["step", "0.8"]]}}
+    moved = [
+        {recording.POSITION: {"slider": title, "value": value}}
+        for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
+    ]
+    (one,) = shown([displayed(data) for data in (own, *moved)], Pictures())
+    page = one.data["text/html"]
+    assert re.findall(r"<label [^>]*>(.+?)</label>", page) == ["as in this lesson", "4", "2.4", "6"]
+    assert len(set(re.findall(r'name="(\w+)"', page))) == 1
+    ids = re.findall(r'id="([\w-]+)"', page)
+    assert len(ids) == len(set(ids)) == 4
+
+
+def test_a_question_is_a_field_and_its_answer_is_folded():
+    asked = html_of(displayed({recording.QUESTION: QUESTION}), Pictures())
+    told = html_of(displayed({recording.ANSWER: ANSWER}), Pictures())
+    assert '<input type="range" min="0" max="10" step="1"' in asked
+    key = f'data-question="{key_of("How many?")}"'
+    assert key in asked and key in told, "a guess finds its answer"
+    assert told.startswith("<details") and " open" not in told.partition(">")[0]
+    assert "Because 3 &lt; 4." in told
+    choices = QUESTION | {"choices": ["a < b", "b < a"]}
+    radio = html_of(displayed({recording.QUESTION: choices}), Pictures())
+    assert radio.count('type="radio"') == 2 and "a &lt; b" in radio
+
+
+def test_a_scene_is_a_page_of_its_own_that_is_fetched_when_it_comes_near():
+    pictures = Pictures()
+    page = html_of(displayed(scene()), pictures)
+    assert "srcdoc" not in page and "base64" not in page
+    assert re.search(r'<iframe class="scene" src="\.\./_static/shown/\w+\.html" title="A ', page)
+    assert 'loading="lazy"' in page
+    (view,) = (file for place, file in pictures.files.items() if place.endswith(".html"))
+    assert view.lstrip().lower().startswith(b"<!doctype html>")
+    instead = html.unescape(page.partition("<noscript>")[2])
+    assert 'alt="A "corner" in space"' in instead, "who runs no scripts sees a picture"
+
+
+def test_what_a_bar_has_overwritten_is_not_shown():
+    (one,) = shown([new_output("stream", name="stdout", text="a\n1/2\r2/2\nb\r\n")], Pictures())
+    assert one.text == "a\n2/2\nb\r\n"
+
+
+# ---- what runs in the kernel --------------------------------------------------------------------
+
+
+def values_of(sliders):
+    return [values for _, values in recording.positions(sliders)]
+
+
+def test_positions_are_values_of_the_slider_with_its_own_first():
+    slider = ipywidgets.FloatSlider(value=0.5, min=0.1, max=2.5, step=0.1)
+    threshold = [values["threshold"] for values in values_of({"threshold": slider})]
+    assert threshold[0] == 0.5 and threshold[1] == 0.1 and threshold[-1] == 2.5
+    assert len(set(threshold)) == 5
+    assert all(value * 10 == pytest.approx(round(value * 10)) for value in threshold)
+
+
+def test_one_slider_moves_at_a_time():
+    sliders = {
+        "rounds": ipywidgets.SelectionSlider(options=[10, 20, 500], value=20),
+        "seed": ipywidgets.IntSlider(value=0, min=0, max=9),
+        "level": ipywidgets.FloatSlider(value=1, min=0, max=2, step=0.5),
+    }
+    found = values_of(sliders)
+    own = {"rounds": 20, "seed": 0, "level": 1.0}
+    assert found[0] == own
+    moved = [{name: v for name, v in values.items() if v != own[name]} for values in found[1:]]
+    assert [len(one) for one in moved] == [1] * 6
+    assert [one["rounds"] for one in moved if "rounds" in one] == [10, 500]
+    assert all(isinstance(values["seed"], int) for values in found)
+
+
+def test_a_figure_says_its_titles_axes_and_legend():
+    figure, axes = plt.subplots()
+    axes.plot([1, 2], label="n²: $n^2$")
+    axes.set_title("Left", loc="left")
+    axes.set_xlabel("x, forward (m)")
+    axes.legend()
+    said = recording.described(figure)
+    plt.close(figure)
+    assert all(words in said for words in ("Left", "x, forward (m)", "n²: n^2"))
+    assert "$" not in said
+
+
+@pytest.mark.slow
+def test_a_recorded_notebook_shows_data_instead_of_widgets():
+    setup = f"import sys; sys.path.insert(0, {str(PROJECT)!r})"
+    lesson = """
+from ipywidgets import IntSlider, interact
+from utils import predict
+import matplotlib.pyplot as plt
+guess = predict("How many?", between=(0, 10), unit="m")
+@interact(n=IntSlider(value=3, min=1, max=9, description="count"))
+def show(n):
+    plt.figure().suptitle(f"{n} things")
+    plt.plot([n])
+    plt.show()
+guess.compare(7, "So it is.")
+print(sorted(name for name in globals() if "record" in name or name == "np"))
+"""
+    sources = (setup, running.first_code(), lesson)
+    notebook = nbformat.v4.new_notebook(cells=[*map(new_code_cell, sources)])
+    run(notebook, PROJECT)
+    assert not errors_of(notebook)
+    outputs = notebook.cells[2].outputs
+    kinds = [max(one.get("data", {}).keys() - {"text/plain"}, default="") for one in outputs]
+    question, *between, answer, _ = kinds
+    assert (question, answer) == (recording.QUESTION, recording.ANSWER)
+    assert between == [recording.POSITION, "image/png"] * 5
+    assert outputs[-2].data[recording.ANSWER] == {
+        "question": "How many?",
+        "answer": "7 m",
+        "why": "So it is.",
+    }
+    assert outputs[2].metadata["image/png"]["alt"] == "Figure. 3 things."
+    assert outputs[-1].text == "[]\n", "a lesson has no name that it did not make"
+
+
+# ---- pages --------------------------------------------------------------------------------------
+
+
+def test_every_word_that_a_lesson_links_to_is_known():
+    for lesson in all_lessons():
+        linked = words.linked(lesson.released.read_text("utf-8"))
+        assert "(../words.md)" not in linked, lesson.name
+
+
+def test_a_cell_without_partner_stops_the_site():
+    notebook = nbformat.read(LESSON.solved, as_version=4)
+    lost = notebook.cells.pop(5).id
+    with pytest.raises(SiteTrouble, match=lost):
+        page_of(LESSON, nbformat.writes(notebook).encode(), PUBLIC, Pictures())
+
+
+def test_a_page_says_where_it_runs_once_there_is_an_address():
+    assert links_of(LESSON, Origin("", "main")).count("<a ") == 1
+    there = links_of(LESSON, PUBLIC)
+    assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
+    assert "https://code.example.org/anna/lidar/issues/new" in there
+
+
+def test_a_guide_links_to_pages_to_files_or_to_nothing():
+    here = guides.page("instructors", Origin("", "main"), Pictures())
+    there = guides.page("instructors", PUBLIC, Pictures())
+    assert "(authors.md)" in here
+    assert "](lms/late.py)" not in here and "[lms/late.py](" not in here
+    assert "[lms/late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
+    assert "](pictures/name.png)" in guides.page("authors", PUBLIC, Pictures()), (
+        "code is left alone"
+    )
+
+
+def test_the_front_page_has_every_lesson():
+    page = front.page(read_origin(), Pictures())
+    assert re.findall(r'class="lesson-card" href="stage\w+/(\w+)\.html"', page) == [
+        lesson.name for lesson in all_lessons()
+    ]
+
+
+# ---- what is proven -----------------------------------------------------------------------------
+
+
+def secrets():
+    """Each line of a solution that no student's notebook says in any way."""
+    notebooks = "\n".join(
+        "".join(cell["source"])
+        for lesson in all_lessons()
+        for cell in json.loads(lesson.released.read_text("utf-8"))["cells"]
+    )
+    known = re.sub(r"[`*]", "", notebooks)
+    for lesson in all_lessons():
+        text = lesson.source.read_text("utf-8")
+        for region in re.findall("### BEGIN SOLUTION\n(.*?)### END SOLUTION", text, re.S):
+            for line in map(str.strip, region.splitlines()):
+                # What is that short stands in any program; and build takes `# from` away.
+                if (
+                    len(line) > 15
+                    and not line.startswith("# from ")
+                    and line.replace("*", "") not in known
+                ):
+                    yield line
+
+
+@pytest.mark.parametrize("suffix", [".html", ".js", ".ipynb"])
+def test_a_line_of_a_solution_is_found_however_it_is_written(tmp_path, suffix):
+    line = "newcomers = np.flatnonzero((distance < threshold) & (labels == 0))"
+    assert line in set(secrets())
+    text = {
+        ".html": "".join(f"<span>{html.escape(part)}</span>" for part in re.split("( )", line)),
+        ".js": f"index({json.dumps({'text': line})})",
+        ".ipynb": json.dumps({"source": [line]}),
+    }
+    (tmp_path / f"file{suffix}").write_text(text[suffix], "utf-8")
+    (fault,) = proof.faults(tmp_path)
+    assert "gives away" in fault and LESSON.name in fault
+
+
+@pytest.mark.parametrize(
+    ("page", "said"),
+    [
+        ('<script src="https://cdn.example.org/a.js"></script>', "asks another host"),
+        ('<link rel="stylesheet" href="//fonts.example.org/a.css">', "asks another host"),
+        ('<img alt="" src="HTTP://example.org/a.png">', "asks another host"),
+        ('<a href="lost.html">there</a>', "links to lost.html"),
+        ('<a href="#lost">there</a>', "links to #lost"),
+        ('<img src="page.html">', "without a description"),
+        ('<a href="https://example.org/">out</a> <a id="x" href="page.html#x">here</a>', ""),
+    ],
+)
+def test_what_a_page_asks_for_and_where_it_leads(tmp_path, page, said):
+    (tmp_path / "page.html").write_text(page, "utf-8")
+    found = proof.faults(tmp_path)
+    assert [said in fault for fault in found] == [True] * bool(said)
+
+
+def test_styles_ask_no_other_host_either(tmp_path):
+    style = "@import 'https://example.org/a.css'; a {background: url(img.png)}"
+    (tmp_path / "a.css").write_text(style, "utf-8")
+    assert len(proof.faults(tmp_path)) == 1
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path):
+    (tmp_path / "thesis.txt").write_text("mine", "utf-8")
+    with pytest.raises(SiteTrouble, match="holds something else"):
+        writing.ready(tmp_path)
+    assert cli.main(["site", "--to", str(tmp_path)]) == 1
+    assert (tmp_path / "thesis.txt").read_text("utf-8") == "mine"
+
+
+# ---- the whole ----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_no_line_of_a_solution_is_in_the_site(site):
+    lines = set(secrets())
+    assert len(lines) > 200
+    read = [path for path in site.rglob("*") if path.suffix in (".html", ".js", ".ipynb", ".json")]
+    assert len(read) > 40
+    for path in read:
+        raw = path.read_text("utf-8")
+        texts = (raw, text_of(path), raw.replace('\\"', '"').replace("\\n", "\n"))
+        assert not [line for line in lines if any(line in text for text in texts)], path.name
+
+
+@pytest.mark.slow
+def test_the_stub_is_on_its_page_and_so_is_what_was_shown(site):
+    page = text_of(site / LESSON.stage / f"{LESSON.name}.html")
+    assert "raise NotImplementedError" in page and "def euclidean_clustering" in page
+    assert "2 of 2" in page and "1 of 2" not in page
+    assert "this machine" not in page
+
+
+@pytest.mark.slow
+def test_search_finds_words_of_titles_and_of_text(site):
+    index = (site / "searchindex.js").read_text("utf-8")
+    assert index.startswith("Search.setIndex({"), "a script, which a page loads from a disk, too"
+    index = json.loads(index.removeprefix("Search.setIndex(").rstrip().removesuffix(")"))
+    lesson = index["docnames"].index(f"{LESSON.stage}/{LESSON.name}")
+    (found,) = (pages for title, pages in index["alltitles"].items() if "The queue" in title)
+    assert [page for page, _ in found] == [lesson]
+    assert lesson in index["terms"]["lorri"], "`lorry` stands in its text alone"
+
+
+@pytest.mark.slow
+def test_what_a_page_loads_is_beside_it(site):
+    assert (site / "_static" / "mathjax" / "tex-chtml.js").is_file()
+    assert len([*(site / "_static" / "mathjax").rglob("*.woff")]) > 10
+    assert not [*site.rglob("*.map"), *site.rglob("fontawesome.js")]
+    for lesson in all_lessons():
+        notebook = json.loads((site / "notebooks" / f"{lesson.name}.ipynb").read_text("utf-8"))
+        assert notebook["metadata"]["lidar_obstacle_lab"]["standalone"]
+
+
+@pytest.mark.proof
+def test_two_sites_are_the_same_bytes(site, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    monkeypatch.setenv("PYTHONHASHSEED", "7")
+    again = tmp_path / "elsewhere" / "deeper"
+    writing.write_site(again, made_up(), PUBLIC)
+    files = {path.relative_to(site) for path in site.rglob("*") if path.is_file()}
+    assert files == {path.relative_to(again) for path in again.rglob("*") if path.is_file()}
+    assert len(files) > 80
+    for name in files:
+        assert (site / name).read_bytes() == (again / name).read_bytes(), name
