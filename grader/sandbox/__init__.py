@@ -6,6 +6,7 @@ module with a class that has the methods of `protocol.Sandbox`, whose workers ha
 """
 
 from grader.sandbox.bubblewrap import Bubblewrap
+from grader.sandbox.chroot import Chroot
 from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable, Worker
 from grader.sandbox.unwalled import Unwalled
 
@@ -20,7 +21,9 @@ __all__ = [
 ]
 
 AUTO = "auto"
-SANDBOXES: dict[str, Sandbox] = {sandbox.name: sandbox for sandbox in (Bubblewrap(), Unwalled())}
+SANDBOXES: dict[str, Sandbox] = {
+    sandbox.name: sandbox for sandbox in (Bubblewrap(), Chroot(), Unwalled())
+}
 
 
 def choose_sandbox(wish: str = AUTO) -> Sandbox:
@@ -29,8 +32,8 @@ def choose_sandbox(wish: str = AUTO) -> Sandbox:
     Parameters
     ----------
     wish : str
-        A name in `SANDBOXES`, or "auto": the first that has walls. One without is never fallen
-        back to.
+        A name in `SANDBOXES`, or "auto": the one without a warning. No other is ever fallen back
+        to.
 
     Raises
     ------

@@ -88,6 +88,19 @@ def folders_of_packages() -> tuple[Path, ...]:
     return tuple(dict.fromkeys(folder for folder in folders if folder.is_dir()))
 
 
+def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> list[Path]:
+    """Those folders of some modules that would be shown with some packages."""
+    shown = files_of_packages(packages)
+    folders = [
+        folder / module.replace(".", "/") for module in modules for folder in folders_of_packages()
+    ]
+    return [
+        folder
+        for folder in folders
+        if folder.is_dir() and any(folder.is_relative_to(path) for path in shown)
+    ]
+
+
 def is_shown(path: Path, packages: Iterable[str] = ()) -> bool:
     """True where a file lies in something that every sandbox, or one for a lesson, shows."""
     roots = (*SYSTEM, BASE_PREFIX, *SHOWN, *files_of_packages(tuple(packages)))

@@ -9,7 +9,6 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-import secrets
 import shutil
 import subprocess
 import sys
@@ -18,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.paths import PROJECT
+from grader.sandbox import users
 from grader.sandbox.boundary import (
     BASE_PREFIX,
     PREFIX,
@@ -25,6 +25,7 @@ from grader.sandbox.boundary import (
     SHOWN,
     SYSTEM,
     files_of_packages,
+    folders_of_modules,
     folders_of_packages,
 )
 from grader.sandbox.fork_client import client_for, preloaded
@@ -56,7 +57,7 @@ class Bubblewrap:
         """Say which walls there are on this machine, for whoever grades."""
         user = (
             "an unused user for each notebook"
-            if _is_root()
+            if users.is_root()
             else "a user namespace of its own for each notebook"
         )
         calls = "" if os.uname().machine in MACHINES else " (no filter of system calls on this one)"
@@ -76,7 +77,7 @@ class Bubblewrap:
         # Without a process table of its own this would count all processes of whoever grades.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
         rules = {
-            "user": _unused_user() if _is_root() else None,
+            "user": users.unused() if users.is_root() else None,
             "limits": resources,
             "forbidden": list(forbidden),
         }
@@ -124,7 +125,7 @@ def _complaint() -> str:
 def _can_go_behind_walls() -> bool:
     """Whether a process may enter the walls that it has built: some systems restrict that."""
     rules = {
-        "user": _unused_user() if _is_root() else None,
+        "user": users.unused() if users.is_root() else None,
         "limits": Limits().resources(),
         "forbidden": [],
     }
@@ -137,22 +138,6 @@ def _can_go_behind_walls() -> bool:
     return True
 
 
-def _is_root() -> bool:
-    """True for a root who can become other users; in some containers it is the only one."""
-    return os.geteuid() == 0 and _number_of_users() >= 2**16
-
-
-def _unused_user() -> int:
-    """A user of its own for each worker: limits are counted by user and do not bind root."""
-    count = _number_of_users()
-    return count // 2 + secrets.randbelow(count // 2 - 2)
-
-
-def _number_of_users() -> int:
-    first, _, count = map(int, Path("/proc/self/uid_map").read_text().splitlines()[0].split())
-    return count if first == 0 else 0
-
-
 def _walls(limits: Limits) -> list[str]:
     """The bubblewrap command up to what is seen through it."""
     options = [
@@ -163,7 +148,7 @@ def _walls(limits: Limits) -> list[str]:
         "--unshare-cgroup-try",
         "--new-session",
     ]
-    if _is_root():
+    if users.is_root():
         # Real root in a user namespace stays real root for resource limits; so no namespace,
         # and the worker leaves root for an unused user before it reads a line of the student.
         options += ["--cap-drop", "ALL", "--cap-add", "CAP_SETUID", "--cap-add", "CAP_SETGID"]
@@ -214,8 +199,7 @@ def _walls(limits: Limits) -> list[str]:
 
 def _windows(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
     """Options that show Python and what the boundary lets through, less what is forbidden."""
-    files = [path for path in files_of_packages(packages)]
-    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files))]
+    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
     # The project may lie in a folder that is shown; then its place is empty but for this.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
@@ -223,11 +207,8 @@ def _windows(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
     options = [] if _lies_in(BASE_PREFIX, SYSTEM) else _seen([BASE_PREFIX])
     options += itertools.chain(*(("--tmpfs", path) for path in covered))
     options += _seen(shown)
-    for module in forbidden:
-        for folder in folders_of_packages():
-            hidden = str(folder / module.replace(".", "/"))
-            if os.path.isdir(hidden) and _lies_in(hidden, map(str, files)):
-                options += ["--tmpfs", hidden, "--remount-ro", hidden]
+    for hidden in map(str, folders_of_modules(forbidden, packages)):
+        options += ["--tmpfs", hidden, "--remount-ro", hidden]
     options += itertools.chain(*(("--remount-ro", path) for path in covered))
     return options
 

@@ -25,17 +25,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 
+import privileges  # noqa: E402
 import worker  # noqa: E402
 
 sys.path.pop(0)  # the worker has put it there, too
 
 # What bubblewrap unshares, beside users; see namespaces(7).
 NAMESPACES = ("mnt", "net", "ipc", "uts", "cgroup", "pid")
-# See ioctl_ns(2), prctl(2), capabilities(7) and linux/capability.h.
-_PARENT_NAMESPACE = 0xB702
-_DROP_FROM_BOUNDING_SET, _SET_DUMPABLE, _SET_NO_NEW_PRIVILEGES = 24, 4, 38
-_CAPABILITIES_VERSION = 0x20080522
-_SETGID, _SETUID = 6, 7
+_PARENT_NAMESPACE = 0xB702  # see ioctl_ns(2)
 
 _LIBC = ctypes.CDLL(None, use_errno=True)
 
@@ -118,7 +115,7 @@ def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
 
 def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     read_end, write_end = _alone_with(read_end, write_end)
-    give_up_privileges(keep_user_changes=not request["own_users"])
+    privileges.give_up(keep_user_changes=not request["own_users"])
     os.chdir(request["home"])
     os.environ["HOME"] = os.environ["PWD"] = request["home"]
     sys.argv[:] = [str(Path(worker.__file__))]
@@ -170,35 +167,6 @@ def _set_namespace(namespace: int) -> None:
     if _LIBC.setns(namespace, 0):
         number = ctypes.get_errno()
         raise OSError(number, f"setns: {os.strerror(number)}")
-
-
-def give_up_privileges(*, keep_user_changes: bool) -> None:
-    """Give up all capabilities, for good and for all children.
-
-    Parameters
-    ----------
-    keep_user_changes : bool
-        But for those to become another user: a worker of root's does that next.
-
-    Raises
-    ------
-    OSError
-        If the kernel does not let us.
-    """
-    kept = (1 << _SETGID | 1 << _SETUID) if keep_user_changes else 0
-    for capability in range(64):
-        # Beyond the last one that this kernel knows it says so.
-        if not kept >> capability & 1:
-            _LIBC.prctl(_DROP_FROM_BOUNDING_SET, ctypes.c_ulong(capability), 0, 0, 0)
-    header = (ctypes.c_uint32 * 2)(_CAPABILITIES_VERSION, 0)
-    # Effective, permitted, inheritable; of the first 32 capabilities and of the rest.
-    sets = (ctypes.c_uint32 * 6)(kept, kept, 0, 0, 0, 0)
-    if _LIBC.capset(header, sets):
-        number = ctypes.get_errno()
-        raise OSError(number, f"capset: {os.strerror(number)}")
-    _LIBC.prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), 0, 0, 0)
-    # Entering a user namespace hides a process from its own user, who is to count its files.
-    _LIBC.prctl(_SET_DUMPABLE, ctypes.c_ulong(1), 0, 0, 0)
 
 
 if __name__ == "__main__":

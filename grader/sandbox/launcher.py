@@ -9,7 +9,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from subprocess import Popen
 
@@ -41,12 +41,15 @@ class WorkerProcess:
     read_end, write_end : int
     forked : grader.sandbox.fork_client.Forked, optional
         The worker, where it was forked and went behind the walls later.
+    give_back : callable
+        Called once all has ended, when its folder can be somebody else's.
     """
 
     process: subprocess.Popen
     read_end: int
     write_end: int
     forked: Forked | None = None
+    give_back: Callable[[], object] = lambda: None
     _stopped: threading.Event = field(default_factory=threading.Event)
     _signals: threading.Lock = field(default_factory=threading.Lock)
 
@@ -67,6 +70,7 @@ class WorkerProcess:
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
+        self.give_back()
         return code
 
     def has_ended(self, seconds: float) -> bool:
@@ -114,6 +118,7 @@ def launch(
     limits: Limits,
     client: ForkClient | None = None,
     preload: bool = False,
+    give_back: Callable[[], object] | None = None,
 ) -> WorkerProcess:
     """Start a worker behind some walls, and wait until it reports.
 
@@ -132,6 +137,9 @@ def launch(
         Has workers forked that go behind these walls; by default Python is started there.
     preload : bool
         That the fork server shall have imported beforehand what is slow to import.
+    give_back : callable, optional
+        Called once all has ended. Then the walls are a process that ends all behind them when its
+        input closes; else they end with it.
 
     Raises
     ------
@@ -145,7 +153,8 @@ def launch(
     try:
         if client is None:
             command = [*walls, PYTHON, "-I", "-B", str(WORKER), str(their_read), str(their_write)]
-            process, forked = _run(command, home, (their_read, their_write)), None
+            talk = subprocess.PIPE if give_back else subprocess.DEVNULL
+            process, forked = _run(command, home, (their_read, their_write), talk), None
         else:
             request = {"own_users": rules["user"] is None, "home": home, "preload": preload}
             process, forked = _go_behind(walls, request, client, their_read, their_write)
@@ -156,7 +165,7 @@ def launch(
     finally:
         os.close(their_read)
         os.close(their_write)
-    worker = WorkerProcess(process, our_read, our_write, forked)
+    worker = WorkerProcess(process, our_read, our_write, forked, give_back or (lambda: None))
     try:
         introduce(worker, rules)
     except (wire.WireClosed, wire.WireTimeout):
@@ -218,14 +227,18 @@ def _last_words(process: Popen) -> str:
 
 
 def _run(
-    command: Sequence[str], home: str, pipes: Sequence[int], talk: int = subprocess.DEVNULL
+    command: Sequence[str],
+    home: str,
+    pipes: Sequence[int],
+    stdin: int,
+    stdout: int = subprocess.DEVNULL,
 ) -> Popen:
     return subprocess.Popen(
         command,
         pass_fds=pipes,
         env={"HOME": home, **ENVIRONMENT},
-        stdin=talk,
-        stdout=talk,
+        stdin=stdin,
+        stdout=stdout,
         stderr=subprocess.PIPE,
         start_new_session=True,
     )
@@ -241,7 +254,8 @@ def _go_behind(
     try:
         # Both ends: who cannot tell its number would end, and leave what waits for it.
         pipes = number, info
-        process = _run([*walls, *options], request["home"], pipes, talk=subprocess.PIPE)
+        both = subprocess.PIPE, subprocess.PIPE
+        process = _run([*walls, *options], request["home"], pipes, *both)
     finally:
         os.close(number)
     try:

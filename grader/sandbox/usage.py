@@ -124,13 +124,12 @@ def _threads(pid: int) -> list[str]:
 
 def _files(pid: int) -> int:
     """Of the two folders that a student may write to, as this process sees them."""
-    total = 0
+    total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
         try:
-            system = os.statvfs(f"/proc/{pid}/root/{folder}")
-            of_its_own = (
-                os.stat(f"/proc/{pid}/root/{folder}").st_dev != os.stat(f"/{folder}").st_dev
-            )
+            system = os.statvfs(f"{root}/{folder}")
+            others = [os.stat(path).st_dev for path in (f"/{folder}", f"{root}/.")]
+            of_its_own = os.stat(f"{root}/{folder}").st_dev not in others
         except OSError:
             continue
         if of_its_own:

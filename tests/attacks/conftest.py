@@ -15,7 +15,7 @@ from tests.demands import demand_walls
 @pytest.fixture(scope="session", autouse=True)
 def walls():
     """The sandbox for strangers' code."""
-    return demand_walls()
+    return demand_walls(WALLS.name)
 
 
 @pytest.fixture(scope="session")

@@ -93,7 +93,10 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
         "kills itself": ("os.kill(os.getpid(), 9)", "memory, or killed itself"),
         "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
         "leaves a child in its place": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
-        "becomes another program": ("os.execv('/bin/sleep', ['sleep', '60'])", "did not answer"),
+        "becomes another program": (
+            "import sys\np = sys.executable\nos.execv(p, [p, '-c', 'import time; time.sleep(60)'])",
+            "did not answer",
+        ),
         "drips an answer": (
             """
 write = pipes()[1][0]

@@ -13,7 +13,16 @@ from grader.course.paths import PROJECT
 from grader.sandbox import Limits, launcher
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.inside import syscalls
-from tests.attacks.attacking import MEBIBYTE, SHORT, attack, function, outcome_of, stopped_by, tried
+from tests.attacks.attacking import (
+    MEBIBYTE,
+    SHORT,
+    attack,
+    function,
+    in_namespaces,
+    outcome_of,
+    stopped_by,
+    tried,
+)
 from tests.demands import not_here
 
 TOO_MUCH = "too much memory"
@@ -51,6 +60,7 @@ def f(paths):
     assert not (PROJECT / "utils" / "clouds" / "x").exists()
 
 
+@in_namespaces
 @tried(
     "folder, body",
     {
@@ -94,6 +104,7 @@ def f(folder, hide):
 """
 
 
+@in_namespaces
 @pytest.mark.slow
 @tried(
     "folder, hide",
@@ -305,6 +316,7 @@ def test_gains_a_right(body):
         student.f()
 
 
+@in_namespaces
 def test_has_a_privilege_left():
     source = """
 import os, subprocess

@@ -162,10 +162,15 @@ class _Program(ctypes.Structure):
     _fields_ = [("length", ctypes.c_ushort), ("instructions", ctypes.c_char_p)]
 
 
-def deny() -> None:
+def deny(*, sockets: bool = True) -> None:
     """Deny them to this process and its children, for good.
 
     Other processors than those of `MACHINES` go without: this wall stands behind others.
+
+    Parameters
+    ----------
+    sockets : bool
+        Whether there may be sockets: not where the network is that of others.
 
     Raises
     ------
@@ -177,7 +182,7 @@ def deny() -> None:
         return
     code = b"".join(
         operation.to_bytes(2, "little") + bytes((if_true, if_false)) + value.to_bytes(4, "little")
-        for operation, if_true, if_false, value in _filter(machine)
+        for operation, if_true, if_false, value in _filter(machine, sockets)
     )
     program = _Program(len(code) // 8, code)
     prctl = ctypes.CDLL(None, use_errno=True).prctl
@@ -192,7 +197,7 @@ def deny() -> None:
 _Instruction = tuple[int, int, int, int]
 
 
-def _filter(machine: str) -> Iterator[_Instruction]:
+def _filter(machine: str, sockets: bool) -> Iterator[_Instruction]:
     """Instructions (operation, how many to skip if true, if false, value)."""
     name, numbers = MACHINES[machine]
     yield _LOAD, 0, 0, _MACHINE
@@ -201,7 +206,7 @@ def _filter(machine: str) -> Iterator[_Instruction]:
     yield _LOAD, 0, 0, _NUMBER
     yield _IF_AT_LEAST, 0, 1, _FOREIGN_NUMBERS
     yield _DENY
-    for limited, rule in _rules().items():
+    for limited, rule in _rules(sockets).items():
         yield _IF_EQUAL, 0, len(rule), numbers[limited]
         yield from rule
     for call, number in numbers.items():
@@ -211,7 +216,7 @@ def _filter(machine: str) -> Iterator[_Instruction]:
     yield _ALLOW
 
 
-def _rules() -> dict[str, list[_Instruction]]:
+def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
     """What is done about each call with a limit; first the one that is made most often."""
     return {
         "futex": [
@@ -235,7 +240,11 @@ def _rules() -> dict[str, list[_Instruction]]:
             _DENY,
         ],
         "clone": [_argument(0), *_answer(_DENY, _IF_ANY_BIT, NEW_USER_NAMESPACE), _ALLOW],
-        "socket": [_argument(0), *_answer(_ALLOW, _IF_EQUAL, *ORDINARY_SOCKETS), _DENY],
+        "socket": [
+            _argument(0),
+            *_answer(_ALLOW, _IF_EQUAL, *(ORDINARY_SOCKETS if sockets else ())),
+            _DENY,
+        ],
         "prctl": [_argument(0), *_answer(_DENY, _IF_EQUAL, MERGE_ALL), _ALLOW],
     }
 

@@ -1,0 +1,106 @@
+"""Keeps a worker in a folder: the root of that folder is all that the worker sees.
+
+Stays outside, as root, between the judge and the worker. All that the worker starts stays below
+it, and ends when the worker does, or when nobody holds the other end of standard input.
+
+Run by `grader.sandbox.chroot`: ``python -I -S -B jailer.py FOLDER HOME USER COMMAND ...``.
+"""
+
+import ctypes
+import os
+import select
+import signal
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
+
+import privileges  # noqa: E402
+
+MOST_FILES = 2**16
+_SET_CHILD_SUBREAPER = 36  # see prctl(2)
+
+
+def main(folder: str, home: str, user: int, command: list[str]) -> int:
+    """Run a command in a folder; returns its exit code, as a shell has it."""
+    # What loses its parent becomes a child of this process, and is not out of sight.
+    ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, ctypes.c_ulong(1), 0, 0, 0)
+    ended, told = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+    signal.set_wakeup_fd(told, warn_on_full_buffer=False)
+    signal.signal(signal.SIGCHLD, lambda number, frame: None)
+    worker = os.fork()
+    if worker == 0:
+        try:
+            _become(folder, home, command)
+        except OSError as error:
+            print(error, file=sys.stderr, flush=True)
+        finally:
+            os._exit(1)
+    # The worker's ends of its pipes are the worker's alone, or nobody would see them closed.
+    os.closerange(3, min(ended, told))
+    os.closerange(max(ended, told) + 1, MOST_FILES)
+    code = None
+    while code is None:
+        ready, _, _ = select.select([sys.stdin.fileno(), ended], [], [])
+        if sys.stdin.fileno() in ready:
+            os.kill(worker, signal.SIGKILL)  # perhaps it is still root
+        if ended in ready:
+            os.read(ended, 4096)
+        code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)
+    end_all_of(user)
+    _reap()
+    return code
+
+
+def _become(folder: str, home: str, command: list[str]) -> None:
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1):
+        os.dup2(nothing, standard)
+    os.close(nothing)
+    os.chroot(folder)
+    os.chdir(home)
+    # A root could still walk out of it.
+    privileges.give_up(keep_user_changes=True)
+    os.execv(command[0], command)
+
+
+def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
+    """The exit code of the worker; None while it runs."""
+    if wait:
+        end_all_of(user)
+    while True:
+        try:
+            pid, status = os.waitpid(worker if wait else -1, 0 if wait else os.WNOHANG)
+        except ChildProcessError:
+            return 1
+        if pid == worker:
+            code = os.waitstatus_to_exitcode(status)
+            return code if code >= 0 else 128 - code
+        if not pid:
+            return None
+
+
+def end_all_of(user: int) -> None:
+    """Kill every process of a user: in one step, so that none is born meanwhile."""
+    pid = os.fork()
+    if pid == 0:
+        try:
+            os.setgroups([])
+            os.setresgid(user, user, user)
+            os.setresuid(user, user, user)
+            os.kill(-1, signal.SIGKILL)
+        finally:
+            os._exit(0)
+    os.waitpid(pid, 0)
+
+
+def _reap() -> None:
+    while True:
+        try:
+            os.waitpid(-1, 0)
+        except ChildProcessError:
+            return
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:3], int(sys.argv[3]), sys.argv[4:]))

@@ -1,0 +1,210 @@
+"""The walls for a container that judges one student: a folder, a user, no sockets.
+
+`ATTACKED=chroot` tries all other attacks on them, too.
+"""
+
+import os
+import secrets
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from grader.course.paths import PROJECT
+from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, chroot, users
+from grader.sandbox.failures import StudentStopped
+from grader.sandbox.program import PACKAGES, Program
+from grader.sandbox.student import Student
+from tests.attacks.attacking import SHORT, function, tried
+from tests.demands import demand_walls
+
+
+@pytest.fixture(scope="module", autouse=True)
+def walls():
+    if os.geteuid():
+        pytest.skip("only root can shut others in a folder")
+    return demand_walls("chroot")
+
+
+def attack(source, **limits):
+    program = Program((source,), ("f",), packages=PACKAGES)
+    return Student(program, SANDBOXES["chroot"], Limits(**{**SHORT, "call_seconds": 5.0, **limits}))
+
+
+def outcome_of(source, *arguments, **limits):
+    with attack(source, **limits) as student:
+        return student.f(*arguments)
+
+
+LOOK = """
+import os
+def f():
+    return [os.path.join(top, name) for top, _, names in os.walk("/") for name in names]
+"""
+
+
+def test_sees_what_it_is_shown_and_nothing_else(tmp_path):
+    (tmp_path / "seed").write_text("secret")
+    seen = set(outcome_of(LOOK))
+    assert str(PROJECT / "grader" / "sandbox" / "inside" / "worker.py") in seen
+    assert any(path.endswith("/numpy/__init__.py") for path in seen)
+    ours = {path for path in seen if path.startswith(f"{PROJECT}/")}
+    shown = ("grader/sandbox/inside/", "utils/clouds/", "utils/notebooks/", "data/", ".venv/")
+    assert ours and all(path[len(f"{PROJECT}/") :].startswith(shown) for path in ours)
+    assert not [path for path in seen if "/sklearn/" in path or "/proc/" in path]
+    assert str(tmp_path / "seed") not in seen and "/etc/passwd" not in seen
+
+
+@tried(
+    "body",
+    {
+        "makes a root of another folder": "os.chroot('/tmp')",
+        "makes a device": "os.mknod('/tmp/disk', 0o60666, os.makedev(8, 0))",
+        "becomes root": "os.setuid(0)",
+        "becomes root in its heart": "os.setresuid(-1, 0, -1)",
+        "joins the group of root": "os.setgroups([0])",
+        "writes into its root": "open('/x', 'w')",
+        "writes into its Python": "open(os.__file__, 'a')",
+        "writes to its devices": "os.chmod('/dev/null', 0)",
+        "looks who else there is": "os.listdir('/proc')",
+        "makes a socket": "import socket; socket.socket()",
+        "makes a local socket": "import socket; socket.socket(socket.AF_UNIX)",
+        "makes a socket of the kernel's": "import socket; socket.socket(16, 3)",
+        "mounts": "assert ctypes.CDLL(None).mount(b'x', b'/tmp', b'tmpfs', 0, None) == 0",
+        "makes a namespace": "assert ctypes.CDLL(None).unshare(0x10000000) == 0",
+    },
+)
+def test_has_no_right(body):
+    source = "import ctypes, os\n" + function(
+        f"try:\n    {body}\nexcept (OSError, AssertionError):\n    return 'refused'\n"
+        "return 'gained'"
+    )
+    assert outcome_of(source) == "refused"
+
+
+def test_reaches_no_process_of_the_judge():
+    victim = subprocess.Popen(["sleep", "60"])
+    body = (
+        "refused = 0\nfor number in (victim, judge, parent, 1):\n"
+        "    try: os.kill(number, 9)\n    except OSError: refused += 1\n"
+        "try: os.kill(-1, 9)\nexcept OSError: pass\nreturn refused, os.getuid()"
+    )
+    source = "import os\n" + function(body, parameters="victim, judge, parent")
+    try:
+        refused, user = outcome_of(source, victim.pid, os.getpid(), os.getppid())
+        assert refused == 4 and user >= 2**15
+        assert victim.poll() is None
+    finally:
+        victim.kill()
+        victim.wait()
+
+
+STAY = """
+import os
+def f(python, mark):
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork():
+            os._exit(0)
+        os.closerange(3, 64)
+        os.execv(python, [python, "-c", "import time; time.sleep(300)", mark])
+    os.wait()
+    for folder in ("/tmp", "/dev/shm"):
+        open(folder + "/left", "w").close()
+        os.chmod(folder, 0o777)
+    return os.listdir("/tmp")
+"""
+
+
+@pytest.mark.parametrize("how", ["it is stopped", "it ends"])
+def test_nothing_of_it_outlives(how):
+    mark = secrets.token_hex(8)
+    with attack(STAY) as student:
+        assert student.f(sys.executable, mark) == ["left"]
+        deadline = time.monotonic() + 20
+        while not running(mark):
+            assert time.monotonic() < deadline, "nothing stays, so this test shows nothing"
+            time.sleep(0.05)
+        if how == "it ends":
+            worker = student._worker
+            os.kill(child_of(worker.process.pid), signal.SIGKILL)
+            assert worker.has_ended(10)
+            assert not running(mark)
+    assert not running(mark)
+    find = "import os\n" + function("return os.listdir('/tmp') + os.listdir('/dev/shm')")
+    assert outcome_of(find) == []
+
+
+def running(mark):
+    told = subprocess.run(["ps", "-wweo", "stat,args"], capture_output=True, text=True).stdout
+    return [line for line in told.splitlines() if mark in line and not line.startswith("Z")]
+
+
+def child_of(pid):
+    with open(f"/proc/{pid}/task/{pid}/children") as file:
+        return int(file.read().split()[0])
+
+
+def test_two_at_a_time_do_not_meet():
+    put = "import os\n" + function(
+        "open('/tmp/here', 'w').close()\nos.chmod('/tmp', 0o777)\nreturn os.getuid(), os.getpid()"
+    )
+    look = "import os\n" + function(
+        "try: os.kill(pid, 9)\nexcept OSError: return os.listdir('/tmp'), os.getuid()",
+        parameters="pid",
+    )
+    with attack(put) as one, attack(look) as other:
+        user, pid = one.f()
+        found, another = other.f(pid)
+        assert found == [] and another != user
+        assert one.f() == (user, pid)
+
+
+def test_bears_no_more_processes_than_it_may():
+    body = (
+        "import time\nborn = 0\ntry:\n    while True:\n        if os.fork() == 0: time.sleep(60)\n"
+        "        born += 1\nexcept OSError:\n    return born"
+    )
+    assert outcome_of("import os\n" + function(body)) < Limits().processes
+
+
+def test_memory_of_what_hides_from_its_parent_counts():
+    """What loses its parent is below the jailer still, where it is seen."""
+    body = (
+        "import os, time, numpy as np\n"
+        "if os.fork() == 0:\n    os.setsid()\n    if os.fork(): os._exit(0)\n"
+        "    kept = np.ones(2**27)\n    time.sleep(60)\ntime.sleep(20)"
+    )
+    begin = time.monotonic()
+    with (
+        attack(function(body), call_seconds=15.0, total_memory=2**30) as student,
+        pytest.raises(StudentStopped, match="too much memory"),
+    ):
+        student.f()
+    assert time.monotonic() - begin < 14
+
+
+TRY = """
+from grader.sandbox import SANDBOXES, SandboxUnavailable
+try:
+    SANDBOXES["chroot"].available()
+except SandboxUnavailable as error:
+    print(error)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("right", ["sys_chroot", "setuid", "setgid", "chown", "mknod"])
+def test_refuses_without_the_right(right):
+    command = ["setpriv", f"--bounding-set=-{right}", f"--inh-caps=-{right}", sys.executable]
+    ran = subprocess.run([*command, "-c", TRY], capture_output=True, text=True, cwd=PROJECT)
+    assert ran.stdout.startswith("Root may not shut others in here."), ran
+
+
+def test_refuses_whoever_is_not_root(monkeypatch):
+    monkeypatch.setattr(users, "is_root", lambda: False)
+    monkeypatch.setattr(chroot, "_complaint", chroot._complaint.__wrapped__)
+    with pytest.raises(SandboxUnavailable, match="need root"):
+        SANDBOXES["chroot"].available()
