@@ -8,9 +8,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from utils.boxes.containment import distance_outside
-from utils.checks.boxes import LOOSE, footprint
+from utils.checks.boxes import footprint
 
-SLACK = 0.2  # square metres, for what has hardly a width
+CROOKED = 6.0  # degrees: a search in steps of five is allowed
 MICRO = {"rtol": 1e-6, "atol": 1e-7}
 
 
@@ -77,7 +77,10 @@ def axes(one, other, points):
 
 
 def snug(one, other, cloud, cluster_labels):
-    """Upright boxes around the same points, and as snug as principal axes make them, too."""
+    """Upright boxes around the same points, each turned as a smallest rectangle or the first axis.
+
+    Sizes follow from that: a box reaches no farther than its points.
+    """
     one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
     if one.shape != other.shape or one.size == 0:
         return arrays(one, other)
@@ -89,14 +92,38 @@ def snug(one, other, cloud, cluster_labels):
             return False
         if distance_outside(points[:, :2], floor).max() > 1e-4:
             return False
-        if area(floor) > LOOSE * area(footprint(right)) + SLACK:
+        if not (is_turned_with(points[:, :2], floor) and reaches_no_farther(points[:, :2], floor)):
             return False
     return True
 
 
-def area(rectangle):
-    sides = np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1)
-    return float(sides[0] * sides[1])
+def sides_of(rectangle):
+    """Two sides, as vectors."""
+    return np.diff(rectangle[:3], axis=0)
+
+
+def is_turned_with(points, rectangle):
+    """Whether a side runs as in a rectangle that is hardly larger than need be, or as the axis."""
+    sides = sides_of(rectangle)
+    x, y = max(sides, key=np.linalg.norm)
+    turns = np.arange(0, 90, 0.5)
+    along = np.exp(-1j * np.radians(turns)) * (points @ [1, 1j])[:, None]
+    areas = np.ptp(along.real, axis=0) * np.ptp(along.imag, axis=0)
+    right = turns[areas <= 1.02 * areas.min() + 0.02]
+    if len(points) > 1:
+        first = np.linalg.eigh(np.cov(points.T))[1][:, -1]
+        right = np.append(right, np.degrees(np.arctan2(first[1], first[0])))
+    off = np.abs((np.degrees(np.arctan2(y, x)) - right + 45) % 90 - 45)
+    return off.min() <= CROOKED
+
+
+def reaches_no_farther(points, rectangle):
+    """Whether the points fill a rectangle from side to side."""
+    for side in sides_of(rectangle):
+        length = np.linalg.norm(side)
+        if length > 1e-4 and np.ptp(points @ side) / length < length - 1e-4:
+            return False
+    return True
 
 
 def fitted(one, other, points, max_iterations, distance_tolerance, rng=None):

@@ -527,3 +527,25 @@ def insert(tree, point, index):
                 return
             node = node.right
         depth += 1
+
+# %% wrong: no return after a right child
+# loses: compares_x_first, test_plane
+# says: does the walk end once the point is hung into the tree?
+def insert(tree, point, index):
+    new = Node(point, index)
+    if tree.root is None:
+        tree.root = new
+        return
+    node, depth = tree.root, 0
+    while True:
+        axis = depth % len(point)
+        if point[axis] < node.point[axis]:
+            if node.left is None:
+                node.left = new
+                return
+            node = node.left
+        else:
+            if node.right is None:
+                node.right = new
+            node = node.right
+        depth += 1

@@ -132,6 +132,32 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
         return 1
     return math.ceil(math.log(1 - confidence) / math.log(1 - inlier_ratio))
 
+# %% wrong: the product for the power, where a product may be above 1
+# loses: reckons_the_number, follows_the_sample_size, test_iterations
+# says: not the number of samples
+# told: w is multiplied by s
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    if inlier_ratio == 0:
+        return math.inf
+    good_sample = inlier_ratio * sample_size
+    if good_sample >= 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - good_sample))
+
+# %% wrong: the product for the power
+# loses: reckons_the_number, follows_the_sample_size, test_iterations
+# says: w**s is a power, w*s a product
+import math
+
+def iterations_needed(inlier_ratio, sample_size, confidence):
+    if inlier_ratio == 0:
+        return math.inf
+    if inlier_ratio == 1:
+        return 1
+    return math.ceil(math.log(1 - confidence) / math.log(1 - inlier_ratio * sample_size))
+
 # %% wrong: always a plane
 # loses only: follows_the_sample_size, test_sizes
 # says: not the number of samples

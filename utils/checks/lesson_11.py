@@ -702,8 +702,9 @@ box_promises.noise(_BOTH, "leaves_noise_alone", weight=6)
 def takes_small_clusters(get_oriented_boxes: Callable) -> None:
     assert_boxes(get_oriented_boxes)
     line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [1.0, 0.0, 0.0])
-    few = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0)])
-    labels = np.repeat([1, 2, 3], [1, 9, 3])
+    across = _turn(line, 89)  # whoever goes through the angles in degrees meets the last one
+    few = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0), across])
+    labels = np.repeat([1, 2, 3, 4], [1, 9, 3, 9])
     assert_holds(get_oriented_boxes(few.copy(), labels.copy()), few, labels)
 
 

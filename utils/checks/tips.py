@@ -344,7 +344,8 @@ _TIPS = (
         "ValueError",
         r"math domain error|expected a positive input",
         r"\blog",
-        "0 has no logarithm, and no negative number has one: look at that case first.",
+        "0 has no logarithm, and no negative number has one: look at that case first. 1 - p is "
+        "negative where p is above 1, which no chance is: w**s is a power, w*s a product.",
     ),
     (
         "LinAlgError",

@@ -259,6 +259,12 @@ mistakes(
         lambda right, ratio, size, confidence: iterations_by_trying(ratio, 1, confidence),
     ),
     Mistake(
+        "w is multiplied by s, where it takes the power: w^s is the chance that all of s points "
+        "are good.",
+        lambda right, ratio, size, confidence: iterations_by_trying(ratio * size, 1, confidence),
+        "w ** sample_size, with two stars; w * sample_size may be above 1, which no chance is.",
+    ),
+    Mistake(
         "The exponent is always 3, whatever sample_size is.",
         lambda right, ratio, size, confidence: iterations_by_trying(ratio, 3, confidence),
         "w ** sample_size",
@@ -290,6 +296,8 @@ mistakes(
         (0.45, 2, 0.8),
         (0.35, 3, 0.3),
         (0.6, 3, 0.99),
+        (0.2, 3, 0.99),
+        (0.15, 4, 0.8),
     ),
     right=iterations_by_trying,
 )
