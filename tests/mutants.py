@@ -59,6 +59,7 @@ TESTS = {
     "grader/judging/judge.py": ("test_verdicts_reached.py",),
     "grader/judging/key.py": ("test_key.py",),
     "grader/judging/verdict.py": ("test_verdict.py",),
+    "grader/course/writing.py": ("test_writing.py",),
     "grader/judging/samples.py": ("test_samples.py",),
     "grader/judging/messages.py": ("test_messages.py",),
     "grader/intake/apart.py": ("test_apart.py",),

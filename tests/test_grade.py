@@ -19,7 +19,7 @@ from grader.classroom.submissions import find_submissions
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 from grader.lms import gradebook
 from grader.lms.report import write_report
 

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from grader.judging import verdict as verdict_file
+from grader.judging import verdict as verdict_module
 from grader.judging.verdict import (
     JUDGED,
     CheckResult,
@@ -13,7 +13,6 @@ from grader.judging.verdict import (
     Slip,
     Verdict,
     read_verdict,
-    write_atomically,
     write_verdict,
 )
 
@@ -70,7 +69,7 @@ def test_what_verdicts_have_in_common_is_there_once():
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
     assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
-    assert verdict_file._the_same.cache_info().maxsize > 5000  # checks and ways for them to end
+    assert verdict_module._the_same.cache_info().maxsize > 5000  # checks and ways for them to end
 
 
 def test_a_verdict_is_believed_when_nothing_else_was_at_work():
@@ -138,27 +137,3 @@ def test_a_file_that_is_no_verdict_is_none(tmp_path, change):
     assert read_verdict(path) is None
     path.write_bytes(b"\xff" + path.read_bytes())
     assert read_verdict(path) is read_verdict(tmp_path / "none.json") is None
-
-
-@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch, error):
-    path = tmp_path / "verdict.json"
-    path.write_text("before")
-
-    def fail(*about):
-        raise error
-
-    monkeypatch.setattr(verdict_file.os, "replace", fail)
-    with pytest.raises(type(error)):
-        write_atomically("after", path)
-    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [
-        ("verdict.json", "before")
-    ]
-
-
-@pytest.mark.parametrize(("mask", "mode"), [(0o000, 0o666), (0o026, 0o640), (0o077, 0o600)])
-def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch, mask, mode):
-    monkeypatch.setattr(verdict_file, "_UMASK", mask)
-    write_atomically("a \ud800 word", tmp_path / "a" / "b.json")  # what is no text does no harm
-    write_atomically("a word", tmp_path / "a" / "b.json")
-    assert (tmp_path / "a" / "b.json").stat().st_mode & 0o777 == mode

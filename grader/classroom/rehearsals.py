@@ -12,10 +12,10 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
+from grader.course.writing import write_atomically
 from grader.intake.handed_in import read_handed_in
 from grader.judging.judge import complaints_about_reference
 from grader.judging.key import verdict_key
-from grader.judging.verdict import write_atomically
 from grader.sandbox import SANDBOXES, Sandbox
 
 

@@ -10,6 +10,7 @@ from grader.course.archives import zipped
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT
 from grader.course.standalone import refuse_to_give_away
+from grader.course.writing import write_atomically
 
 FOLDER = "lidar_obstacle_lab"
 """In every zip, so that those of several stages become one course."""
@@ -36,10 +37,9 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
     grader.course.standalone.NotReleased
         A notebook would give a solution away.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     for stage in wanted or stages():
         path = folder / f"{stage}.zip"
-        path.write_bytes(zipped(student_files(stage)))
+        write_atomically(zipped(student_files(stage)), path)
         yield path
 
 

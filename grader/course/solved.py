@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -21,6 +20,7 @@ from grader.course.mathml import STYLE, Page
 from grader.course.paths import PROJECT
 from grader.course.release import FOLDER, course_tools
 from grader.course.standalone import NotReleased
+from grader.course.writing import write_atomically
 
 KEPT = PROJECT / ".solved"
 """Notebooks that were run, by what they depend on."""
@@ -76,7 +76,6 @@ def write_solutions(
     wanted = tuple(wanted) or stages()
     lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
     ran = all_shown(lessons, workers, progress, shown)
-    folder.mkdir(parents=True, exist_ok=True)
     for stage in wanted:
         files = {}
         for lesson, notebook in ran.items():
@@ -85,7 +84,7 @@ def write_solutions(
                 files[f"{name}.ipynb"] = notebook
                 files[f"{name}.html"] = as_page(notebook, lesson)
         path = folder / f"{stage}_solutions.zip"
-        path.write_bytes(zipped(files))
+        write_atomically(zipped(files), path)
         yield path
 
 
@@ -129,12 +128,9 @@ def shown(lesson: Lesson, kept: Path | None = None, before: str = "") -> bytes:
     path = kept / f"{lesson.name}-{_fingerprint(lesson, before)}.ipynb"
     if not path.is_file():
         text = _run(lesson, before)
-        kept.mkdir(exist_ok=True)
         for old in kept.glob(f"{lesson.name}-*"):
             old.unlink()
-        draft = path.with_suffix(".part")
-        draft.write_bytes(text)
-        os.replace(draft, path)
+        write_atomically(text, path)
     return path.read_bytes()
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from grader.course.build import COMMON_CELLS, leaks
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT
+from grader.course.writing import write_atomically
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
 # With this the setup cell begins, by which it is known when it comes back.
@@ -47,7 +48,6 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
     NotReleased
         One would be too large, or give a solution away.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     written = []
     for lesson in all_lessons():
         if stages and lesson.stage not in stages:
@@ -57,7 +57,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
         if len(text) > LARGEST:
             raise NotReleased(f"{lesson.name} has {len(text)} bytes. Nothing was written for it.")
         path = folder / f"{lesson.name}.ipynb"
-        path.write_bytes(text)
+        write_atomically(text, path)
         written.append(path)
     return written
 

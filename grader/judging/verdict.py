@@ -6,13 +6,10 @@ import dataclasses
 import functools
 import json
 import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-# Asked for once: asking changes it for a moment, for all threads.
-_UMASK = os.umask(0o022)
-os.umask(_UMASK)
+from grader.course.writing import write_atomically
 
 LONGEST_LINE = 100
 JUDGED, FAILED = "judged", "judge_failed"
@@ -169,20 +166,6 @@ def _the_same(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseRes
 def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
     """Write a verdict so that a reader finds a whole one or none."""
     write_atomically(json.dumps(dataclasses.asdict(verdict), indent=1), Path(path))
-
-
-def write_atomically(content: str | bytes, path: Path) -> None:
-    """Write a file so that a reader finds all of it or none; fellow graders may read it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, draft = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
-    try:
-        with open(descriptor, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode(errors="replace"))
-        os.chmod(draft, 0o666 & ~_UMASK)
-        os.replace(draft, path)
-    except BaseException:  # a full disk, an impatient person
-        os.unlink(draft)
-        raise
 
 
 def read_verdict(path: str | os.PathLike) -> Verdict | None:

@@ -11,7 +11,7 @@ from nbgrader.api import Grade
 from nbgrader.utils import is_grade, is_solution
 
 from grader.course.paths import Course
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 
 
 def fingerprints(notebook: NotebookNode) -> dict[str, str]:

@@ -18,7 +18,7 @@ from nbgrader.api import Assignment, Gradebook, MissingEntry, SubmittedAssignmen
 from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import stages
 from grader.course.paths import Course
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 
 
 def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:

@@ -9,6 +9,7 @@ from nbgrader.exchange.default import ExchangeReleaseAssignment
 
 from grader.course.lessons import all_lessons
 from grader.course.standalone import standalone
+from grader.course.writing import write_atomically
 
 
 class ReleaseStandalone(ExchangeReleaseAssignment):
@@ -22,7 +23,7 @@ class ReleaseStandalone(ExchangeReleaseAssignment):
         super().do_copy(src, dest, log)
         for path in sorted(Path(dest).rglob("*.ipynb")):
             if _is_lesson(path):
-                path.write_bytes(standalone(path.read_bytes()))
+                write_atomically(standalone(path.read_bytes()), path)
 
 
 def _is_lesson(path: Path) -> bool:

@@ -16,7 +16,7 @@ from grader.classroom.submissions import find_submissions
 from grader.course.archives import zipped
 from grader.course.paths import Course
 from grader.course.roster import read_roster
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 from grader.lms.feedback import Feedback, FeedbackWriter, LessonFeedback, NotReady
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page

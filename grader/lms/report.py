@@ -29,8 +29,9 @@ from grader.classroom.submissions import Submission
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
+from grader.course.writing import write_atomically
 from grader.intake.handed_in import HandedIn
-from grader.judging.verdict import JUDGED, Verdict, write_atomically
+from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.feedback import points
 from grader.lms.marks_table import duration, marks_table

@@ -19,7 +19,7 @@ from grader.classroom.collect.protocol import CollectTrouble
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 
 NOBODY = "-"
 

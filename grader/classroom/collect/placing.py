@@ -14,8 +14,8 @@ from pathlib import Path
 
 from grader.classroom.collect.record import Record, Source, read_record, write_record
 from grader.classroom.submissions import Submission
+from grader.course.writing import write_atomically
 from grader.intake.notebook import read_file
-from grader.judging.verdict import write_atomically
 from utils.notebooks.reading import UnreadableNotebook
 
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"

@@ -11,7 +11,7 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 
 NAME = ".collected.json"
 

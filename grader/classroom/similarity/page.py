@@ -12,7 +12,7 @@ from grader.classroom.similarity.answers import Answer
 from grader.classroom.similarity.comparing import Pair
 from grader.classroom.similarity.stage import StageComparison
 from grader.course.paths import Course
-from grader.judging.verdict import write_atomically
+from grader.course.writing import write_atomically
 
 MOST_PAIRS = 50
 

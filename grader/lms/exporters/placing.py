@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from datetime import datetime
 from pathlib import Path
 
+from grader.course.writing import write_atomically
 from grader.lms.exporters.exported import ExportTrouble
 
 
@@ -44,12 +44,13 @@ def place(
             if path != usual:
                 raise ExportTrouble(f"{path} is there already. Name another file, or remove it.")
             before = _aside(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_name(f".{path.name}.part")
-        draft.write_bytes(content)
-        if before:
             path.rename(before)
-        os.replace(draft, path)
+        try:
+            write_atomically(content, path)
+        except BaseException:
+            if before:
+                before.rename(path)
+            raise
     except OSError as error:
         raise ExportTrouble(f"{path} cannot be written: {error.strerror}.") from error
     return path, before
