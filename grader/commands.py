@@ -225,8 +225,8 @@ def _sandbox_elsewhere(wish: str) -> Sandbox:
 def run_report(options: argparse.Namespace) -> int:
     """Run ``report``."""
     from grader.classroom.submissions import unaccounted_files
-    from grader.lms.gradebook import class_results
     from grader.lms.report import write_report
+    from grader.lms.standings import class_results
 
     course = Course()
     judged = _verdicts_on_disk(course)
@@ -252,7 +252,7 @@ def run_export(options: argparse.Namespace) -> int:
     """Run ``export``."""
     from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
     from grader.lms.exporters.placing import place
-    from grader.lms.gradebook import class_results
+    from grader.lms.standings import class_results
 
     course, exporter = Course(), EXPORTERS[options.format]
     if bool(exporter.fills) != bool(options.into):
@@ -402,8 +402,8 @@ def _grade_alone(
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
     from grader.classroom.submissions import unaccounted_files
-    from grader.lms.gradebook import class_results
     from grader.lms.report import Run, write_report
+    from grader.lms.standings import class_results
 
     begin = time.perf_counter()
     try:
@@ -465,7 +465,7 @@ def _judge_all(
 def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str | None) -> int:
     """Enter verdicts into the gradebook; the exit status that this means."""
     # nbgrader takes a second to import; by now the verdicts are there.
-    from grader.lms.gradebook import GradebookTrouble, enter
+    from grader.lms.entering import GradebookTrouble, enter
 
     with console.progress_bar("Entering into the gradebook") as advance:
         try:

@@ -66,10 +66,15 @@ TESTS = {
     "grader/intake/handed_in.py": ("test_handed_in.py",),
     "grader/intake/notebook.py": ("test_handed_in.py",),
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
-    "grader/lms/gradebook.py": (
-        *("test_gradebook.py", "test_standings.py", "test_history.py", "test_enrolment.py"),
-        "test_dates.py",
-    ),
+    "grader/lms/copies.py": ("test_gradebook.py", "test_enrolment.py"),
+    "grader/lms/differences.py": ("test_gradebook.py", "test_dates.py"),
+    "grader/lms/entering.py": ("test_gradebook.py", "test_history.py", "test_enrolment.py"),
+    "grader/lms/entries.py": ("test_gradebook.py", "test_enrolment.py"),
+    "grader/lms/gradebook.py": ("test_gradebook.py",),
+    "grader/lms/penalties.py": ("test_gradebook.py", "test_dates.py"),
+    "grader/lms/registering.py": ("test_gradebook.py",),
+    "grader/lms/rows.py": ("test_standings.py", "test_gradebook.py"),
+    "grader/lms/withdrawing.py": ("test_gradebook.py", "test_history.py"),
     "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_by_roster.py"),
 }
 

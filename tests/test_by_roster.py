@@ -12,6 +12,7 @@ from grader.judging.verdict import write_verdict
 from grader.lms import gradebook
 from grader.lms.checkup import examine_gradebook
 from grader.lms.history import read_changes
+from grader.lms.standings import class_results
 from grader.sandbox import SANDBOXES
 from tests.test_faults import Inline
 from tests.test_gradebook import EARNED, GROUND, LATE, STAGE, hand_in, make_course, verdicts
@@ -87,7 +88,7 @@ def test_a_zero_and_what_waits_are_no_dash(course, capsys, monkeypatch):
         book.db.commit()
     hand_in(course, "yan", GROUND)  # and was not judged
     capsys.readouterr()
-    commands._print_all(course, verdicts(course), gradebook.class_results(course), [])
+    commands._print_all(course, verdicts(course), class_results(course), [])
     shown = capsys.readouterr().out
     assert cells(shown, "ada")[1] == "0*" and cells(shown, "yan")[1:3] == ["?", "-"]
     assert "* a person has still to grade · ? not entered yet" in shown

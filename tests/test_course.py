@@ -24,7 +24,7 @@ from grader.course import paths
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
-from grader.lms import gradebook
+from grader.lms import entering, gradebook
 from grader.lms.late import PercentPerDay
 from tests.postgresql import NotInstalled, server
 from tests.test_faults import Inline
@@ -279,7 +279,7 @@ def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monke
     base.close()
     assert grade(course, sandbox) == commands.GOOD
     assert rows(course) == before
-    monkeypatch.setattr(gradebook, "_save", lambda *anything: None)
+    monkeypatch.setattr(entering, "_save", lambda *anything: None)
     (course.root / "gradebook.db").unlink()
     assert grade(course, sandbox) == commands.FAULT
     said = capsys.readouterr().err

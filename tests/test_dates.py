@@ -10,8 +10,12 @@ from grader.course.deadlines import read_deadlines
 from grader.course.paths import Course
 from grader.lms import dates as dates_module
 from grader.lms import gradebook
-from grader.lms.gradebook import enter
+from grader.lms.differences import differences
+from grader.lms.entering import enter
+from grader.lms.entries import Entry
 from grader.lms.notes import notes
+from grader.lms.penalties import late_penalties
+from grader.lms.standings import class_results
 from tests.postgresql import NotInstalled, server
 from tests.test_gradebook import EARNED, LATE, STAGE, make_course, penalties, quiet, verdicts
 
@@ -47,7 +51,7 @@ def grade_with(course, dates):
 
 
 def late(course):
-    stages = gradebook.class_results(course).stages
+    stages = class_results(course).stages
     return {one.student: one.late for one in stages if one.late}
 
 
@@ -57,7 +61,7 @@ def grant(course, student, **time):
 
 
 def told(course):
-    return list(notes(course, gradebook.class_results(course), read_deadlines(course)))
+    return list(notes(course, class_results(course), read_deadlines(course)))
 
 
 def test_the_date_of_everybody_is_the_gradebooks(course):
@@ -91,9 +95,7 @@ def test_an_extension_counts_as_soon_as_something_is_handed_in(entered_once, tmp
     kept.rename(course.submitted)
     enter(course, verdicts(course), [STAGE], quiet)
     assert penalties(course) == {}
-    assert gradebook.class_results(course).stage("ada", STAGE).due == datetime(
-        2026, 3, 3, 12, tzinfo=UTC
-    )
+    assert class_results(course).stage("ada", STAGE).due == datetime(2026, 3, 3, 12, tzinfo=UTC)
 
 
 def hand_in_at(course, student, time):
@@ -129,7 +131,7 @@ def test_what_leaves_the_file_leaves_the_gradebook(course):
     others = 'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = 2026-03-01T12:00:00\n'
     assert "bob" in grade_with(course, HEAD + section)
     assert grade_with(course, others) == {}
-    assert gradebook.class_results(course).stage("bob", STAGE).due is None
+    assert class_results(course).stage("bob", STAGE).due is None
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
     (course.root / "deadlines.toml").unlink()
     enter(course, verdicts(course), [STAGE], quiet)
@@ -195,7 +197,7 @@ def test_a_later_date_in_the_file_moves_who_has_their_own(course):
     section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
     grade_with(course, HEAD + section)
     grade_with(course, HEAD.replace("-01T", "-06T") + section)
-    due = {one.student: one.due for one in gradebook.class_results(course).stages}
+    due = {one.student: one.due for one in class_results(course).stages}
     assert due == {
         "ada": datetime(2026, 3, 6, 11, tzinfo=UTC),
         "bob": datetime(2026, 3, 8, 11, tzinfo=UTC),
@@ -239,12 +241,12 @@ def test_a_stage_that_the_file_does_not_name_keeps_the_gradebooks_dates(course):
 def test_another_extension_is_a_difference(course):
     grade_with(course, HEAD)
     deadlines = read_deadlines(course)
-    entry = gradebook.Entry("ada", STAGE, tuple(verdicts(course)[:2]))
+    entry = Entry("ada", STAGE, tuple(verdicts(course)[:2]))
     with gradebook.open_gradebook(course) as book:
-        about = (course, book, entry, gradebook._late_penalties(course), deadlines)
-        assert gradebook.differences(*about) == []
+        about = (course, book, entry, late_penalties(course), deadlines)
+        assert differences(*about) == []
         book.find_submission(STAGE, "ada").extension = -timedelta(hours=1)
-        found = gradebook.differences(*about)
+        found = differences(*about)
     assert found[0] == f"ada, {STAGE}: the gradebook has another extension"
 
 
@@ -267,5 +269,5 @@ def test_on_a_server_dates_are_the_same(course, postgresql):
     )
     assert grade_with(course, dates) == {"bob": pytest.approx(2 * 2.075)}
     assert late(course) == {"bob": timedelta(hours=25)}
-    stage = gradebook.class_results(course).stage("ada", STAGE)
+    stage = class_results(course).stage("ada", STAGE)
     assert stage.due == datetime(2026, 3, 9, 11, tzinfo=UTC)

@@ -10,8 +10,9 @@ from grader.classroom.folders import spelt_otherwise, strangers
 from grader.classroom.submissions import find_submissions
 from grader.course.roster import read_roster
 from grader.lms import gradebook
-from grader.lms.gradebook import GradebookTrouble, enter
+from grader.lms.entering import GradebookTrouble, enter
 from grader.lms.notes import notes
+from grader.lms.standings import class_results
 from tests.test_gradebook import (
     DISTANCE,
     EARNED,
@@ -96,7 +97,7 @@ def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
     assert len(trouble_in(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
     assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
     assert marks(course)["bob", "test_filter_by_distance"][0] == 18  # and nobody else waits
-    (sentence,) = notes(course, gradebook.class_results(course), None)
+    (sentence,) = notes(course, class_results(course), None)
     assert sentence.startswith("'ada' has marks in the gradebook and is not on the roster")
     assert sentence.endswith("nbgrader db student remove ada --force")
 
@@ -136,7 +137,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
         "plan.txt",
         "timestamp.txt",
     }
-    stage = gradebook.class_results(course).stage("yan", STAGE)
+    stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.handed_in:%Y-%m-%d}" == "2026-03-01"  # the last that was handed in
     (sentence,) = spelt_otherwise(course, read_roster(course))
     assert sentence.endswith("taken for yan (Yan Yip) beside what lies in the folder of that name.")

@@ -11,7 +11,7 @@ import pytest
 from grader import cli, commands
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.lms import gradebook
+from grader.lms import standings
 from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
 from grader.lms.exporters.marks import marks_of
 from grader.lms.exporters.placing import place
@@ -239,7 +239,7 @@ def export(tmp_path, monkeypatch):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
 
     def run(*options, results=CLASS):
-        monkeypatch.setattr(gradebook, "class_results", lambda course: results)
+        monkeypatch.setattr(standings, "class_results", lambda course: results)
         return cli.main(["export", *map(str, options)])
 
     return run

@@ -28,7 +28,7 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
-from grader.lms import gradebook
+from grader.lms.entering import enter
 from grader.lms.feedback import lateness
 from grader.lms.folding import fold
 from grader.lms.gradebook import open_gradebook
@@ -191,7 +191,7 @@ def grade(course):
         content = Verdict(**{**vars(content), "fingerprint": print_of})
         write_verdict(content, submission.verdict_path(course))
         entered.append((submission, content))
-    gradebook.enter(course, entered, [STAGE], lambda done, total, student: None)
+    enter(course, entered, [STAGE], lambda done, total, student: None)
 
 
 def notebook(lesson, write_up=""):

@@ -21,7 +21,10 @@ from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
 from grader.course.writing import write_atomically
 from grader.lms import gradebook
+from grader.lms.entering import enter
+from grader.lms.registering import register
 from grader.lms.report import write_report
+from grader.lms.standings import class_results
 
 LESSON = find_lesson("06_filter_ground")
 SEED = 2**64 + 31
@@ -142,7 +145,7 @@ def scores_by_verdict(judged):
 
 def entered(course):
     """Score by student, stage and notebook, as the gradebook holds them."""
-    results = gradebook.class_results(course).notebooks
+    results = class_results(course).notebooks
     return {
         (result.student, result.stage, result.lesson): result.score
         for result in results
@@ -167,7 +170,7 @@ def nbgrader(course, *words):
 @pytest.mark.slow
 def test_scores_reach_the_gradebook(judged_course, sandbox):
     judged = judge_it(judged_course, sandbox)
-    gradebook.enter(judged_course, judged, [LESSON.stage], quiet)
+    enter(judged_course, judged, [LESSON.stage], quiet)
     expected = scores_by_verdict(judged)
     assert entered(judged_course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
@@ -225,7 +228,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         sandbox,
     )
     with gradebook.open_gradebook(course) as book:
-        gradebook.register(course, book, [lesson.stage])
+        register(course, book, [lesson.stage])
 
     def autograde():
         done = nbgrader(course, "autograde", lesson.stage, "--force")
@@ -333,7 +336,7 @@ def test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged(judged_co
     with (judged_course.root / "nbgrader_config.py").open("a", encoding="utf-8") as file:
         file.write(JUDGE_AND_REPLACE)
     with gradebook.open_gradebook(judged_course) as book:
-        gradebook.register(judged_course, book, [LESSON.stage])
+        register(judged_course, book, [LESSON.stage])
     done = nbgrader(judged_course, "autograde", LESSON.stage)
     assert done.returncode == 1
     assert f"half, {LESSON.stage}: {LESSON.name}.ipynb, or a module" in done.stderr
@@ -348,7 +351,7 @@ def test_a_module_is_shown_as_it_was_judged(judged_course, sandbox):
     place = judged_course.submitted / "half" / LESSON.stage
     (place / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
     (place / "seen.txt").write_bytes(b"\xfc")
-    gradebook.enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
     copies = judged_course.autograded / "half" / LESSON.stage
     assert (copies / "helper.py").read_bytes() == "x = 'J\ufffdrgen'\r\n".encode()
     assert (copies / "seen.txt").read_bytes() == b"\xfc"
@@ -356,11 +359,11 @@ def test_a_module_is_shown_as_it_was_judged(judged_course, sandbox):
 
 @pytest.mark.slow
 def test_gradebook_follows_a_new_submission(judged_course, sandbox):
-    gradebook.enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    enter(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")
     judged = judge_it(judged_course, sandbox)
-    gradebook.enter(judged_course, judged, [LESSON.stage], quiet)
+    enter(judged_course, judged, [LESSON.stage], quiet)
     assert entered(judged_course) == scores_by_verdict(judged)
 
 
@@ -380,7 +383,7 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, 
     ]
     path.write_text(json.dumps(notebook))
     judged = judge_it(judged_course, sandbox)
-    gradebook.enter(judged_course, judged, [LESSON.stage], quiet)
+    enter(judged_course, judged, [LESSON.stage], quiet)
     assert entered(judged_course) == scores_by_verdict(judged)
 
 

@@ -18,9 +18,14 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
-from grader.lms import gradebook
-from grader.lms.gradebook import GradebookTrouble, enter
+from grader.lms import entering, gradebook, registering
+from grader.lms.differences import differences
+from grader.lms.entering import GradebookTrouble, enter
+from grader.lms.entries import Entry
+from grader.lms.penalties import late_penalties
+from grader.lms.registering import register
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnreachable
+from grader.lms.standings import class_results
 
 GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
@@ -121,7 +126,7 @@ def marks(course):
 
 def penalties(course):
     """What is taken off for lateness, by student; only where something is."""
-    stages = gradebook.class_results(course).stages
+    stages = class_results(course).stages
     return {one.student: one.penalty for one in stages if one.penalty}
 
 
@@ -147,7 +152,7 @@ def test_what_is_entered_is_what_was_judged(course):
     assert enter(course, verdicts(course), [STAGE], lambda *news: told.append(news)) is None
     assert marks(course) == expected_marks()
     assert told == [(1, 2, "ada"), (2, 2, "bob")]
-    results = gradebook.class_results(course)
+    results = class_results(course)
     assert [(one.student, one.lesson, one.score) for one in results.notebooks] == [
         ("ada", GROUND.name, 11.75),
         ("ada", DISTANCE.name, 18.25),
@@ -209,7 +214,7 @@ def test_what_was_replaced_since_it_was_judged_is_not_entered(entered):
 def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_half_done(
     course, monkeypatch
 ):
-    right, tries = gradebook._save, []
+    right, tries = entering._save, []
 
     def fail(notebook, *about):
         right(notebook, *about)
@@ -217,7 +222,7 @@ def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_hal
         if len(tries) == 2:  # of two notebooks of ada's the first was written
             raise ValueError("no")
 
-    monkeypatch.setattr(gradebook, "_save", fail)
+    monkeypatch.setattr(entering, "_save", fail)
     with pytest.raises(GradebookTrouble) as trouble:
         enter(course, verdicts(course), [STAGE], quiet)
     assert str(trouble.value).splitlines() == [
@@ -235,7 +240,7 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
     def kill(*about):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(gradebook, "_save", kill)
+    monkeypatch.setattr(entering, "_save", kill)
     with pytest.raises(KeyboardInterrupt):
         enter(course, verdicts(course), [STAGE], quiet)
     assert marks(course) == {}
@@ -246,10 +251,10 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
 
 def found_in(course, entry=None):
     """The differences between the gradebook and the verdicts on ada."""
-    entry = entry or gradebook.Entry("ada", STAGE, tuple(verdicts(course)[:2]))
-    late = gradebook._late_penalties(course)
+    entry = entry or Entry("ada", STAGE, tuple(verdicts(course)[:2]))
+    late = late_penalties(course)
     with gradebook.open_gradebook(course) as book:
-        return gradebook.differences(course, book, entry, late, Deadlines({}))
+        return differences(course, book, entry, late, Deadlines({}))
 
 
 def alter(course, change):
@@ -325,7 +330,7 @@ def test_every_difference_is_named_and_mended(entered, change, says):
 
 
 def test_points_for_what_was_not_handed_in_are_a_difference(entered):
-    entry = gradebook.Entry("bob", STAGE, tuple(verdicts(entered)[2:]))
+    entry = Entry("bob", STAGE, tuple(verdicts(entered)[2:]))
     assert found_in(entered, entry) == []
     with gradebook.open_gradebook(entered) as book:
         grade_of(book.find_submission(STAGE, "bob"), "filter_ground").auto_score = 0.5
@@ -335,13 +340,13 @@ def test_points_for_what_was_not_handed_in_are_a_difference(entered):
 
 
 def test_who_is_not_in_the_gradebook_is_named(entered):
-    entry = gradebook.Entry("eve", STAGE, ())
+    entry = Entry("eve", STAGE, ())
     assert found_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
     (submission, verdict), _ = verdicts(entered)[:2]
     later = dataclasses.replace(submission, lesson=STREAM)
     other = dataclasses.replace(verdict, lesson=STREAM.name)
     judged = (*verdicts(entered)[:2], (later, other))
-    assert found_in(entered, gradebook.Entry("ada", STAGE, judged)) == [
+    assert found_in(entered, Entry("ada", STAGE, judged)) == [
         f"ada, {STAGE}, {STREAM.name}: it is not in the gradebook"
     ]
 
@@ -366,7 +371,7 @@ def test_a_copy_that_is_not_of_this_verdict_is_made_again(entered, content):
 
 def registered(course):
     with gradebook.open_gradebook(course) as book:
-        trouble = gradebook.register(course, book, [STAGE])
+        trouble = register(course, book, [STAGE])
         return trouble, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
 
 
@@ -381,7 +386,7 @@ def test_lessons_that_are_released_are_registered_and_no_others(course):
 def test_a_stage_that_is_known_keeps_no_other_from_being_registered(course):
     registered(course)
     with gradebook.open_gradebook(course) as book:
-        assert gradebook.register(course, book, [STAGE, "stage1_ransac"]) == []
+        assert register(course, book, [STAGE, "stage1_ransac"]) == []
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
@@ -406,13 +411,13 @@ def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
 ):
     registered(course)
     saved = []
-    right = gradebook.SaveCells.preprocess
+    right = registering.SaveCells.preprocess
 
     def save(self, notebook, about):
         saved.append(about["nbgrader"]["notebook"])
         return right(self, notebook, about)
 
-    monkeypatch.setattr(gradebook.SaveCells, "preprocess", save)
+    monkeypatch.setattr(registering.SaveCells, "preprocess", save)
     assert registered(course)[0] == saved == []
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(GROUND.name, STAGE)
@@ -442,8 +447,8 @@ def test_cells_that_nbgrader_refuses_to_change_are_named(entered, monkeypatch):
     def refuse(self, notebook, about):
         raise RuntimeError("submissions exist")
 
-    monkeypatch.setattr(gradebook, "_is_registered", lambda *about: False)
-    monkeypatch.setattr(gradebook.SaveCells, "preprocess", refuse)
+    monkeypatch.setattr(registering, "_is_registered", lambda *about: False)
+    monkeypatch.setattr(registering.SaveCells, "preprocess", refuse)
     trouble, _ = registered(entered)
     assert [sentence.partition(":")[0] for sentence in trouble] == [GROUND.name, DISTANCE.name]
     assert trouble[0].endswith("nbgrader refuses to change them: submissions exist")
@@ -554,7 +559,7 @@ def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
 
     def undecided():
         enter(entered, verdicts(entered), [STAGE], quiet)
-        stages = gradebook.class_results(entered).stages
+        stages = class_results(entered).stages
         return [one.student for one in stages if one.undecided]
 
     assert undecided() == []  # nothing is due
@@ -629,7 +634,7 @@ class Session(SimpleNamespace):
 
 def test_what_nbgrader_commits_step_by_step_is_committed_at_the_end():
     session = Session()
-    with gradebook._one_transaction(SimpleNamespace(db=lambda: session)):
+    with entering._one_transaction(SimpleNamespace(db=lambda: session)):
         session.commit()
         session.commit()
         assert session.asked == ["flush", "flush"]
@@ -642,7 +647,7 @@ def test_or_not_at_all(error):
     session = Session()
     with (
         pytest.raises(type(error)),
-        gradebook._one_transaction(SimpleNamespace(db=lambda: session)),
+        entering._one_transaction(SimpleNamespace(db=lambda: session)),
     ):
         session.commit()
         raise error
@@ -689,7 +694,7 @@ def test_a_mark_is_for_the_answer_that_was_read(written):
     course, enter_answer = written
     enter_answer("It finds 14 of 17 cars.")
     assert about_answer(course) == (None, True, None)
-    assert gradebook.class_results(course).notebooks[0].standing == WAITING
+    assert class_results(course).notebooks[0].standing == WAITING
     about_answer(course, 7.5)
     (course.autograded / "ada" / STREAM.stage / f"{STREAM.name}.ipynb").unlink()
     enter_answer("It finds 14 of 17 cars.")  # the same again
@@ -702,7 +707,7 @@ def test_of_an_answer_that_was_not_given_the_comment_says_so(written):
     course, enter_answer = written
     enter_answer("")
     assert about_answer(course)[2] == "No response."
-    assert gradebook.class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
+    assert class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
     enter_answer("It finds 14 of 17 cars.")
     assert about_answer(course)[2] is None
 
@@ -739,7 +744,7 @@ def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
 
 
 def test_what_is_entered_stays_as_it_is():
-    assert gradebook.Entry.__dataclass_params__.frozen
+    assert Entry.__dataclass_params__.frozen
 
 
 def test_a_student_who_handed_in_nothing_is_not_there(entered):

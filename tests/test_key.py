@@ -370,7 +370,7 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
         "utils/lent/lesson_06.json",
         "grader/classroom/grade.py",
         "grader/course/build.py",
-        "grader/lms/gradebook.py",
+        "grader/lms/entering.py",
         "solutions/footer_cell.md",
     )
     with contextlib.ExitStack() as stack:

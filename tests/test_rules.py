@@ -23,7 +23,10 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
-from grader.lms import gradebook
+from grader.lms import entering
+from grader.lms.differences import differences
+from grader.lms.entries import Entry
+from grader.lms.times import known_time
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
 from utils.checks import Check
@@ -269,8 +272,8 @@ def test_another_time_of_submission_is_a_difference(handed_in, hour):
     course, submission, verdict = handed_in
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
-    entry = gradebook.Entry("ada", FILTER.stage, ((submission, verdict),))
-    known = gradebook._timestamp(course, entry).replace(hour=hour)
+    entry = Entry("ada", FILTER.stage, ((submission, verdict),))
+    known = known_time(entry.places(course)).replace(hour=hour)
     book = SimpleNamespace(
         find_submission=lambda stage, student: SimpleNamespace(
             timestamp=known,
@@ -280,14 +283,14 @@ def test_another_time_of_submission_is_a_difference(handed_in, hour):
             assignment=SimpleNamespace(name=stage),
         )
     )
-    *found, last = gradebook.differences(course, book, entry, None, Deadlines({}))
+    *found, last = differences(course, book, entry, None, Deadlines({}))
     assert last.endswith("it is not in the gradebook")
     assert bool(found) == (hour != 12) and all("time of submission" in one for one in found)
 
 
 def test_of_a_notebook_that_nobody_handed_in_nothing_waits_for_a_person():
     waiting = SimpleNamespace(auto_score=4.0, needs_manual_grade=True)
-    gradebook._nothing_handed_in(SimpleNamespace(grades=[waiting]))
+    entering._nothing_handed_in(SimpleNamespace(grades=[waiting]))
     assert (waiting.auto_score, waiting.needs_manual_grade) == (0.0, False)
 
 

@@ -9,7 +9,7 @@ from grader.course import paths
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms import gradebook
-from grader.lms.gradebook import enter
+from grader.lms.entering import enter
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -19,6 +19,7 @@ from grader.lms.results import (
     StageResult,
     standing_in_stage,
 )
+from grader.lms.standings import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,
@@ -65,7 +66,7 @@ def course(entered_once, tmp_path):
 
 def standing(course):
     """(standing, score) by student and number of the lesson."""
-    results = gradebook.class_results(course)
+    results = class_results(course)
     return {(one.student, one.lesson[:2]): (one.standing, one.score) for one in results.notebooks}
 
 
@@ -81,7 +82,7 @@ def test_without_a_roster_it_is_who_handed_in(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("ada", first_name="Ada", last_name="Ash", lms_user_id="8")
         book.update_or_create_student("idle", first_name="Ida")
-    results = gradebook.class_results(course)
+    results = class_results(course)
     assert results.people == (Person("ada", "Ada", "Ash", lms_id="8"), Person("bob"))
     assert standing(course) == {
         ("ada", "06"): (MARKED, 0.0),
@@ -95,7 +96,7 @@ def test_without_a_roster_it_is_who_handed_in(course):
 def test_with_a_roster_it_is_who_is_on_it_in_its_order(course):
     (course.root / "roster.csv").write_text(ROSTER)
     (course.root / "deadlines.toml").write_text(DATES)
-    results = gradebook.class_results(course)
+    results = class_results(course)
     assert [person.id for person in results.people] == ["bob", "ada", "eve", "fay"]
     assert results.people[0] == Person("bob", "Bob", "Bell", "bob@x.edu", "B", "7")
     assert standing(course) == {
@@ -121,7 +122,7 @@ def test_with_a_roster_it_is_who_is_on_it_in_its_order(course):
 
 def test_who_is_not_on_the_roster_is_named_apart(course):
     (course.root / "roster.csv").write_text("id\nbob\n")
-    results = gradebook.class_results(course)
+    results = class_results(course)
     assert results.strangers == ("ada",)
     assert {one.student for one in (*results.notebooks, *results.stages)} == {"bob"}
 
@@ -129,7 +130,7 @@ def test_who_is_not_on_the_roster_is_named_apart(course):
 def test_what_a_person_has_still_to_grade_waits(course):
     change(course, "ada", GROUND, needs_manual_grade=True)
     assert standing(course)["ada", "06"] == (WAITING, 0.0)
-    assert gradebook.class_results(course).stage("ada", STAGE).standing == WAITING
+    assert class_results(course).stage("ada", STAGE).standing == WAITING
 
 
 def test_what_is_handed_in_and_not_entered_waits(course):
@@ -139,7 +140,7 @@ def test_what_is_handed_in_and_not_entered_waits(course):
     (course.root / "roster.csv").write_text("id\nbob\ncleo\n")
     assert standing(course)["cleo", "06"] == (MISSING, None)
     assert standing(course)["cleo", "07"] == (WAITING, None)
-    assert gradebook.class_results(course).stage("cleo", STAGE).points is None
+    assert class_results(course).stage("cleo", STAGE).points is None
 
 
 def test_a_mark_by_hand_is_a_mark_whatever_was_handed_in(course):
@@ -184,7 +185,7 @@ def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 12:00:00")
     enter(course, verdicts(course, ZERO), [STAGE], quiet)
-    stage = gradebook.class_results(course).stage("ada", STAGE)
+    stage = class_results(course).stage("ada", STAGE)
     assert stage == StageResult(
         "ada",
         STAGE,
@@ -197,14 +198,14 @@ def test_when_it_was_handed_in_and_due_and_what_that_costs(course):
         late=datetime.timedelta(hours=24, minutes=30),
     )
     assert stage.points == pytest.approx(14.6)
-    on_time = gradebook.class_results(course).stage("bob", STAGE)
+    on_time = class_results(course).stage("bob", STAGE)
     assert (on_time.handed_in, on_time.late, on_time.penalty) == (None, datetime.timedelta(), 0)
 
 
 def test_who_handed_in_nothing_has_a_date_too(course):
     (course.root / "roster.csv").write_text(ROSTER)
     (course.root / "deadlines.toml").write_text(DATES)
-    results = gradebook.class_results(course)
+    results = class_results(course)
     assert results.stage("fay", STAGE).due == datetime.datetime(2026, 3, 4, 12, tzinfo=datetime.UTC)
     assert results.stage("fay", STAGE).handed_in is None
 

@@ -50,7 +50,7 @@ def only_one(course: Course) -> Iterator[None]:
         for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # as `grader.classroom.collect` does
             for path in course.submitted.glob(pattern):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/.*.part", "*/.*.old"):  # whole folders, as `grader.lms.gradebook` makes
+        for pattern in ("*/.*.part", "*/.*.old"):  # whole folders, as `grader.lms.copies` makes
             for path in course.autograded.glob(pattern):
                 shutil.rmtree(path, ignore_errors=True)
         yield

@@ -8,9 +8,10 @@ from grader.classroom.doctor import Finding
 from grader.course.deadlines import DeadlinesTrouble
 from grader.course.paths import Course
 from grader.course.roster import RosterTrouble
-from grader.lms.gradebook import address, class_results
+from grader.lms.gradebook import address
 from grader.lms.notes import not_on_the_roster
 from grader.lms.results import GradebookUnreachable
+from grader.lms.standings import class_results
 
 
 def examine_gradebook(course: Course) -> Iterator[Finding]:

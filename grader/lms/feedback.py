@@ -18,9 +18,10 @@ from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.autograded import graded_cells
 from grader.lms.cells import CellMark, CellMarks, cell_marks
 from grader.lms.folding import Folded, fold
-from grader.lms.gradebook import class_results, open_gradebook
+from grader.lms.gradebook import open_gradebook
 from grader.lms.harmless import harmless
 from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResult
+from grader.lms.standings import class_results
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 `CopyExporter` reads a submission as the judge does. `Judge` stands where nbgrader would execute
 a notebook. `SaveGrades` keeps what a person graded. `python -m grader grade` does the same without
-nbgrader's converters, in `grader.lms.gradebook`.
+nbgrader's converters, in `grader.lms.entering`.
 """
 
 from pathlib import Path

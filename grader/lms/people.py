@@ -1,4 +1,4 @@
-"""Let the gradebook know who takes the course: names, e-mails, numbers in the learning platform."""
+"""Who takes the course, for the gradebook: names, e-mails, numbers in the learning platform."""
 
 from __future__ import annotations
 
@@ -19,6 +19,20 @@ def enrol(book: Gradebook, roster: Roster) -> None:
         student = known.get(person.id)
         if student is None or any(getattr(student, name) != text for name, text in about.items()):
             book.update_or_create_student(person.id, **about)
+
+
+def people_in(book: Gradebook) -> list[Person]:
+    """Who is in a gradebook, as it describes them."""
+    return [
+        Person(
+            student.id,
+            student.first_name or "",
+            student.last_name or "",
+            student.email or "",
+            lms_id=student.lms_user_id or "",
+        )
+        for student in book.students
+    ]
 
 
 def _about(person: Person) -> dict[str, str]:

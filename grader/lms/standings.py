@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, timedelta
 
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
+from grader.lms.gradebook import open_gradebook
+from grader.lms.people import people_in
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -21,53 +22,19 @@ from grader.lms.results import (
     StageResult,
     standing_in_stage,
 )
+from grader.lms.rows import Row, read_rows
 from grader.lms.times import Undecided, handed_in_at
 
 
-@dataclass(frozen=True)
-class Row:
-    """What the gradebook says about a notebook of a student.
-
-    Attributes
-    ----------
-    student, stage, lesson : str
-    score, max_score, penalty : float
-    needs_person : bool
-        Whether a person has still to grade something in it.
-    has_mark_by_hand : bool
-    handed_in, due : datetime or None
-        In UTC, without saying so, as nbgrader keeps them.
-    extension : timedelta or None
-    """
-
-    student: str
-    stage: str
-    lesson: str
-    score: float
-    max_score: float
-    penalty: float
-    needs_person: bool
-    has_mark_by_hand: bool
-    handed_in: datetime | None
-    due: datetime | None
-    extension: timedelta | None
-
-
-def standings(course: Course, rows: Sequence[Row], known: Sequence[Person]) -> ClassResults:
-    """The results of a class.
-
-    Parameters
-    ----------
-    course : grader.course.paths.Course
-    rows : list of Row
-        All of the gradebook.
-    known : list of grader.course.roster.Person
-        Who is in the gradebook, as it describes them.
+def class_results(course: Course) -> ClassResults:
+    """How everybody stands, by the gradebook, the roster and the dates of a course.
 
     Raises
     ------
     grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
     """
+    with open_gradebook(course) as book:
+        rows, known = read_rows(book), people_in(book)
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     given = {(one.student, one.lesson.name): one for one in find_submissions(course)}
     entered = {(row.student, row.lesson): row for row in rows}

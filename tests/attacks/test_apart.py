@@ -17,8 +17,8 @@ from grader.judging.judge import judge_handed_in
 from grader.judging.verdict import FAILED, JUDGED, read_verdict
 from grader.lms import autograded
 from grader.lms.autograded import graded_cells
-from grader.lms.gradebook import class_results
 from grader.lms.results import WAITING
+from grader.lms.standings import class_results
 from tests.test_faults import Inline, rehearsed
 
 SEED = 20_170_405

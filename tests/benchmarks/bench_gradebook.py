@@ -18,7 +18,8 @@ from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
 from grader.intake.handed_in import read_handed_in
-from grader.lms.gradebook import class_results, enter
+from grader.lms.entering import enter
+from grader.lms.standings import class_results
 from grader.sandbox import choose_sandbox
 from tests.postgresql import NotInstalled, server
 

@@ -26,7 +26,9 @@ from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.nbgrader_settings import converter
 from grader.course.paths import PROJECT, Course
-from grader.lms.gradebook import enter, open_gradebook, register
+from grader.lms.entering import enter
+from grader.lms.gradebook import open_gradebook
+from grader.lms.registering import register
 from grader.sandbox import choose_sandbox
 
 STUDENTS = 20

@@ -1,0 +1,61 @@
+"""The folder that people open beside the gradebook: copies, and what was handed in with them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import nbformat
+
+from grader.course.paths import Course
+from grader.intake.notebook import read_file
+from grader.lms.entries import Entry
+from utils.notebooks.reading import UnreadableNotebook
+
+
+def write_files(
+    course: Course, entry: Entry, copies: dict, modules: dict[Path, bytes], draft: Path
+) -> None:
+    """Write into a folder of their own the copies, modules as judged, and all other files."""
+    shutil.rmtree(draft, ignore_errors=True)
+    draft.mkdir(parents=True)
+    for place in entry.places(course):
+        for path in _other_files(place):
+            with contextlib.suppress(UnreadableNotebook):
+                _put(read_file(path), draft / path.relative_to(place))
+    for path, source in modules.items():
+        _put(source, draft / path)
+    for name, notebook in copies.items():
+        (draft / f"{name}.ipynb").write_text(nbformat.writes(notebook) + "\n", "utf-8")
+    for path in draft.rglob("*"):
+        if path.is_file():
+            path.chmod(0o444)  # as nbgrader leaves them
+
+
+def _put(content: bytes, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+
+
+def _other_files(place: Path) -> Iterator[Path]:
+    for folder, folders, files in os.walk(place):
+        folders[:] = [name for name in folders if not name.startswith((".", "__"))]
+        for name in files:
+            path = Path(folder) / name
+            ordinary = stat.S_ISREG(path.lstat().st_mode)
+            if ordinary and path.suffix != ".ipynb" and not name.startswith("."):
+                yield path
+
+
+def put_in_place(draft: Path, folder: Path) -> None:
+    """Put a complete folder in the place of the one before."""
+    old = folder.with_name(f".{folder.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    with contextlib.suppress(FileNotFoundError):
+        folder.rename(old)
+    draft.rename(folder)
+    shutil.rmtree(old, ignore_errors=True)

@@ -1,0 +1,82 @@
+"""Let the gradebook know what is released: lessons, cells and points."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable
+
+import nbformat
+from nbgrader.api import Gradebook, MissingEntry
+from nbgrader.preprocessors import SaveCells
+from nbgrader.utils import is_grade, is_solution
+
+from grader.course.lessons import Lesson, all_lessons
+from grader.course.paths import Course
+from grader.lms.autograded import graded_cells
+from grader.lms.gradebook import database_url
+
+
+def register(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+    """Let the gradebook know the stages, with the cells and points of the release.
+
+    The release is only read. What the gradebook knows already is compared, so that changed points
+    arrive.
+
+    Returns
+    -------
+    list of str
+        What could not be changed, one sentence each.
+    """
+    trouble = []
+    for stage in stages:
+        with contextlib.suppress(MissingEntry):
+            if all(_is_registered(book, lesson) for lesson in _lessons(course, stage)):
+                continue
+        book.update_or_create_assignment(stage)
+        book.db.commit()  # what follows writes through a connection of its own
+        for lesson in _lessons(course, stage):
+            about = {"notebook": lesson.name, "assignment": stage, "db_url": database_url(course)}
+            try:
+                SaveCells().preprocess(_released(lesson), {"nbgrader": about})
+            except RuntimeError as error:
+                trouble.append(
+                    f"{lesson.name}: its graded cells are others than when submissions were "
+                    f"entered, and nbgrader refuses to change them: {error}"
+                )
+        book.db.expire_all()
+    return trouble
+
+
+def _lessons(course: Course, stage: str) -> list[Lesson]:
+    """The lessons of a stage that the course has released."""
+    lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
+    released = course.released / stage
+    return [
+        lesson
+        for lesson in lessons
+        if not released.is_dir() or (released / f"{lesson.name}.ipynb").is_file()
+    ]
+
+
+def _released(lesson: Lesson) -> nbformat.NotebookNode:
+    return nbformat.reads(lesson.released.read_text("utf-8"), as_version=4)
+
+
+def _is_registered(book: Gradebook, lesson: Lesson) -> bool:
+    """Whether the gradebook knows a lesson's cells as they are released."""
+    notebook = book.find_notebook(lesson.name, lesson.stage)
+    cells = graded_cells(_released(lesson))
+    wanted = {
+        (cell.metadata.nbgrader.grade_id, cell.metadata.nbgrader.get("checksum")) for cell in cells
+    }
+    points = {
+        (cell.metadata.nbgrader.grade_id, float(cell.metadata.nbgrader.points))
+        for cell in cells
+        if is_grade(cell)
+    }
+    solutions = {cell.metadata.nbgrader.grade_id for cell in cells if is_solution(cell)}
+    return (
+        wanted == {(cell.name, cell.checksum) for cell in notebook.source_cells}
+        and points == {(cell.name, cell.max_score) for cell in notebook.grade_cells}
+        and solutions == {cell.name for cell in notebook.solution_cells}
+    )
