@@ -508,7 +508,7 @@ def _print_end(course: Course, count: int, before: int, seconds: float) -> None:
     from grader.lms.gradebook import address
 
     print(
-        f"{count} notebooks: {count - before} judged in {seconds:.1f} s"
+        f"{count} notebook{'s' * (count != 1)}: {count - before} judged in {seconds:.1f} s"
         f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
     )
 

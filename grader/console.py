@@ -325,14 +325,19 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """How late each student was who was, or of whom nobody knows, and what that costs."""
+    """How late each student was who was, or of whom nobody knows, and what that costs.
+
+    Where there are several stages, each is named: ``stage3 1.4 d -18``.
+    """
     late = {}
     for one in results.stages if results else ():
         if one.stage in stages and (one.late or one.undecided):
             hours = one.late.total_seconds() / 3600
             time = f"{hours / 24:.1f} d" if hours >= 24 else f"{hours:.1f} h"
             cost = f" -{one.penalty:.3g}" if one.penalty else ""
-            late.setdefault(one.student, []).append(f"{time}{cost}" if one.late else "undecided")
+            which = f"{one.stage.partition('_')[0]} " if len(stages) > 1 else ""
+            what = f"{time}{cost}" if one.late else "undecided"
+            late.setdefault(one.student, []).append(which + what)
     return {student: ", ".join(texts) for student, texts in late.items()}
 
 

@@ -1,17 +1,24 @@
 """What the instructor is shown goes by the roster: table, doctor, and one student again."""
 
+from datetime import timedelta
+from pathlib import Path
+
 import pytest
 
 from grader import cli, commands
 from grader.classroom import doctor
 from grader.classroom import grade as grading
 from grader.classroom.folders import Unknown, who_is_meant
-from grader.classroom.submissions import find_submissions
+from grader.classroom.submissions import Submission, find_submissions
+from grader.console import print_class
 from grader.course import paths
-from grader.judging.verdict import write_verdict
+from grader.course.lessons import find_lesson
+from grader.course.roster import Person
+from grader.judging.verdict import JUDGED, Verdict, write_verdict
 from grader.lms import gradebook
 from grader.lms.checkup import examine_gradebook
 from grader.lms.history import read_changes
+from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.standings import class_results
 from grader.sandbox import SANDBOXES
 from tests.test_faults import Inline
@@ -92,6 +99,27 @@ def test_a_zero_and_what_waits_are_no_dash(course, capsys, monkeypatch):
     shown = capsys.readouterr().out
     assert cells(shown, "ada")[1] == "0*" and cells(shown, "yan")[1:3] == ["?", "-"]
     assert "* a person has still to grade · ? not entered yet" in shown
+
+
+def test_where_there_are_several_stages_each_lateness_names_its_own(capsys):
+    late = {"stage1_ransac": timedelta(hours=30), "stage3_obstacles": timedelta(hours=5)}
+    stages = [
+        StageResult("ada", stage, MARKED, 10.0, 10.0, 2.0, late=how) for stage, how in late.items()
+    ]
+    marks = [
+        NotebookResult("ada", lesson.stage, lesson.name, MARKED, 10.0, 10.0)
+        for lesson in map(find_lesson, ("01_point_clouds", "06_filter_ground"))
+    ]
+    results = ClassResults((Person("ada"),), tuple(marks), tuple(stages))
+    judged = [
+        (Submission("ada", lesson, Path("x")), Verdict(name, "ada", JUDGED, 1, 1, (), (), 0, ""))
+        for name in (one.lesson for one in marks)
+        if (lesson := find_lesson(name))
+    ]
+    print_class(judged, results)
+    assert "stage1 1.2 d -2, stage3 5.0 h -2" in capsys.readouterr().out
+    print_class(judged[:1], results)
+    assert "1.2 d -2" in (shown := capsys.readouterr().out) and "stage" not in shown
 
 
 def test_without_a_roster_the_table_has_who_handed_in(course, capsys):

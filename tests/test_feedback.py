@@ -7,6 +7,7 @@ import json
 import re
 import zipfile
 from datetime import UTC, datetime, timedelta
+from zoneinfo import ZoneInfo
 
 import nbformat
 import pytest
@@ -132,12 +133,24 @@ def test_checks_in_words(tests, first, words, started):
 
 # ---- lateness -----------------------------------------------------------------------------------
 
+DAY = timedelta(days=1)
 DUE = datetime(2026, 11, 20, 12, tzinfo=UTC)
 
 
 def said(late=timedelta(), **more):
     about = {"handed_in": DUE + late, "due": DUE, "late": max(late, timedelta())} | more
     return list(lateness(StageResult("ada", STAGE, MARKED, 90.0, 100.0, **about)))
+
+
+def test_times_are_those_of_the_clocks_where_the_course_is():
+    """Across the end of summer time, too."""
+    due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
+    late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
+    (sentence,) = lateness(late, ZoneInfo("Europe/Berlin"))
+    assert sentence == (
+        "Handed in 1 day late, on 25 October 2026 at 22:59 CET; it was due on 24 October 2026 at "
+        "23:59 CEST."
+    )
 
 
 def test_lateness_and_penalty_in_words(monkeypatch):

@@ -9,6 +9,7 @@ import sys
 import zipfile
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from zoneinfo import ZoneInfo
 
 import nbformat
 import pytest
@@ -194,7 +195,7 @@ def test_only_cells_that_every_lesson_has_are_others_than_in_the_release(fetched
 
 
 def deadlines(**dates):
-    return Deadlines({STAGE: Dates(**dates)})
+    return Deadlines({STAGE: Dates(**dates)}, zone=ZoneInfo("Europe/Berlin"))
 
 
 def test_who_may_still_hand_in_is_named():
@@ -207,8 +208,8 @@ def test_who_may_still_hand_in_is_named():
         NOW,
     )
     assert said == (
-        "stage3_obstacles is open: for section B until 12 October 2026, 13:00, "
-        "anna until 12 October 2026, 13:00."
+        "stage3_obstacles is open: for section B until 12 October 2026, 15:00 CEST, "
+        "anna until 12 October 2026, 15:00 CEST."
     )
     assert "for everybody until" in solved.still_open(deadlines(due=late), STAGE, NOW)
 

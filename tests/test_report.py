@@ -130,6 +130,21 @@ def test_without_a_roster_the_page_says_who_stands_there(tmp_path):
     assert "Not on the roster, and with marks in the gradebook: zoe." in page
 
 
+def test_two_of_one_name_are_told_apart(tmp_path):
+    people = (Person("kim1", "Kim", "Lee"), Person("kim2", "Kim", "Lee"), Person("bo", "Bo", "Ek"))
+    results = class_of([result(one.id, MARKED, 1.0) for one in people], people=people)
+    rows = re.findall(r'<th scope="row">(.*?)</th>', report(tmp_path, [], results))
+    assert [re.sub("<.*?>", "", row) for row in rows] == ["Kim Lee kim1", "Kim Lee kim2", "Bo Ek"]
+
+
+def test_when_it_was_handed_in_is_told_by_the_courses_clocks(tmp_path):
+    when = datetime(2026, 7, 1, 22, 30, tzinfo=UTC)
+    stage = StageResult("ada", STAGE, MARKED, 1.0, 30.0, handed_in=when)
+    (tmp_path / "deadlines.toml").write_text('timezone = "Europe/Berlin"\n')
+    page = report(tmp_path, [], class_of([result("ada", MARKED, 1.0)], [stage]))
+    assert "handed in 02 July 2026, 00:30 CEST" in page
+
+
 def test_a_section_is_measured_by_those_who_have_a_mark():
     people = tuple(Person(name, section=name[0].upper()) for name in ("a1", "a2", "a3", "b1"))
     results = class_of(

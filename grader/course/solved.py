@@ -43,7 +43,11 @@ def still_open(deadlines: Deadlines, stage: str, now: datetime) -> str:
     dates = deadlines.stages.get(stage, Dates())
     groups = {"": dates.due} | {f"section {name}": due for name, due in dates.sections.items()}
     names = {name or "everybody": due for name, due in (groups | dates.students).items() if due}
-    late = [f"{name} until {due:%d %B %Y, %H:%M}" for name, due in names.items() if due > now]
+    late = [
+        f"{name} until {deadlines.local(due):%d %B %Y, %H:%M %Z}"
+        for name, due in names.items()
+        if due > now
+    ]
     return f"{stage} is open: for {', '.join(late)}." if late else ""
 
 

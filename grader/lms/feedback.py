@@ -7,10 +7,11 @@ import json
 import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
-from datetime import datetime, timedelta
+from datetime import datetime, timedelta, tzinfo
 
 import nbformat
 
+from grader.course.deadlines import read_deadlines
 from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
@@ -81,18 +82,28 @@ class LessonFeedback:
 
 @dataclass(frozen=True)
 class Feedback:
-    """What a student gets back for a stage."""
+    """What a student gets back for a stage.
+
+    Attributes
+    ----------
+    person : grader.course.roster.Person
+    result : grader.lms.results.StageResult
+    lessons : tuple of LessonFeedback
+    zone : tzinfo or None
+        In which times are told; None for that of this machine.
+    """
 
     person: Person
     result: StageResult
     lessons: tuple[LessonFeedback, ...]
+    zone: tzinfo | None = None
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """What is to be known about the whole."""
         waiting = self.result.standing == WAITING
         about = "A person has still to grade a part of this: the points are not final."
-        return (*([about] if waiting else ()), *lateness(self.result))
+        return (*([about] if waiting else ()), *lateness(self.result, self.zone))
 
 
 class NotReady(Exception):
@@ -111,6 +122,8 @@ class FeedbackWriter:
     def __init__(self, course: Course, stage: str) -> None:
         self._course, self._stage = course, stage
         self._results: ClassResults = class_results(course)
+        deadlines = read_deadlines(course)
+        self._zone = deadlines.zone if deadlines else None
         with open_gradebook(course) as book:
             self._cells: CellMarks = cell_marks(book, stage)
 
@@ -135,7 +148,8 @@ class FeedbackWriter:
         NotReady
         """
         lessons = [self._lesson(result) for result in self._notebooks(person.id)]
-        return Feedback(person, self._results.stage(person.id, self._stage), tuple(lessons))
+        result = self._results.stage(person.id, self._stage)
+        return Feedback(person, result, tuple(lessons), self._zone)
 
     def _has_handed_in(self, student: str) -> bool:
         results = self._notebooks(student)
@@ -219,14 +233,14 @@ def title_of(lesson: Lesson) -> str:
     return lesson.name
 
 
-def lateness(result: StageResult) -> Iterator[str]:
-    """Sentences on when a stage was handed in, and what that costs."""
+def lateness(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
+    """Sentences on when a stage was handed in, by the clocks of a zone, and what that costs."""
     if result.undecided:
         yield "Whether this is late, a person has still to decide: its time cannot be read."
     elif result.handed_in and result.due:
-        moments = f"on {_moment(result.handed_in)}; it was due on {_moment(result.due)}"
+        handed_in, due = (_moment(when, zone) for when in (result.handed_in, result.due))
         how = f"{_span(result.late)} late" if result.late else "in time"
-        yield f"Handed in {how}, {moments}."
+        yield f"Handed in {how}, on {handed_in}; it was due on {due}."
     if result.penalty:
         yield f"For lateness {points(result.penalty)} points are taken off."
 
@@ -236,8 +250,8 @@ def points(number: float) -> str:
     return f"{number:.2f}".rstrip("0").rstrip(".")
 
 
-def _moment(when: datetime) -> str:
-    return f"{when.astimezone():%d %B %Y at %H:%M %Z}"
+def _moment(when: datetime, zone: tzinfo | None) -> str:
+    return f"{when.astimezone(zone):%d %B %Y at %H:%M %Z}"
 
 
 def _span(time: timedelta) -> str:

@@ -26,6 +26,7 @@ from grader.classroom.items import (
 )
 from grader.classroom.pages import TEMPLATES, coded, printable, render
 from grader.classroom.submissions import Submission
+from grader.course.deadlines import read_deadlines
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
@@ -96,6 +97,7 @@ def write_report(
     for student, verdict in pairs:
         by_student.setdefault(student, {})[verdict.lesson] = verdict
     table = marks_table(lessons, results, by_student)
+    deadlines = read_deadlines(course)
     script = (TEMPLATES / "report.js").read_text("utf-8")
     about = {
         "made": datetime.now().strftime("%d %B %Y, %H:%M"),
@@ -112,11 +114,13 @@ def write_report(
         coded=coded,
         points=points,
         duration=duration,
+        zone=deadlines.zone if deadlines else None,
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
         run=run,
         warning=warning,
         table=table,
+        namesakes=_namesakes(results),
         strangers=results.strangers,
         has_roster=read_roster(course) is not None,
         undecided=[one for one in results.stages if one.undecided],
@@ -183,6 +187,12 @@ def _people(
     for stage in results.stages:
         stages.setdefault(stage.student, []).append(stage)
     return [(known.get(id) or Person(id), stages.get(id, []), by_student.get(id, {})) for id in ids]
+
+
+def _namesakes(results: ClassResults) -> set[str]:
+    """Names that more than one student has."""
+    counts = Counter(person.name for person in results.people)
+    return {name for name, count in counts.items() if count > 1}
 
 
 def _links(course: Course) -> list[tuple[str, str]]:
