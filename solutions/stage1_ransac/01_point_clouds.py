@@ -90,7 +90,8 @@ from utils.scenes import simple_highway
 frame = simple_highway()
 highway = frame.cloud
 print(f"8 x 128 = {8 * 128} rays, {len(highway)} returns")
-print("returns of each beam, the steepest first:", np.bincount(frame.scan.beams))
+counts = np.bincount(frame.scan.beams)  # how often each number occurs: 0, 1, 2 and so on
+print("returns of each beam, the steepest first:", counts)
 
 figure, axes = plt.subplots(figsize=(8.5, 5.2), layout="compressed")
 plots.from_above(highway, values=highway[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
@@ -101,6 +102,37 @@ for x, y in ((15, 0), (8, -4), (-12, 4)):
 # %% [markdown]
 # All missing rays belong to the two steepest beams. They hit the roof of our own car, at its four corners. This scanner reports nothing that is nearer than 5 m along the ray. The outermost ring is torn behind the car ahead of us: that car casts a *shadow*. A scanner sees fronts, never backs.
 #
+# ## Your first line of code
+#
+# *A cloud is a table: one row for each return, its columns x, y, z and intensity. Four bits of NumPy are enough to work with it.*
+
+# %%
+heights = highway[:, 2]                     # a column: one number per return
+is_left = highway[:, 1] > 0                 # a comparison: one True or False per return
+left = highway[is_left]                     # a mask picks the rows that are True
+left_ahead = highway[is_left & (highway[:, 0] > 0)]  # & for "and"; put comparisons in parentheses
+
+print("heights:   ", heights.shape, heights[:3].round(2))
+print("is_left:   ", is_left.shape, is_left[:3], "holds", is_left.sum(), "times")
+print("left:      ", left.shape)
+print("left_ahead:", left_ahead.shape)
+
+# %% [markdown]
+# No loop anywhere: each line treats every return at once. That is called *vectorised*, and you will measure further down what it gains.
+#
+# Now you. The mask in the next cell keeps all that lies ahead. Change it, run the cell again, and look: only the three cars shall be left. What tells them from the road? No check waits here, and an answer stands below.
+
+# %%
+mine = highway[highway[:, 0] > 0]
+plots.from_above(mine, values=mine[:, 2], span=(-2.6, 0), label="height z (m)",
+                 limits=((-25, 35), (-16, 16)), title=f"Your mask keeps {len(mine)} returns");
+
+# %% [markdown]
+# <details><summary>An answer</summary>
+#
+# The road is low, so ask for height: `highway[highway[:, 2] > -2.5]`. That drops a few returns low on the cars, too; lesson 06 makes a filter of this one line, and looks at what it costs.
+# </details>
+#
 # Here are the rays that go straight ahead, from the side.
 
 # %%
@@ -108,7 +140,7 @@ ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
 figure, axes = plt.subplots(figsize=(8.5, 3.4), layout="compressed")
 plots.from_side(ahead, values=ahead[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
                 limits=((-2, 22), (-3.2, 0.6)), title="The rays that go straight ahead")
-for x, _, z, _ in ahead:
+for x, _, z, _ in ahead:  # row by row; _ stands for numbers that we do not need
     axes.plot([0, x], [0, z], color="black", linewidth=0.4)
 print("they end at x =", ahead[:, 0].round(1), "m")
 
@@ -214,8 +246,12 @@ for x, y, name in ((3.4, 2.0, "cyclist"), (7.2, 3.8, "turning car"), (-5.8, -2.8
     axes.annotate(name, (x, y), xytext=(0, 16), textcoords="offset points", ha="center",
                   bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1},
                   arrowprops={"arrowstyle": "-"}, zorder=8)
-plots.from_above(cloud, values=cloud[:, 3], span=(0, 1), label="intensity", limits=street,
-                 title="Coloured by intensity: the same points, another column");
+axes = plots.from_above(cloud, values=cloud[:, 3], span=(0, 0.6), label="intensity", limits=street,
+                        title="Coloured by intensity: the same points, another column")
+bright = cloud[cloud[:, 3] > 0.9]
+axes.plot(bright[:, 0], bright[:, 1], "s", color="black", markersize=3)
+plots.ring(axes, 5.1, -2.9, radius=1.2, text="number plate")
+print(f"{len(bright)} of {len(cloud):,} returns are brighter than 0.9: black squares");
 
 # %% [markdown]
 # The small tufts beside the sensor are parts of [our own car](#Words-of-the-course): a mirror, the tailgate and the aerial.
@@ -251,22 +287,6 @@ people.compare(found, "The one with 9 returns is a child behind the car that is 
                       "what hides from the scanner is not in the cloud, and nobody finds it there.")
 
 # %% [markdown]
-# Four bits of NumPy are enough to work with such an array:
-
-# %%
-heights = cloud[:, 2]                       # a column: one number per point
-on_the_left = cloud[:, 1] > 0               # a comparison: one True or False per point
-left = cloud[on_the_left]                   # a mask picks the rows that are True
-bright_left = cloud[on_the_left & (cloud[:, 3] > 0.9)]  # & for "and"; put comparisons in parentheses
-
-print("heights:    ", heights.shape, heights[:3])
-print("on_the_left:", on_the_left.shape, on_the_left[:3], "holds", on_the_left.sum(), "times")
-print("left:       ", left.shape)
-print("bright_left:", bright_left.shape)
-
-# %% [markdown]
-# No loop anywhere: each line treats every point at once. That is called *vectorised*, and you will measure in a moment what it gains.
-#
 # ## The naive idea: the length of the row
 #
 # *A row of a cloud is not a vector: its columns do not all mean the same.*
@@ -279,12 +299,15 @@ x = strip[:, 0]
 error = np.linalg.norm(strip, axis=1) - x
 plots.curves({}, {"returns straight ahead": (x, error)}, across="x, the distance along the road (m)",
              up="error of the length (m)", title="The nearer the return, the larger the error")
-print(f"largest error: {error.max():.2f} m, at a distance of {x[error.argmax()]:.1f} m")
+worst = error.argmax()
+print(f"largest error: {error[worst]:.3f} m, at a distance of {x[worst]:.1f} m")
+print(f"the same return, without its intensity: {np.linalg.norm(strip[worst, :3]) - x[worst]:.3f} m")
+print(f"without its height, too:                {np.linalg.norm(strip[worst, :2]) - x[worst]:.3f} m")
 
 # %% [markdown]
 # The error is largest near the car, where it counts. The column of points just before 9 m is somebody who crosses the road: by this length, the feet are farther away than the head.
 #
-# There are two reasons. The length runs down to the road at a slant, so height is mixed in. And the length of a whole row also squares and adds the intensity, and metres plus brightness mean nothing.
+# There are two reasons. The length runs down to the road at a slant, so height is mixed in: that is nearly all of it. And the length of a whole row also squares and adds the intensity. Here that is a centimetre; but metres plus brightness mean nothing, and another sensor counts brightness up to 255. What is left in the last line is no error: the return lies a little to the side.
 #
 # ## The idea: measure on the ground
 #

@@ -533,7 +533,7 @@ for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
     plots.kd_tree(one.root, title=f"{title}: {depth_of(one.root)} levels", axes=axes)
 
 # %% [markdown]
-# One published worksheet starts with the greatest x and calls it the median. Its root has an empty right side, and a level more than it needs.
+# Who takes the last of the sorted points for the middle one starts with the greatest x. The root has an empty right side, and a level more than it needs.
 #
 # Of an even number of points there are two in the middle. We take the *lower* one: of $m$ sorted points, the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. Then the tree has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
 #
@@ -706,7 +706,7 @@ if all(map(is_written, (insert, search, median_order))):
         measure(n)
     building, yours, numpys = np.transpose(list(clock.values()))
     axes = plots.timing({"your tree": (counts, yours), "NumPy, all points": (counts, numpys)},
-                        title="One search, the tree already built")
+                        fit=False, title="One search, the tree already built")
     gain = numpys[-1] - yours[-1]
     print(f"Building the tree of {n:,} points took {1000 * building[-1]:.0f} ms. "
           + (f"It pays from {building[-1] / gain:,.0f} searches on." if gain > 0 else
@@ -715,7 +715,7 @@ else:
     print("Nothing to measure yet: this cell needs your own insert, search and median_order.")
 
 # %% [markdown]
-# NumPy's time grows with the number of points, yours hardly does. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
+# NumPy's time grows with the number of points, and that of your search far more slowly. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
 #
 # ### The lamp post again
 #
@@ -738,7 +738,7 @@ few.compare(visits,
             "down, and points in regions that the box reaches. All the rest was never touched.")
 
 # %% [markdown]
-# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises: the coordinates are written to the millimetre, so many occur twice, and equal always goes right.
+# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises: equal always goes right, and much is equal. One beam looks exactly level, and each of its 1,653 points has z = 0; without them there would be 26 levels. The rest is rounding: coordinates are written to the millimetre, so many occur twice.
 #
 # ## Common mistakes
 #

@@ -40,6 +40,17 @@ def test_missing_rays_met_the_roof_of_our_own_car(monkeypatch):
     assert {CLASSES[one] for one in scan.classes[missing]} == {"ego"}
 
 
+def test_a_height_leaves_the_cars_alone():
+    from utils.scenes import simple_highway
+
+    frame = simple_highway()
+    on_car = frame.scan.objects > 0
+    kept = frame.cloud[:, 2] > -2.5
+    assert not (kept & ~on_car).any()
+    assert 1 <= (on_car & ~kept).sum() <= 6
+    assert set(frame.scan.objects[kept]) == {1, 2, 3}
+
+
 def test_two_flattest_rays_meet_the_car_ahead(told):
     ends = told.names["ahead"]
     assert np.sum(ends[:, 2] > -2.5) == 2
