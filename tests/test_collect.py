@@ -718,6 +718,35 @@ def test_another_answer_takes_the_place_of_the_first(course):
     assert states(collect(course, path)) == {"cy": {"06": "same"}}
 
 
+@pytest.mark.parametrize("inside", ["", "hw/", "a/b/"])
+def test_an_archive_of_one_student_is_theirs_whatever_folders_are_in_it(course, inside):
+    """As what nobody judges says of a zip that lies in a student's folder."""
+    packed = course.submitted / "cy" / STAGE / "my homework.zip"
+    packed.parent.mkdir(parents=True)
+    names = (SIX, SEVEN)
+    packed.write_bytes(zipped([(f"{inside}{name}.ipynb", notebook(name)) for name in names]))
+    ((_, reason),) = unaccounted_files(course)
+    assert "--who 'my homework=cy'" in reason
+    outcome = collect(course, packed, who={"my homework": "cy"})
+    assert states(outcome) == {"cy": {"06": "new", "07": "new"}}
+    assert outcome.questions == []
+
+
+def test_an_answer_for_a_loose_file_takes_nothing_from_the_others(course):
+    """It is called like the archive, which holds a class."""
+    files = [(f"{SIX}.ipynb", notebook()), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
+    path = archive(course, files)
+    assert set(asked(collect(course, path))) == {"submissions"}
+    outcome = collect(course, path, who={"submissions": "cy"})
+    assert states(outcome) == {"ada": {"07": "same"}, "cy": {"06": "new"}}
+
+
+def test_without_a_roster_a_packed_folder_is_whose_it_is_said_to_be(anonymous_course):
+    path = archive(anonymous_course, [(f"hw/{SIX}.ipynb", notebook())], "homework.zip")
+    outcome = collect(anonymous_course, path, who={"homework": "cy"})
+    assert states(outcome) == {"cy": {"06": "new"}}
+
+
 def test_who_is_nobody_is_left_out_from_then_on(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)

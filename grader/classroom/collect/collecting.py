@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def collect(
     worksheet = read_worksheet(timestamps, zone) if timestamps else Worksheet()
     answers = read_answers(course, roster, stages, who, lessons)
     owners = Owners(roster, worksheet, answers.who)
-    opened = open_all(paths)
+    opened = [(path, kind, _of_one(path, handed, owners)) for path, kind, handed in open_all(paths)]
     outcome = Outcome(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
         [(path, kind, len(handed)) for path, kind, handed in opened],
@@ -76,6 +77,15 @@ def collect(
         Student(course, id, there.get(id, {}), answers, outcome).collect(mine, rows)
     progress(len(students), len(students), None)
     return outcome
+
+
+def _of_one(path: Path, handed: list[Handed], owners: Owners) -> list[Handed]:
+    """All in an archive as one's, where somebody said whose it is, and it names nobody else."""
+    name = path.name if path.is_dir() else path.stem
+    owner = Owner(name, name, (name,))
+    if not owners.has_all(owner, {one.owner for one in handed} - {owner}):
+        return handed
+    return [dataclasses.replace(one, owner=owner, path=one.entry.path) for one in handed]
 
 
 def _by_owner(

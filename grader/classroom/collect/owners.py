@@ -6,7 +6,7 @@ import functools
 import re
 import shlex
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from grader.classroom.collect.answers import NOBODY, same
 from grader.classroom.collect.protocol import CollectTrouble, Owner
@@ -76,6 +76,21 @@ class Owners:
     def is_answered(self, owner: Owner) -> bool:
         """Whether somebody has said whose it is."""
         return same(owner.label) in self._answers
+
+    def has_all(self, owner: Owner, others: Collection[Owner]) -> bool:
+        """Whether what an archive gives to others is an owner's, too: they are its folders.
+
+        So it is where somebody has said whose the archive is, and nobody else is known in it.
+        """
+        if not self._answers.get(same(owner.label)):
+            return False
+        return not any(map(self._is_known, others)) if self._roster else len(others) == 1
+
+    def _is_known(self, owner: Owner) -> bool:
+        try:
+            return bool(self.whose(owner))
+        except Unknown:
+            return False
 
     def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """A question about who is known only by what an archive calls them; empty without one.
