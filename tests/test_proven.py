@@ -18,15 +18,20 @@ from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
+from grader.sandbox.student import TOOK_TOO_LONG
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import CheckFailed
 from utils.checks.outcomes import Outcome
+from utils.checks.remembering import once
 
 LINE = find_lesson("02_ransac_line")
 NO = CheckFailed("no")
+HANGS = StudentError("line_through", TOOK_TOO_LONG)
 HANDED_IN, MENDED = Program(("a",), ()), Program(("b",), ())
 SETTING = Setting(LINE, 1, None)
+PLACES = ("1, line 3", "2")
+RAISED = [StudentError("f", "ValueError", place=f"code cell {place}") for place in PLACES]
 
 
 def outcomes_of(exercise, *failures):
@@ -34,6 +39,9 @@ def outcomes_of(exercise, *failures):
         Outcome(Check(f"{exercise} {number}", exercise, "a title", "a hint"), failure)
         for number, failure in enumerate(failures)
     )
+
+
+FAILED = outcomes_of("line_through", NO)
 
 
 # ---- whose answers are tried --------------------------------------------------------------------
@@ -44,8 +52,9 @@ def tried(monkeypatch):
     """What `repair_of` was asked for; it finds nothing."""
     found = []
 
-    def repair_of(setting, program, exercise, failed, raised_at):
-        found.append((program, exercise, [check.name for check in failed]))
+    def repair_of(setting, program, exercise, failed):
+        assert all(outcome.failure for outcome in failed)
+        found.append((program, exercise, [outcome.check.name for outcome in failed]))
 
     monkeypatch.setattr(repair, "repair_of", repair_of)
     monkeypatch.setattr(repair, "explains", lambda *about: False)
@@ -136,7 +145,7 @@ class Edited:
     ----------
     fails : list of str
         Letters of what fails before any edit, and with edit 0, 1, …: "e" the edit itself, "a" and
-        "b" two shown questions, "x" and "y" two hidden ones.
+        "b" two shown questions, "x" and "y" two hidden ones; a capital letter hangs.
     seconds : float
         Of the processor, for each edit that is tried.
     slept : float
@@ -146,7 +155,7 @@ class Edited:
     def __init__(self, fails, seconds=0.0, stops=False, slept=0.0):
         self.fails, self.seconds, self.stops = fails, seconds, stops
         self.now, self.tried, self.hidden_made = fails[0], 0, 0
-        self.lost, self.slept = [], slept
+        self.lost, self.slept, self.given = [], slept, []
         self.edits = [(1, number, number, f"edit {number}") for number in range(len(fails) - 1)]
 
     def __call__(self, program, sandbox, limits, budget, counted_as):
@@ -179,6 +188,9 @@ class Edited:
         self.answer("e")
 
     def answer(self, letter):
+        self.given.append((letter, self.interrupts_after))
+        if letter.upper() in self.now:
+            raise HANGS
         if letter in self.now:
             self.budget.note_lost(self.exercise, 0.3)
             raise NO
@@ -201,7 +213,7 @@ def passing(monkeypatch):
         student,
         shown="ab",
         limits=None,
-        raised_at=frozenset(),
+        failed=FAILED,
         clock=lambda: 100.0,
         budget=None,
         meanwhile=lambda: None,
@@ -214,7 +226,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
         found = []
-        for edit in repair._passing(setting, HANDED_IN, "line_through", (), raised_at):
+        for edit in repair._passing(setting, HANDED_IN, "line_through", failed):
             found.append(edit)
             meanwhile()
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
@@ -244,6 +256,38 @@ def test_who_answers_otherwise_when_asked_again_gets_no_more_throws(passing):
     assert passing(Edited(["axy", ""])) == [0]  # not all are asked again
 
 
+def test_nor_where_nothing_failed_but_what_nobody_sees(passing):
+    student = Edited(["y", "", ""])
+    assert passing(student, shown="") == [] and student.tried == 0
+
+
+def test_once_one_has_hung_at_the_first_question_the_others_have_less_time_there(passing):
+    student = Edited(["abxy", "a", "bx", "A", "b", "A", ""])
+    assert passing(student) == [5]
+    some, few = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
+    assert few < some / 5
+    firsts = [seconds for letter, seconds in student.given if letter == "a"]
+    assert firsts == [some, some, some, some, few, few, few]  # before any edit, and with each
+    assert {seconds for letter, seconds in student.given if letter in "bxy"} == {some}
+    # Of an answer that hangs itself most edits hang.
+    student = Edited(["Abxy", "A", ""])
+    assert passing(student) == [1]
+    assert [seconds for letter, seconds in student.given if letter == "a"] == [some, few, few]
+
+
+def test_what_one_edit_answered_is_not_remembered_for_the_next(passing, monkeypatch):
+    student = Edited(["abxy", "a", "b", "b", ""])
+
+    @once
+    def stands(function):
+        if "b" in student.now:
+            raise NO
+
+    monkeypatch.setattr(student, "questions", lambda letters: [lambda: stands(student)])
+    student.__name__ = "line_through"
+    assert passing(student) == [0, 3]
+
+
 def test_of_edits_that_pass_three_are_judged(passing):
     student = Edited(["abxy", "", "a", "", "", "", ""])
     assert passing(student) == [0, 2, 3] and student.tried == 4
@@ -251,7 +295,7 @@ def test_of_edits_that_pass_three_are_judged(passing):
 
 def test_an_edit_of_a_line_that_raised_is_tried_first(passing):
     student = Edited(["abxy", "", "", "", "", ""])
-    assert passing(student, raised_at={(1, 3), (2, 0)}) == [3, 0, 1]
+    assert passing(student, failed=outcomes_of("line_through", *RAISED)) == [3, 0, 1]
 
 
 def test_a_line_raised_where_it_says_or_where_it_calls():
@@ -280,7 +324,7 @@ def test_the_clock_is_looked_at_after_each_edit_that_takes_long(passing):
 def test_each_call_has_the_time_of_a_right_answer(passing):
     student = Edited(["abxy", ""])
     passing(student)
-    limits = Limits(call_seconds=repair.SECONDS_OF_A_CALL)
+    limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_THAT_HANG)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
     passing(student, limits=Limits(call_seconds=0.1, memory=7))
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
@@ -328,11 +372,21 @@ def test_a_notebook_that_does_not_start_has_no_edits(passing):
     assert passing(Edited(["abxy", ""], stops=True)) == []
 
 
+def test_what_ends_a_loop_is_tried_first_where_one_had_no_end():
+    texts = ("x = 1", "x = 1\n        return", "pass", "break", "return x", "return")
+    edits = [(1, 1, 1, text) for text in texts]
+    hangs = outcomes_of("line_through", NO, StudentStopped("It did not answer."))
+    assert [number for number, _ in repair._in_order(edits, hangs)] == [1, 3, 5, 0, 2, 4]
+    fails = outcomes_of("line_through", NO)
+    assert [number for number, _ in repair._in_order(edits, fails)] == [0, 1, 2, 3, 4, 5]
+
+
 def test_what_changes_the_line_that_raised_is_tried_first():
     beside = [(1, 3, 3), (2, 1, 2), (2, 4, 4), (3, 3, 3)]
     there = [(2, 3, 3), (2, 2, 4), (2, 3, 5), (2, 1, 3)]
     edits = [(*place, "text") for pair in zip(beside, there, strict=True) for place in pair]
-    ordered = repair._in_order(edits, frozenset({(2, 3), (7, 1)}))
+    errors = (StudentError("f", "E", place=f"code cell {place}") for place in ("2, line 3", "7"))
+    ordered = repair._in_order(edits, outcomes_of("line_through", NO, *errors))
     assert [number for number, _ in ordered] == [1, 3, 5, 7, 0, 2, 4, 6]
     assert all(edits[number] == edit for number, edit in ordered)
 

@@ -7,7 +7,7 @@ from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.quoting import sentence_on
-from grader.sandbox.student import Student
+from grader.sandbox.student import TOOK_TOO_LONG, Student
 from utils.checks.vocabulary import call_each, reach
 
 TREE = """
@@ -254,3 +254,44 @@ def test_of_a_long_exercise_the_place_that_calls_is_not_told(sandbox, lines):
             student.answer(7)
     assert (caught.value.calling is None) == (lines > 60)
     assert (caught.value.told_place is None) == (lines > 60)
+
+
+LOOPS = """
+def works(cloud):
+    while True:
+        pass
+
+def sleeps(cloud):
+    import time
+    while True:
+        time.sleep(1)
+
+def holds_on(cloud):
+    while True:
+        try:
+            cloud += 1
+        except BaseException:
+            pass
+
+def answers(cloud):
+    return id(works)
+"""
+
+
+def test_who_is_interrupted_may_be_asked_again(sandbox):
+    program = Program((LOOPS,), ("works", "sleeps", "holds_on", "answers"))
+    with Student(program, sandbox, Limits(call_seconds=1)) as student:
+        student.interrupts_after = 0.05
+        process = student.answers(1)
+        for _ in range(3):
+            with pytest.raises(StudentError) as caught:
+                student.works(1)
+            assert caught.value.type_name == TOOK_TOO_LONG
+        assert student.answers(1) == process
+        with pytest.raises((StudentError, StudentStopped)):
+            student.holds_on(1)
+        with pytest.raises(StudentStopped):
+            student.sleeps(1)
+        student.interrupts_after = None
+        with pytest.raises(StudentStopped):
+            student.works(1)

@@ -13,6 +13,7 @@ answers of other students. Here nobody's answer is needed, as the questions deci
 from __future__ import annotations
 
 import functools
+import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -26,8 +27,7 @@ from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program, cell_and_line
-from grader.sandbox.student import Student
-from utils.checks import Check
+from grader.sandbox.student import TOOK_TOO_LONG, Student
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.remembering import one_run
@@ -38,6 +38,9 @@ SECONDS = 1.0
 MOST_SECONDS = 60.0
 # A right answer takes less for the first questions, and an edit may well make an endless loop.
 SECONDS_OF_A_CALL = 0.25
+SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # where some hang
+# Processes that end with an edit; the clock ends it sooner.
+MOST_THAT_HANG = 100
 # Edits that pass what the answer failed, of which none passes everything: then there is none.
 MOST_JUDGED = 3
 NO_SLIPS = ("NotImplementedError", "ImportError", "ModuleNotFoundError")
@@ -84,14 +87,12 @@ def slips_in(
         outcomes = better.outcomes if better else asked.about(exercise.name)
         failed = tuple(outcome for outcome in outcomes if outcome.failure)
         if failed and not any(map(_is_no_slip, failed)):
-            checks = tuple(outcome.check for outcome in failed)
             its = better.program if better else program
-            if repair := repair_of(setting, its, exercise.name, checks, _raised_at(failed)):
+            lost = frozenset(outcome.check for outcome in failed)
+            if repair := repair_of(setting, its, exercise.name, failed):
                 found[exercise.name] = repair
             elif (
-                mistake
-                and not better
-                and explains(setting, program, exercise.name, mistake, frozenset(checks))
+                mistake and not better and explains(setting, program, exercise.name, mistake, lost)
             ):
                 found[exercise.name] = mistake
     return found
@@ -117,8 +118,7 @@ def repair_of(
     setting: Setting,
     program: Program,
     exercise: str,
-    failed: tuple[Check, ...],
-    raised_at: frozenset[tuple[int, int]] = frozenset(),
+    failed: tuple[Outcome, ...],
 ) -> Repair | None:
     """The edit with which an exercise loses nothing; None where there is none, or none was found.
 
@@ -128,12 +128,10 @@ def repair_of(
     program : grader.sandbox.program.Program
         The notebook.
     exercise : str
-    failed : tuple of utils.checks.Check
-        The checks that it lost.
-    raised_at : frozenset of (int, int)
-        Cells and lines at which it raised: what changes one of them is tried first.
+    failed : tuple of utils.checks.outcomes.Outcome
+        Of the checks that it lost.
     """
-    for cell, first, last, text in _passing(setting, program, exercise, failed, raised_at):
+    for cell, first, last, text in _passing(setting, program, exercise, failed):
         mended = program.edited(cell, first, last, text)
         asked = ask(setting, mended, lambda check: check.exercise == exercise)
         if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
@@ -143,65 +141,117 @@ def repair_of(
 
 
 def _in_order(
-    edits: Sequence[tuple[int, int, int, str]], raised_at: frozenset[tuple[int, int]]
+    edits: Sequence[tuple[int, int, int, str]], failed: tuple[Outcome, ...]
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
-    """Numbers and edits, those of certain lines first."""
+    """Numbers and edits: first those of lines that raised, or that end what had to be stopped."""
+    raised_at = _raised_at(failed)
+    hangs = any(_hangs(outcome.failure) for outcome in failed)
 
-    def is_elsewhere(numbered: tuple[int, tuple[int, int, int, str]]) -> bool:
-        cell, first, last, _ = numbered[1]
-        return not any(cell == where and first <= line <= last for where, line in raised_at)
+    def is_unlikely(numbered: tuple[int, tuple[int, int, int, str]]) -> bool:
+        cell, first, last, text = numbered[1]
+        ends = hangs and text.split()[-1:] in (["return"], ["break"])
+        return not ends and not any(
+            cell == where and first <= line <= last for where, line in raised_at
+        )
 
-    return sorted(enumerate(edits), key=is_elsewhere)
+    return sorted(enumerate(edits), key=is_unlikely)
 
 
-def _fails(question: Callable[[], object]) -> bool:
+class _Questions:
+    """What an answer failed: those that students see, and, once they hold, those that they do not.
+
+    Parameters
+    ----------
+    setting : grader.judging.trial.Setting
+    student : grader.sandbox.student.Student
+    budget : grader.sandbox.patience.Budget
+        The student's.
+    failed : tuple of utils.checks.outcomes.Outcome
+    """
+
+    def __init__(
+        self, setting: Setting, student: Student, budget: Budget, failed: tuple[Outcome, ...]
+    ) -> None:
+        checks = [outcome.check for outcome in failed]
+        self._student, self._budget = student, budget
+        self._first_seconds = SECONDS_OF_A_CALL
+        self._shown = shown_questions(student, checks)
+        self._hidden = functools.cache(
+            lambda: hidden_questions(setting.lesson, student, setting.seed, checks)
+        )
+
+    def __iter__(self) -> Iterator[Callable[[], object]]:
+        yield from self._shown
+        yield from self._hidden()
+
+    def first_fails(self) -> bool:
+        """Whether the first of them fails.
+
+        Once an answer has hung there, the others have a part of the time, as most that hang do so
+        there.
+        """
+        self._student.interrupts_after = self._first_seconds
+        with one_run():
+            failure = _failure_of(next(iter(self)))
+        if _hangs(failure):
+            self._first_seconds = SECONDS_OF_A_FIRST_CALL
+        return failure is not None
+
+    def hold_with(self, number: int) -> bool:
+        """Whether all of them hold with an edit, which takes nothing of the time of another."""
+        self._budget.lost.pop(self._student.exercise, None)
+        if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
+            return False
+        self._student.interrupts_after = SECONDS_OF_A_CALL
+        with one_run():  # what another edit answered is nothing to this one
+            return not any(map(_failure_of, itertools.islice(self, 1, None)))
+
+
+def _failure_of(question: Callable[[], object]) -> Exception | None:
     try:
         question()
-    except Exception:  # whatever a wrong answer makes a question raise
-        return True
-    return False
+    except Exception as error:  # whatever a wrong answer makes a question raise
+        return error
+    return None
+
+
+def _hangs(failure: Exception | None) -> bool:
+    """Whether a call came to no end, and had to be stopped or interrupted."""
+    return isinstance(failure, StudentStopped) or (
+        isinstance(failure, StudentError) and failure.type_name == TOOK_TOO_LONG
+    )
 
 
 def _passing(
     setting: Setting,
     program: Program,
     exercise: str,
-    failed: tuple[Check, ...],
-    raised_at: frozenset[tuple[int, int]] = frozenset(),
+    failed: tuple[Outcome, ...],
 ) -> Iterator[tuple[int, int, int, str]]:
     """The first few edits that pass what the answer failed."""
     limits = setting.limits or Limits()
-    limits = replace(limits, call_seconds=min(SECONDS_OF_A_CALL, limits.call_seconds))
+    seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
+    limits = replace(limits, call_seconds=seconds, restarts=MOST_THAT_HANG)
     budget = setting.budget or Budget(limits)
-    with one_run(), Student(program, setting.sandbox, limits, budget, exercise) as student:
+    with Student(program, setting.sandbox, limits, budget, exercise) as student:
         student.exercise = f"an edit of {exercise}"  # what hangs with it, did not hang before
         try:
             student.start()
         except StudentStopped:
             return
-        shown = shown_questions(student, failed)
-        hidden = functools.cache(
-            lambda: hidden_questions(setting.lesson, student, setting.seed, failed)
-        )
-
-        def questions(number: int) -> Iterator[Callable[[], object]]:
-            yield functools.partial(student.edit, number)
-            yield from shown
-            yield from hidden()
-
         begin, slept, found, look_at = time.process_time(), 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
-        if shown and not _fails(shown[0]):  # whoever throws a coin gets no more throws
+        questions = _Questions(setting, student, budget, failed)
+        if not questions.first_fails():  # whoever throws a coin gets no more throws
             return
-        for tried, (number, edit) in enumerate(_in_order(student.edits, raised_at)):
+        for tried, (number, edit) in enumerate(_in_order(student.edits, failed)):
             if tried % LOOK_AFTER == 0 or time.monotonic() > look_at:
                 look_at = time.monotonic() + LOOK_SOON
                 worked = time.process_time() - begin + student.cpu_seconds
                 if max(worked, slept) > SECONDS or time.monotonic() > until:
                     return
-            budget.lost.pop(student.exercise, None)  # by the edit before
             left = budget.seconds
-            passes = not any(map(_fails, questions(number)))
+            passes = questions.hold_with(number)
             slept += left - budget.seconds
             if passes:
                 yield edit

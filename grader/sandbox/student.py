@@ -26,6 +26,8 @@ _NEEDED, _ALL = "the cells that are needed", "all cells"
 # What a step may take of its limit once as much was lost on steps that had to be stopped, or that
 # raised: an endless loop costs the class little more than that once.
 ONCE_MORE = 1 / 8
+# What the worker raises in a call that it interrupts.
+TOOK_TOO_LONG = "TookTooLong"
 # What fails after these, fails for their sake.
 MOST_FAILED_CELLS = 3
 
@@ -115,6 +117,9 @@ class Student:
     edits : tuple of tuple
         What one edit makes of the exercise to mend, once it was started: number of the cell, first
         and last line, and the text that takes their place; the likeliest first.
+    interrupts_after : float or None
+        Processor seconds after which calls are interrupted inside, where `TOOK_TOO_LONG` is raised
+        then; None where nobody but the limits ends them, and their process.
     starved : bool
         Whether a call was given up, or called slow, that had not had its time: on a quieter
         machine it may be right.
@@ -140,6 +145,7 @@ class Student:
         # In a process before this one: once more is enough.
         self._hung_before = frozenset(self._budget.hung)
         self._told, self._took, self._past = False, 0.0, 0.0
+        self.interrupts_after: float | None = None
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -232,7 +238,7 @@ class Student:
             self.exercise,
             f"{name} did not answer within {{seconds:g}} seconds; is there a loop that never ends?",
             self._limits.call_seconds,
-            {"id": self._calls, **request},
+            {"id": self._calls, "seconds": self.interrupts_after, **request},
         )
         number = reply.get("id") if isinstance(reply, dict) else None
         if type(number) is not int or number != self._calls:

@@ -14,9 +14,10 @@ import dataclasses
 import operator
 import os
 import resource
+import signal
 import sys
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -325,7 +326,7 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
 
     A request names a function of the notebook, or a method or an attribute (with dots, an
     attribute's) of an object that an earlier answer left here under a number. Of several calls the
-    last one is answered.
+    last one is answered. `seconds`, where it is not None, are how long they may take.
     """
     try:
         if request["object"] is None:
@@ -333,8 +334,9 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
         else:
             wanted = operator.attrgetter(request["name"])(objects[request["object"]])
         result = wanted
-        for arguments in request["calls"]:
-            result = wanted(*arguments, **request["keywords"])
+        with interrupted_after(request["seconds"]):
+            for arguments in request["calls"]:
+                result = wanted(*arguments, **request["keywords"])
     except BaseException as error:
         return {"error": describe(error)}
     seen = observed(result, request["calls"][-1]) if request["observe"] else {}
@@ -346,6 +348,32 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     if request["calls"]:
         seen |= {"beside": beside(kept["object"], objects), "methods": methods(result)}
     return {**kept, "callable": callable(result), **seen}
+
+
+class TookTooLong(BaseException):
+    """What is called goes on and on: few answers catch this."""
+
+
+@contextlib.contextmanager
+def interrupted_after(seconds: float | None) -> Iterator[None]:
+    """Raise `TookTooLong` after some seconds of the processor: cheaper than another process.
+
+    Code that catches it is interrupted again, and who sleeps is not; they have the judge's clock.
+    """
+
+    def stop(*signal_and_frame: object) -> None:
+        raise TookTooLong
+
+    if seconds is None:
+        yield
+        return
+    signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds, seconds)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGPROF, signal.SIG_IGN)
+        signal.setitimer(signal.ITIMER_PROF, 0)
 
 
 def held(value: object, objects: dict[int, object]) -> dict:
