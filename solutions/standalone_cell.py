@@ -1,7 +1,10 @@
 # @title Run this cell first: it brings the tools of the course, and data { display-mode: "form" }
 # No need to open it. It unpacks `utils` into a folder for this session and makes the lesson's scan.
-import atexit, base64, hashlib, io, lzma, shutil, sys, tarfile, tempfile
+import atexit, base64, contextlib, hashlib, io, lzma, shutil, sys, tarfile, tempfile
 from pathlib import Path
+
+with contextlib.suppress(ImportError):  # the last line says what is missing
+    import matplotlib, numpy, scipy, shapely  # a kernel in a browser loads what is named here
 
 packed = "PACKED"
 data = base64.b85decode(packed)

@@ -235,6 +235,7 @@ def toy(tmp_path_factory):
 def test_folded_cells_are_folded_everywhere(toy):
     assert toy.cells[1].metadata["jupyter"] == {"source_hidden": True}
     assert toy.cells[1].metadata["cellView"] == "form"
+    assert toy.cells[1].metadata["_kg_hide-input"] is True
 
 
 def test_run_all_goes_on_after_a_check(toy):

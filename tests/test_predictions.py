@@ -1,9 +1,13 @@
 """A prediction is an input, and comes back beside the answer."""
 
+import sys
+from importlib import util
+
 import ipywidgets
 import pytest
 
-from utils import predict, predictions
+import utils
+from utils import predict, predictions, still_widgets
 
 
 @pytest.fixture(autouse=True)
@@ -62,3 +66,38 @@ def test_a_guess_outlives_running_the_cell_again(entry):
 def test_an_answer_that_is_no_choice_is_the_authors_mistake():
     with pytest.raises(ValueError, match="'maybe' is none of the choices: yes, no"):
         predict("Well?", choices=["yes", "no"]).compare("maybe", "")
+
+
+@pytest.fixture
+def no_widgets(monkeypatch):
+    """As where nobody has installed ipywidgets."""
+    find = util.find_spec
+    monkeypatch.setattr(util, "find_spec", lambda name: name != "ipywidgets" and find(name))
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+    monkeypatch.delitem(sys.modules, "ipywidgets")
+    assert "Sliders stand still" in utils.health() and utils.health().startswith("Ready")
+    still_widgets.stand_in()
+
+
+def test_without_widgets_a_slider_stands_still_and_a_guess_is_kept_in_mind(no_widgets, capsys):
+    from ipywidgets import IntSlider, SelectionSlider, interact
+
+    seen = []
+
+    @interact(
+        n=IntSlider(value=3, min=0, description="n"), m=SelectionSlider(options=[1, 2], value=2)
+    )
+    def show(n, m):
+        seen.append((n, m))
+
+    assert seen == [(3, 2)]
+    prediction = predict("Which?", choices=["a", "b"])
+    assert prediction.guess is None
+    prediction.compare("b", "Because.")
+    said = capsys.readouterr().out
+    assert "Which? (a, b)" in said and "Answer: b" in said
+
+
+def test_widgets_that_are_there_are_left_alone():
+    still_widgets.stand_in()
+    assert sys.modules["ipywidgets"] is ipywidgets

@@ -22,6 +22,7 @@ from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
 from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import build_copy, graded_cells
+from tests.test_requirements import imports
 
 LESSON = find_lesson("06_filter_ground")
 
@@ -115,6 +116,11 @@ def test_the_setup_cell_needs_nothing_and_makes_the_same_cloud(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_setup_cell_names_the_packages_that_a_browser_has_to_load():
+    named = set(imports(standalone.setup_cell(LESSON.name)))
+    assert {"numpy", "scipy", "matplotlib", "shapely", "lzma", "utils"} <= named
+
+
 def test_a_damaged_cell_says_so(tmp_path):
     cell = standalone.setup_cell(LESSON.name)
     place = cell.index('packed = "') + 5000
@@ -189,6 +195,7 @@ def test_it_is_the_lesson_that_is_seen_first(written):
         (setup,) = [c for c in cells if "".join(c["source"]).startswith(standalone.TITLE)]
         assert setup["metadata"]["jupyter"]["source_hidden"]
         assert setup["metadata"]["cellView"] == "form"
+        assert setup["metadata"]["_kg_hide-input"]
         assert not [c for c in cells if "upload the folders" in "".join(c["source"])]
 
 

@@ -345,6 +345,36 @@ def test_the_clock_rings_nobody_who_is_done():
     assert not [one for one in threading.enumerate() if one.name.endswith("(ring)")]
 
 
+def no_thread(self):
+    raise RuntimeError("can't start new thread")
+
+
+def busy_for(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        pass
+
+
+def test_where_no_thread_can_start_python_looks_at_the_clock(monkeypatch):
+    monkeypatch.setattr(threading.Thread, "start", no_thread)
+    start = time.monotonic()
+    with pytest.raises(TimeUp), limited(0.1):
+        busy_for(20)
+    assert time.monotonic() - start < 10
+    with limited(20):
+        busy_for(0.01)
+    assert sys.gettrace() is None
+
+
+def test_without_threads_a_check_says_the_same(exercise, capsys, monkeypatch):
+    monkeypatch.setattr(core, "SECONDS", 0.5)
+    monkeypatch.setattr(threading.Thread, "start", no_thread)
+    declared("one")(lambda double: double(0))
+    assert "never ends" in shown_by(endless, capsys)
+    check(lambda x: x, "double")
+    assert "[passed] one" in capsys.readouterr().out
+
+
 def test_in_another_thread_there_is_no_clock():
     found = []
 

@@ -89,13 +89,14 @@ def health() -> str:
     from importlib import metadata, util
     from pathlib import Path
 
-    missing = [
-        name
-        for name in ("numpy", "scipy", "matplotlib", "ipywidgets", "shapely")
-        if not util.find_spec(name)
-    ]
-    if missing:
-        return f"Not ready. Install what is missing with: pip install {' '.join(missing)}"
+    # In a browser there is no pip but the notebook's own.
+    install = "%pip install" if sys.platform == "emscripten" else "pip install"
+    needed = ("numpy", "scipy", "matplotlib", "shapely")
+    if missing := [name for name in needed if not util.find_spec(name)]:
+        return f"Not ready. Install what is missing with: {install} {' '.join(missing)}"
     if not (Path(__file__).parent.parent / "data" / "cloud.txt").exists():
         return "Not ready. The file data/cloud.txt is missing: unzip the whole course folder."
-    return f"Ready: Python {platform.python_version()}, NumPy {metadata.version('numpy')}."
+    ready = f"Ready: Python {platform.python_version()}, NumPy {metadata.version('numpy')}."
+    if not ("ipywidgets" in sys.modules or util.find_spec("ipywidgets")):
+        ready += f" Sliders stand still; who wants to move them: {install} ipywidgets"
+    return ready

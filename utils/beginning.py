@@ -5,6 +5,7 @@ from __future__ import annotations
 from utils import health
 from utils.lent import lend_answers
 from utils.showing import shell, show
+from utils.still_widgets import stand_in
 
 # A figure is dark on white, and so is a scene in space. In a dark notebook they are turned round,
 # and turned back in hue: blue stays blue. JupyterLab, then VS Code.
@@ -16,7 +17,7 @@ DARK = """<style>
 
 
 def begin(number: str) -> None:
-    """Say whether everything is there, lend answers to stubs, and suit dark notebooks.
+    """Say whether everything is there, do without sliders, lend answers to stubs, suit the dark.
 
     Parameters
     ----------
@@ -24,6 +25,7 @@ def begin(number: str) -> None:
         Of the lesson, such as "06".
     """
     print(health())
+    stand_in()
     if shell() is not None:
         show(DARK, "")
     lend_answers(number)

@@ -104,6 +104,11 @@ def predict(
     from IPython.display import display
 
     prediction = Prediction(question, tuple(choices), unit, digits)
+    if hasattr(ipywidgets, "is_still"):
+        among = f" ({', '.join(choices)})" if choices else ""
+        text = f"Your prediction. {question}{among} Write it down before you go on."
+        show(escape(text), text)
+        return prediction
     if choices:
         # As wide as its longest answer: one that wraps would lie over the next.
         entry = ipywidgets.RadioButtons(

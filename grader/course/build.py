@@ -33,6 +33,8 @@ KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": 
 FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
 # A stripped line this short, or of this kind, tells nobody the solution.
 LEAK_LENGTH = 12
+# Code that stays folded: in JupyterLab, as a form in Colab, and in Kaggle.
+HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
 # Address and revision become part of links and of a command, so they hold nothing unusual.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
@@ -300,9 +302,7 @@ def _show_as_meant(cell: NotebookNode) -> None:
     """Fold what is not the subject; let Run All go on after a check that fails."""
     tags = set(cell.metadata.get("tags", ()))
     if "folded" in tags:
-        # In JupyterLab, and a form in Colab.
-        cell.metadata["jupyter"] = {"source_hidden": True}
-        cell.metadata["cellView"] = "form"
+        cell.metadata.update(HIDDEN)
     if cell.metadata.get("nbgrader", {}).get("grade"):
         cell.metadata["tags"] = sorted(tags | {"raises-exception"})
 

@@ -13,7 +13,7 @@ import tarfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from grader.course.build import COMMON_CELLS, leaks
+from grader.course.build import COMMON_CELLS, HIDDEN, leaks
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT
 from grader.course.writing import write_atomically
@@ -91,8 +91,7 @@ def standalone(notebook: bytes) -> bytes:
         tags = COMMON_CELLS.keys() & set(cell["metadata"].get("tags", ()))
         if "setup" in tags:
             cell["source"] = setup_cell(about["lesson"]).splitlines(keepends=True)
-            # Folded in JupyterLab, a form in Colab.
-            cell["metadata"] |= {"cellView": "form", "jupyter": {"source_hidden": True}}
+            cell["metadata"] |= HIDDEN
         elif "badge" in tags:
             cell["source"] = [ABOUT]
         elif cell["cell_type"] == "markdown":

@@ -48,7 +48,7 @@ useless = np.isin(truth["classes"], [names.index("invalid"), names.index("ego")]
 wanted = (scan[:, 2] >= -1.2) & (np.hypot(scan[:, 0], scan[:, 1]) < 30) & ~useless
 
 rng = np.random.default_rng(9)
-size_of_puff = rng.geometric(0.1, 60)  # most puffs of spray are tiny, a few are not
+size_of_puff = rng.geometric(0.1, 60).astype(np.intp)  # most puffs of spray are tiny, a few are not
 middle = rng.uniform([-15, -3, -0.9], [25, 3, 0.2], (60, 3)).repeat(size_of_puff, axis=0)
 spray = np.column_stack([rng.normal(middle, 0.12), np.full(len(middle), 0.1)])
 puff = 10_000 + np.arange(60).repeat(size_of_puff)  # numbers that no object has

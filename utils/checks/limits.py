@@ -6,9 +6,10 @@ In the judge the sandbox has limits of its own.
 import _thread
 import contextlib
 import signal
+import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 # Share of the memory that is free which student code may take before it gets a MemoryError, which
@@ -24,7 +25,9 @@ class TimeUp(Exception):
 def limited(seconds: float) -> Iterator[None]:
     """Raise `TimeUp` in here after some seconds, and MemoryError before the machine is full.
 
-    Only the main thread can be interrupted; in another one there is no limit of time.
+    Only the main thread can be interrupted; in another one there is no limit of time. Where no
+    thread can start, as in a browser, Python looks at the clock at each line: loops are several
+    times slower, and code that catches everything is interrupted once, in vain.
 
     Parameters
     ----------
@@ -43,14 +46,14 @@ def limited(seconds: float) -> Iterator[None]:
                 _thread.interrupt_main()
                 wait = 1.0  # code that catches everything is interrupted again
 
-        watch = threading.Thread(target=ring, daemon=True)
+        watch, look = threading.Thread(target=ring, daemon=True), _looking(seconds, rang)
         with _interruptible():
             try:
                 try:
-                    watch.start()
+                    _start(watch, look)
                     yield
                 finally:
-                    _silence(over, watch, rang)
+                    _silence(over, watch, look, rang)
             except KeyboardInterrupt:
                 if rang.is_set():
                     raise TimeUp from None
@@ -70,11 +73,35 @@ def _interruptible() -> Iterator[None]:
             signal.signal(signal.SIGINT, before)
 
 
-def _silence(over: threading.Event, watch: threading.Thread, rang: threading.Event) -> None:
+def _start(watch: threading.Thread, look: Callable) -> None:
+    try:
+        watch.start()
+    except RuntimeError:
+        sys.settrace(look)
+
+
+def _looking(seconds: float, rang: threading.Event) -> Callable:
+    """What Python calls at each line, to ring once: what raises is not called again."""
+    due = time.monotonic() + seconds
+
+    def look(*_: object) -> Callable:
+        if time.monotonic() > due:
+            rang.set()
+            raise KeyboardInterrupt
+        return look
+
+    return look
+
+
+def _silence(
+    over: threading.Event, watch: threading.Thread, look: Callable, rang: threading.Event
+) -> None:
     """End the watch; what rings in this very moment is heard here, and not later."""
     while True:
         try:
             over.set()
+            if sys.gettrace() is look:
+                sys.settrace(None)
             if watch.is_alive():
                 watch.join()
             if rang.is_set():

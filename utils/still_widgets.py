@@ -1,0 +1,36 @@
+"""What stands in for ipywidgets where there is none: sliders that nobody moves."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib import util
+from types import ModuleType
+
+
+class Still:
+    """A widget of any kind: it has a value, and nobody moves it."""
+
+    def __init__(self, *_: object, value: object = None, **settings: object) -> None:
+        self.value = value
+        self.__dict__.update(settings)
+
+
+def interact(**sliders: Still) -> Callable[[Callable], Callable]:
+    """Call a function once, with the value that each slider has."""
+
+    def run(function: Callable) -> Callable:
+        function(**{name: slider.value for name, slider in sliders.items()})
+        return function
+
+    return run
+
+
+def stand_in() -> None:
+    """Let ``import ipywidgets`` find this, if it would find nothing."""
+    if "ipywidgets" in sys.modules or util.find_spec("ipywidgets"):
+        return
+    module = ModuleType("ipywidgets", __doc__)
+    module.interact, module.is_still = interact, True
+    module.__getattr__ = lambda name: Still
+    sys.modules["ipywidgets"] = module
