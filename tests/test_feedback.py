@@ -234,19 +234,20 @@ WORK = {
 }
 
 
-def make_course(root, files, who=None):
-    """A course into which a zip was collected, which was graded."""
+def make_course(root, *archives, who=None):
+    """A course into which zips were collected, which was graded."""
     course = Course(root)
     root.mkdir()
     with open(root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(["id", "first_name", "last_name", "email", "lms_id"])
         table.writerows(PEOPLE)
-    (root / "submissions.zip").write_bytes(zipped(files))
     paths._folder.cache_clear()
-    collecting.collect(
-        course, [root / "submissions.zip"], [STAGE], None, who or {}, {}, lambda *news: None
-    )
+    for files in archives:
+        (root / "submissions.zip").write_bytes(zipped(files))
+        collecting.collect(
+            course, [root / "submissions.zip"], [STAGE], None, who or {}, {}, lambda *news: None
+        )
     grade(course)
     return course
 
@@ -465,7 +466,7 @@ def moodle_course(root, teams=(), who=None):
         given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
         if student not in list(teams)[1:]:  # a team hands in once
             files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
-    return make_course(root, files, who)
+    return make_course(root, files, who=who)
 
 
 def test_moodle_gives_each_their_page(tmp_path, monkeypatch, capsys):
@@ -478,6 +479,30 @@ def test_moodle_gives_each_their_page(tmp_path, monkeypatch, capsys):
     (mine,) = [content for name, content in files.items() if by_moodle(name)[0] == "52"]
     assert mine == (tmp_path / STAGE / "bjorn.html").read_bytes()
     assert "Upload multiple feedback files in a zip" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("is_team", [False, True])
+def test_who_handed_in_to_two_assignments_gets_a_page_in_each(
+    tmp_path, monkeypatch, capsys, is_team
+):
+    files = {TEN: [], TWELVE: []}
+    for place, (student, first, last, *_) in enumerate(PEOPLE[:3]):
+        for lesson, data in WORK[student]:
+            owner = (f"{first} {last}", {TEN: 21, TWELVE: 31}[lesson] + place)
+            if is_team and student == "ada" and lesson == TEN:
+                owner = ("Team Red", 21)
+            files[lesson] += moodle_files(*owner, [(f"{lesson.name}.ipynb", data)])
+    who = {"Team Red_21": "ada"} if is_team else None
+    course = make_course(tmp_path / "course", files[TEN], files[TWELVE], who=who)
+    assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == int(is_team)
+    numbers = {by_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")}
+    given = {
+        str({TEN: 21, TWELVE: 31}[lesson] + place)
+        for place, (student, *_) in enumerate(PEOPLE[:3])
+        for lesson, _ in WORK[student]
+    }
+    assert len(given) > 3 and numbers == given - ({"21"} if is_team else set())
+    assert ("ada: handed in as Team Red" in capsys.readouterr().err) == is_team
 
 
 def test_who_was_not_collected_from_there_is_named(canvas_course, tmp_path, monkeypatch, capsys):

@@ -1,5 +1,6 @@
 """Marks for Gradescope: the autograder that hands them out, run as Gradescope runs it."""
 
+import dataclasses
 import io
 import json
 import os
@@ -160,6 +161,14 @@ def test_marks_of_a_team_that_differ_are_a_question(course, run):
     both = (getattr(anna, kind) + getattr(bo, kind) for kind in ("people", "notebooks", "stages"))
     differing = gradescope(Order(course, ClassResults(*both), STAGE))
     assert "differ, and the submission is one" in run(differing, "bo", "anna@x.edu bo@x.edu")
+
+
+def test_two_with_one_address_get_no_mark_and_both_are_named(course):
+    twin = dataclasses.replace(BO, email=" anna@X.edu")
+    exported = write(course, (ANNA, twin))
+    assert exported.placed == 0
+    assert [sentence.partition(" ")[0] for sentence in exported.lost] == ["anna", "bo"]
+    assert all("anna@x.edu is another's, too" in sentence for sentence in exported.lost)
 
 
 def test_a_mark_that_cannot_be_handed_out_is_named(course):

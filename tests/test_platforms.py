@@ -215,6 +215,70 @@ def test_another_name_under_the_same_number_is_said(fill):
     assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
 
 
+def test_a_namesake_with_another_number_gets_no_mark_of_anybodys(fill):
+    course = canvas_course()
+    anna = next(one for one in course.students if one.id == 9001)
+    anna.id, anna.sis_id, anna.login = 7777, "sis7", "a.schmidt"
+    exported = fill(course, marks())
+    course.import_(exported.content)
+    assert (7777, 42) not in course.scores
+    assert exported.lost == (
+        "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777, and not their 9001.",
+    )
+    assert not any("name alone" in note for note in exported.notes)
+    # Beside her namesake, she gets hers.
+    course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
+    exported = fill(course, marks())
+    course.import_(exported.content)
+    assert (course.scores.get((7777, 42)), course.scores[9001, 42]) == (None, 8.5)
+    assert exported.lost == ()
+    assert "In the file, and not on the roster: Schmidt, Anna." in exported.notes
+
+
+def test_numbers_of_another_kind_leave_names_to_tell(fill):
+    people = [
+        dataclasses.replace(one, id=f"x{n}", email="", lms_id=f"M{n}")
+        for n, one in enumerate(PEOPLE)
+    ]
+    exported = fill(canvas_course(), marks({"x0": 8.5}, people, excused=()))
+    assert (exported.placed, exported.lost) == (1, ())
+
+
+@pytest.mark.parametrize(
+    ("there", "said"),
+    [
+        (85.0, "björn (Björn Müller) 12.00 by 31.25; ill (Ilse Krank) 85.00 by EX"),
+        (0.0, "björn (Björn Müller) 12.00 by 31.25; ill (Ilse Krank) 0.00 by EX"),
+        ("EX", "björn (Björn Müller) 12.00 by 31.25"),
+        (None, "björn (Björn Müller) 12.00 by 31.25"),
+    ],
+)
+def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
+    course = canvas_course()
+    if there is not None:
+        course.scores[9006, 42] = there
+    exported = fill(course, marks())
+    course.import_(exported.content)
+    assert course.scores[9006, 42] == "EX"
+    assert f"Marks that the file had, and that are replaced: {said}." in exported.notes
+
+
+def test_an_excuse_that_a_mark_replaces_is_named(fill):
+    course = canvas_course()
+    course.scores[9001, 42] = "EX"
+    said = "anna (Anna Schmidt) EX by 8.5; björn (Björn Müller) 12.00 by 31.25"
+    exported = fill(course, marks())
+    assert f"Marks that the file had, and that are replaced: {said}." in exported.notes
+
+
+def test_who_is_excused_from_what_canvas_has_not_assigned_is_named(fill):
+    exported = fill(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
+    assert (exported.placed, exported.lost) == (4, ())
+    assert b"EX" not in exported.content
+    (said,) = [note for note in exported.notes if note.startswith("Excused, and not written")]
+    assert "ill (Ilse Krank): Canvas has not assigned it to them (N/A)" in said
+
+
 def test_canvas_does_not_take_a_mark_for_what_it_has_not_assigned(fill):
     course = canvas_course(assigned={42: {9002, 9003, 9004}})
     exported = fill(course, marks())

@@ -76,7 +76,7 @@ class Roster:
         Somebody else's number in the learning platform may be this one's id, so that only a person
         can tell; see `like`.
         """
-        same = self._by_folded_id.get(_folded(folder), ())
+        same = self._by_folded_id.get(folded(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
 
     def like(self, text: str) -> tuple[Person, ...]:
@@ -95,7 +95,7 @@ class Roster:
         exact = self.person(text)
         if exact:
             return (exact,)
-        same = self._by_folded_id.get(_folded(text), ())
+        same = self._by_folded_id.get(folded(text), ())
         return tuple(same) or tuple(person for person in self.people if _means(text, person))
 
     @functools.cached_property
@@ -106,7 +106,7 @@ class Roster:
     def _by_folded_id(self) -> dict[str, list[Person]]:
         found = {}
         for person in self.people:
-            found.setdefault(_folded(person.id), []).append(person)
+            found.setdefault(folded(person.id), []).append(person)
         return found
 
 
@@ -207,17 +207,25 @@ def _check(person: Person, where: str) -> None:
 
 def _means(text: str, person: Person) -> bool:
     """Whether a text is one of a person's other names."""
-    handles = {_folded(handle) for handle in (person.email, person.github, person.lms_id)}
+    handles = {folded(handle) for handle in (person.email, person.github, person.lms_id)}
     first, last = person.first_name, person.last_name
-    names = {_letters(first + last), _letters(last + first)}
-    return _folded(text) in handles - {""} or _letters(text) in names - {""}
+    names = {letters(first + last), letters(last + first)}
+    return folded(text) in handles - {""} or letters(text) in names - {""}
 
 
-def _folded(text: str) -> str:
+def has_another_number(person: Person, lms_id: str) -> bool:
+    """Whether a learning platform's number is surely not a person's.
+
+    The roster may have a number of another kind; those of platforms have nothing but digits.
+    """
+    return lms_id.isdigit() and person.lms_id.isdigit() and lms_id != person.lms_id
+
+
+def folded(text: str) -> str:
     """A text without what nobody means by it: case, blanks around it, forms of Unicode."""
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 
-def _letters(text: str) -> str:
+def letters(text: str) -> str:
     """Letters and digits of a name, as Canvas writes it."""
-    return "".join(character for character in _folded(text) if character.isalnum())
+    return "".join(character for character in folded(text) if character.isalnum())

@@ -46,7 +46,9 @@ def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
     """A page for each, for *Upload multiple feedback files in a zip*.
 
     Moodle finds the participant by the number in ``{name}_{number}_assignsubmission_file_{file}``.
-    A team has a number of its own, which as a participant's would be somebody else's.
+    A team has a number of its own, which as a participant's would be somebody else's. In each
+    assignment a person has another number; who handed in to several gets a page for each, and
+    Moodle passes over those of the others.
     """
     sources, roster = _sources(course, stage), read_roster(course)
     shared = _shared(sources)
@@ -57,14 +59,14 @@ def for_moodle(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
         if not handed:
             left.append(f"{person.id}: their work was not collected from a zip of Moodle's")
             continue
-        owner, number = handed[-1].owner, handed[-1].participant
-        name = owner.removesuffix(f"_{number}")
-        named = roster is None or person in roster.like(name) or name.endswith(number)
-        if owner in shared or not named:
-            left.append(f"{person.id}: {_TEAM.format(name)}")
-            continue
-        path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
-        files[path] = feedback_page(feedback).encode()
+        for owner, number in sorted({(one.owner, one.participant) for one in handed}):
+            name = owner.removesuffix(f"_{number}")
+            named = roster is None or person in roster.like(name) or name.endswith(number)
+            if owner in shared or not named:
+                left.append(f"{person.id}: {_TEAM.format(name)}")
+                continue
+            path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
+            files[path] = feedback_page(feedback).encode()
     return Returned(files, tuple(left))
 
 
@@ -114,7 +116,8 @@ PLATFORMS = {
     "moodle": Platform(
         for_moodle,
         "In Moodle: the assignment's Submissions, Actions, Upload multiple feedback files in a "
-        "zip. It is offered where the assignment's feedback types include feedback files.",
+        "zip; where lessons of the stage are assignments of their own, in each of them. It is "
+        "offered where the assignment's feedback types include feedback files.",
     ),
     "canvas": Platform(
         for_canvas,

@@ -110,13 +110,14 @@ def _row(sheet: Worksheet, row: tuple[str, ...], name: str) -> Row:
         )
         for rank in CLAIMS
     )
-    return Row(name, claims, name)
+    number = row[sheet.head.index("ID")].strip() if "ID" in sheet.head else ""
+    return Row(name, claims, name, number)
 
 
 def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
         if row[column].strip() == NOT_ASSIGNED:
-            return "Canvas has not assigned it to them (N/A), and would drop the mark"
+            return "Canvas has not assigned it to them (N/A), and would drop what is written"
         return ""
 
     return refuse

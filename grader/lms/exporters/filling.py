@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from grader.course.roster import letters
 from grader.lms.exporters.exported import ExportTrouble
 from grader.lms.exporters.joining import Row, join
 from grader.lms.exporters.marks import Marks, called, listed
@@ -48,6 +49,7 @@ class Column:
     decimal_mark : str
     excused : str
         What is written for who is excused; empty where the platform knows nothing of the kind.
+        Like a mark, it is refused or named where it replaces another.
     """
 
     place: int
@@ -91,10 +93,19 @@ def fill(
             if not _same(row[column.place], points):
                 replaced.append(f"{called(mark.person)} {row[column.place].strip()} by {cell}")
     placed = len(rows)
+    unexcused = []
     for person in marks.without[EXCUSED] if column.excused else ():
         place = joined.rows.get(person.id)
-        if place is not None:
-            rows[place] = _written(places[place].row, column, column.excused)
+        if place is None:
+            continue
+        row = places[place].row
+        if why := refusal(row, 0.0):
+            unexcused.append(f"{called(person)}: {why}")
+            continue
+        rows[place] = _written(row, column, column.excused)
+        before = row[column.place].strip()
+        if before not in ("", column.excused):
+            replaced.append(f"{called(person)} {before} by {column.excused}")
     absent = {
         person.id: called(person)
         for people in marks.without.values()
@@ -104,6 +115,7 @@ def fill(
     notes = (
         *marks.notes,
         listed("Marks that the file had, and that are replaced", replaced),
+        listed("Excused, and not written", unexcused),
         listed("Found by their name alone", joined.by_name),
         listed("Under another name in the file", joined.renamed),
         listed("In the file, and not on the roster", joined.strangers),
@@ -156,8 +168,8 @@ def guess(
         found = [place for place, title in titles.items() if wanted in (title, plain(title))]
         what = f"column {wanted!r}"
     else:
-        name = _letters(assignment)
-        found = [place for place, title in titles.items() if name in _letters(plain(title))]
+        name = letters(assignment)
+        found = [place for place, title in titles.items() if name in letters(plain(title))]
         what = f"column whose title names {assignment}"
     if len(found) == 1:
         return found[0]
@@ -176,7 +188,3 @@ def _same(before: str, points: float) -> bool:
 
 def _written(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:
     return (*row[: column.place], cell, *row[column.place + 1 :])
-
-
-def _letters(text: str) -> str:
-    return "".join(filter(str.isalnum, text.casefold()))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -49,9 +50,15 @@ def gradescope(order: Order) -> Exported:
         if order.assignment in (submission.lesson.stage, submission.lesson.name):
             given.setdefault(submission.student, []).append(submission)
     entries, lost = {}, list(marks.lost)
+    sharing = Counter(_email(mark) for mark in marks.marks)
     for mark in marks.marks:
+        email = _email(mark)
         try:
-            entries[_email(mark)] = _entry(order, mark, given.get(mark.person.id, ()))
+            if not email:
+                raise _NoEntry("Gradescope knows them by e-mail, and the roster has none.")
+            if sharing[email] > 1:
+                raise _NoEntry(f"Gradescope knows them by e-mail, and {email} is another's, too.")
+            entries[email] = _entry(order, mark, given.get(mark.person.id, ()))
         except _NoEntry as error:
             lost.append(f"{called(mark.person)}, {write_number(mark.points)} points: {error}")
     files = {
@@ -74,10 +81,8 @@ class _NoEntry(Exception):
 
 
 def _email(mark: Mark) -> str:
-    email = mark.person.email.strip().casefold()
-    if not email:
-        raise _NoEntry("Gradescope knows them by e-mail, and the roster has none.")
-    return email
+    """What Gradescope knows somebody by; empty where that is not known here."""
+    return mark.person.email.strip().casefold()
 
 
 def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:

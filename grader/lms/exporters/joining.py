@@ -6,11 +6,10 @@ what it says names one person, and no other row names the same.
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from grader.course.roster import Person, Roster
+from grader.course.roster import Person, Roster, folded, has_another_number
 from grader.lms.exporters.marks import called
 
 Claim = tuple[str, str]  # (attribute of a person, text of the row)
@@ -29,11 +28,15 @@ class Row:
         sure; a number of a lower one may be anybody's, and counts where the name agrees.
     name : str
         It counts alone where nothing else names anybody; empty where the file hides it.
+    lms_id : str
+        The platform's number of a person, where it has one that every file has: who has another on
+        the roster only bears the same name.
     """
 
     label: str
     claims: tuple[tuple[Claim, ...], ...]
     name: str
+    lms_id: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,11 @@ def join(rows: Sequence[Row], people: Sequence[Person]) -> Joined:
                 found[min(ids)] = place
                 settled.add(place)
                 by_name.append(place)
+    for place, row in enumerate(rows):
+        for person in _namesakes(row, people) if place not in settled else ():
+            if person.id not in found:
+                reason = f"{row.label} has the number {row.lms_id}, and not their {person.lms_id}"
+                doubts.setdefault(person.id, reason)
     strangers = tuple(row.label for place, row in enumerate(rows) if place not in settled)
     renamed = tuple(
         f"{rows[found[person.id]].label} for {called(person)}"
@@ -104,7 +112,7 @@ def _passes(rows: Sequence[Row], people: Sequence[Person]) -> Iterator[Callable[
     owners: dict[Claim, set[str]] = {}
     for person in people:
         for attribute in ("id", "email", "lms_id"):
-            text = _folded(getattr(person, attribute))
+            text = folded(getattr(person, attribute))
             if text:
                 owners.setdefault((attribute, text), set()).add(person.id)
 
@@ -112,10 +120,21 @@ def _passes(rows: Sequence[Row], people: Sequence[Person]) -> Iterator[Callable[
         yield lambda place, rank=rank: {
             id
             for attribute, text in rows[place].claims[rank]
-            for id in owners.get((attribute, _folded(text)), ())
+            for id in owners.get((attribute, folded(text)), ())
             if rank == 0 or _agrees(rows[place].name, roster.person(id))
         }
-    yield lambda place: {person.id for person in roster.like(rows[place].name)}
+    yield lambda place: {
+        person.id
+        for person in roster.like(rows[place].name)
+        if not has_another_number(person, rows[place].lms_id)
+    }
+
+
+def _namesakes(row: Row, people: Sequence[Person]) -> Iterator[Person]:
+    """Who is called as a row says, and has another number."""
+    for person in Roster(tuple(people)).like(row.name):
+        if has_another_number(person, row.lms_id):
+            yield person
 
 
 def _agrees(name: str, person: Person) -> bool:
@@ -125,7 +144,3 @@ def _agrees(name: str, person: Person) -> bool:
 
 def _or(words: Iterable[str]) -> str:
     return " or ".join(words)
-
-
-def _folded(text: str) -> str:
-    return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
