@@ -165,6 +165,12 @@ def balanced(one, other, points):
     return True
 
 
+def numbers(one, other):
+    """The same number, or both so large that nobody can play so many rounds."""
+    never = [value is None or bool(np.asarray(value) >= 1e9) for value in (one, other)]
+    return all(never) or arrays(one, other)
+
+
 def found(one, other):
     """The same indices in any order."""
     return sorted(map(int, one)) == sorted(map(int, other))
@@ -188,6 +194,7 @@ BY_EXERCISE = {
     "line_through": models,
     "plane_through": models,
     "fit_plane": models,
+    "iterations_needed": numbers,
     "voxel_grid": rows,
     "euclidean_clustering": partitions,
     "euclidean_clustering_accelerated": partitions,

@@ -94,7 +94,8 @@ def test_offsets(student, seed):
     assert_fits_triangles(student.plane_through)
     for reach in (1, 10, 60):
         triangle = random_triangle(rng) + rng.uniform(-reach, reach, 3)
-        assert_through(student.plane_through(*triangle.copy()), triangle)
+        for way_round in (triangle, triangle[::-1]):  # with the normal on either side
+            assert_through(student.plane_through(*way_round.copy()), triangle)
 
 
 @hidden(
@@ -488,7 +489,8 @@ def test_fit_offset(student, seed):
     for run in range(3):
         points, _ = scattered_plane(seed + 10 + run, 50, 0, noise=0.05)
         points += rng.uniform(-8, 8, 3)
-        assert_through_the_mean(student.fit_plane(points.copy()), points)
+        for some in (points, points - 2 * points.mean(axis=0)):  # with the origin on either side
+            assert_through_the_mean(student.fit_plane(some.copy()), some)
 
 
 @hidden(

@@ -207,10 +207,10 @@ TALL_REGION = (-10.0, -5.0, -60.0), (30.0, 6.0, 60.0)
 
 
 def boxes_of(seed, tall):
-    """Boxes that nobody has seen, around places where there are points."""
+    """Boxes that nobody has seen: ahead on the right, behind, and around the sensor."""
     rng = np.random.default_rng(seed)
-    for _ in range(3):
-        middle = rng.uniform((-6, -6, -1.5), (8, 6, -0.5))
+    for x, y in ((7, -7), (-7, 4), (1, 0)):
+        middle = np.array([x, y, -1.0]) + rng.uniform(-0.5, 0.5, 3)
         half = rng.uniform((2, 2, 0.4), (6, 5, 1.2))
         if tall:
             half[2] = 60.0

@@ -109,7 +109,8 @@ def fits_a_road(fit_plane: Callable) -> None:
 def goes_through_the_mean(fit_plane: Callable) -> None:
     assert_fits(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
-    for some in (points, _FLOOR):  # of few points the mean of all but one lies elsewhere
+    opposite = points - 2 * points.mean(axis=0)  # the origin is on the other side of the plane
+    for some in (points, opposite, _FLOOR):  # of few points the mean of all but one lies elsewhere
         assert_through_the_mean(fit_plane(some.copy()), some)
 
 

@@ -163,7 +163,8 @@ def stands_upright(plane_through: Callable) -> None:
 def holds_its_points(plane_through: Callable) -> None:
     assert_fits_triangles(plane_through)
     for triangle in TRIANGLES:
-        assert_through(plane_through(*triangle.copy()), triangle)
+        for way_round in (triangle, triangle[::-1]):  # with the normal on either side
+            assert_through(plane_through(*way_round.copy()), way_round)
 
 
 @visible(
