@@ -338,7 +338,8 @@ def run_doctor(options: argparse.Namespace) -> int:
         sandbox = SANDBOXES["process"]  # the solutions are our own code
     good = True
     with EXECUTORS["processes"](options.workers) as executor:
-        about_grading = examine(course, course_seed(course), sandbox, executor)
+        seed = course_seed(course)
+        about_grading = examine(course, seed, sandbox, executor, console.progress_bar)
         for finding in itertools.chain(about_grading, examine_gradebook(course)):
             console.print_finding(finding)
             good &= finding.good

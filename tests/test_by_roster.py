@@ -10,7 +10,7 @@ from grader.classroom import doctor
 from grader.classroom import grade as grading
 from grader.classroom.folders import Unknown, who_is_meant
 from grader.classroom.submissions import Submission, find_submissions
-from grader.console import print_class
+from grader.console import print_class, progress_bar
 from grader.course import paths
 from grader.course.lessons import find_lesson
 from grader.course.roster import Person
@@ -214,8 +214,9 @@ def test_what_cannot_be_read_is_said_before_anything_is_done(course, capsys, com
 
 
 def findings(course, monkeypatch):
-    monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *executor: None)
-    found = [*doctor.examine(course, 1, UNWALLED, Inline(1)), *examine_gradebook(course)]
+    monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
+    about_grading = doctor.examine(course, 1, UNWALLED, Inline(1), progress_bar)
+    found = [*about_grading, *examine_gradebook(course)]
     return [(one.subject, one.good, one.text) for one in found]
 
 

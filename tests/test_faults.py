@@ -19,6 +19,7 @@ from grader.classroom.executors import EXECUTORS, processors
 from grader.classroom.pool import Pool
 from grader.classroom.protocol import ExecutorLost
 from grader.classroom.submissions import find_submissions, unaccounted_files
+from grader.console import progress_bar
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in, variants_of
@@ -756,12 +757,28 @@ def test_of_several_files_the_newest_counts(course):
     assert unaccounted_files(course) == []
 
 
+def test_the_doctor_shows_how_far_the_solutions_are(course, sandbox, monkeypatch):
+    """And nothing of the kind where they were seen before."""
+    seen, bars = [], []
+    monkeypatch.setattr(rehearsals, "rehearse_one", lambda *about: ())
+
+    @contextlib.contextmanager
+    def bar(title):
+        bars.append(title)
+        yield lambda done, total, what: seen.append((done, total))
+
+    for _ in range(2):
+        assert all(one.good for one in doctor.examine(course, 1, sandbox, Inline(1), bar))
+    assert len(bars) == 1
+    assert seen == [(done, 12) for done in range(13)]
+
+
 def test_the_doctor_names_what_is_wrong(course, sandbox, monkeypatch):
-    monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *executor: None)
+    monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
     (course.submitted / "ada" / "lost.ipynb").write_text("{}")
     course.seed_file.write_text("1")
     course.seed_file.chmod(0o644)
-    findings = list(doctor.examine(course, 1, sandbox, Inline(1)))
+    findings = list(doctor.examine(course, 1, sandbox, Inline(1), progress_bar))
     wrong = {finding.subject: finding.text for finding in findings if not finding.good}
     assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
     subjects = [finding.subject for finding in findings]

@@ -7,8 +7,9 @@ import platform
 import re
 import shutil
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import metadata
 
@@ -42,14 +43,31 @@ class Finding:
     text: str
 
 
-def examine(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> Iterator[Finding]:
-    """Look at all that grading relies on, the quick things first."""
+def examine(
+    course: Course,
+    seed: int,
+    sandbox: Sandbox,
+    executor: Executor,
+    progress_bar: Callable[[str], AbstractContextManager],
+) -> Iterator[Finding]:
+    """Look at all that grading relies on, the quick things first.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    seed : int
+    sandbox : grader.sandbox.Sandbox
+        In which the lessons' own solutions are judged.
+    executor : concurrent.futures.Executor
+    progress_bar : callable
+        Shows how far what takes long is, as `grader.console.progress_bar` does.
+    """
     yield from _versions()
     yield from _sandboxes()
     yield _boundary(course)
     yield _space(course)
     yield _seed(course)
-    yield _oracles(course, seed, sandbox, executor)
+    yield _oracles(Rehearsals(course, all_lessons(), seed, sandbox), executor, progress_bar)
     try:
         yield from _people(course)
         yield from _files(course)
@@ -132,14 +150,21 @@ def _seed(course: Course) -> Finding:
     )
 
 
-def _oracles(course: Course, seed: int, sandbox: Sandbox, executor: Executor) -> Finding:
-    lessons = all_lessons()
+def _oracles(
+    rehearsals: Rehearsals,
+    executor: Executor,
+    progress_bar: Callable[[str], AbstractContextManager],
+) -> Finding:
     try:
-        Rehearsals(course, lessons, seed, sandbox).finish(executor)
+        if rehearsals.waiting:
+            with progress_bar("Judging the solutions") as advance:
+                rehearsals.finish(executor, advance)
     except RehearsalFailed as error:
         return Finding("oracles", False, str(error))
     return Finding(
-        "oracles", True, f"the solutions of {len(lessons)} lessons earn everything on this seed"
+        "oracles",
+        True,
+        f"the solutions of {len(all_lessons())} lessons earn everything on this seed",
     )
 
 

@@ -104,17 +104,30 @@ class Rehearsals:
                 + "\n".join("\n".join((f"{name}:", *said)) for name, said in found)
             )
 
-    def finish(self, executor: Executor) -> None:
+    def finish(
+        self,
+        executor: Executor,
+        progress: Callable[[int, int, object], None] = lambda done, total, what: None,
+    ) -> None:
         """Have all that wait judged, and nothing else meanwhile.
+
+        Parameters
+        ----------
+        executor : concurrent.futures.Executor
+        progress : callable, optional
+            Called with (done, total, None) after each.
 
         Raises
         ------
         RehearsalFailed
         """
+        total = len(self.waiting)
+        progress(0, total, None)
         while lessons := self.next(len(self.waiting), nobody_else=True):
             begun = [(lesson, self.start(lesson, executor)) for lesson in lessons]
             for lesson, future in begun:
                 self.note(lesson, future)
+                progress(total - len(self._missing), total, None)
         self.verify()
 
 
