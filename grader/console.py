@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 if TYPE_CHECKING:
     from grader.classroom.collect.outcome import Outcome, Question
@@ -77,7 +78,7 @@ def warn_if_unprotected(sandbox: Sandbox) -> None:
 
 def print_verdict(verdict: Verdict) -> None:
     """Print one verdict for a person."""
-    console = Console(highlight=False)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for sentence in verdict.problems:
         console.print(f"! {plain(sentence)}", markup=False)
     for exercise in verdict.exercises:
@@ -87,19 +88,26 @@ def print_verdict(verdict: Verdict) -> None:
             markup=False,
         )
         for test in exercise.tests:
-            mark = "passed" if test.passed else "FAILED"
-            console.print(f"  {mark}  {test.title}", markup=False)
+            _print_beside(console, "passed" if test.passed else "FAILED", test.title)
             for line in test.message.splitlines():
-                console.print(f"          {plain(line)}", markup=False, style="dim")
+                _print_beside(console, "", line, "dim")
         if exercise.slip:
-            kept = f"+{exercise.slip.score:g}".ljust(6) if exercise.slip.score else " " * 6
-            console.print(f"  {kept}  {plain(exercise.slip.sentence)}", markup=False)
+            kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
+            _print_beside(console, kept, exercise.slip.sentence)
     console.print(
         f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
         f"({verdict.seconds:.1f} s)",
         style="bold",
         markup=False,
     )
+
+
+def _print_beside(console: Console, mark: str, text: str, style: str = "") -> None:
+    """Print a text, all of its lines beside a mark."""
+    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid.add_column(no_wrap=True, width=8)
+    grid.add_row(Text(f"  {mark}"), Text(plain(text), style))
+    console.print(grid)
 
 
 def print_finding(finding: Finding) -> None:

@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from grader.console import print_verdict
 from grader.judging import verdict as verdict_module
 from grader.judging.verdict import (
     JUDGED,
@@ -137,3 +138,15 @@ def test_a_file_that_is_no_verdict_is_none(tmp_path, change):
     assert read_verdict(path) is None
     path.write_bytes(b"\xff" + path.read_bytes())
     assert read_verdict(path) is read_verdict(tmp_path / "none.json") is None
+
+
+def test_on_a_terminal_all_lines_of_a_text_stand_beside_its_mark(capsys):
+    words = " ".join(["[bold]word"] * 30)
+    test = CheckResult("a", "A title of " + words, False, 0.0, 1.0, "Because " + words, True)
+    exercise = ExerciseResult("f", 0.0, 1.0, (test,), "", "a")
+    print_verdict(dataclasses.replace(full_verdict(), exercises=(exercise,), problems=()))
+    _, head, *lines, _, end = capsys.readouterr().out.rstrip().split("\n")
+    assert head == "f: 0 of 1 points" and end.startswith("06: 6 of 10")
+    assert len(lines) == 8 and lines[0].startswith("  FAILED  A title of [bold]word")
+    assert lines[4].startswith(" " * 10 + "Because [bold]")
+    assert all(line.startswith(" " * 10 + "[bold]") for line in (*lines[1:4], *lines[5:]))
