@@ -30,6 +30,7 @@ from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
 from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, patience, usage
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
+from grader.sandbox.protocol import Thread
 from grader.sandbox.student import Student
 from tests.archives import notebook
 from tests.test_grade import rehearsed
@@ -535,6 +536,35 @@ def test_who_shares_the_processor_has_as_much_of_it_as_another(sandbox, others):
         assert student._budget.seconds > limits.total_seconds - 1.5
 
 
+BRIEFLY = """
+import os, threading, time
+def work():
+    end = time.thread_time() + 0.02
+    while time.thread_time() < end: pass
+def threads():
+    for _ in range(30):
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+def children():
+    for _ in range(30):
+        if os.fork() == 0:
+            work()
+            os._exit(0)
+        os.wait()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["threads", "children"])
+def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep(sandbox, name):
+    """Of what has ended nobody tells how long it was kept waiting; 0.6 s of 1.5 are needed."""
+    program, limits = Program((BRIEFLY,), (name,)), Limits(call_seconds=1.5)
+    with Student(program, sandbox, limits) as student, crowded(student, 5):
+        assert getattr(student, name)() is None
+        assert not student.starved
+
+
 @pytest.mark.slow
 def test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved(sandbox):
     limits = Limits(call_seconds=0.5)
@@ -585,58 +615,82 @@ class Pretended:
     """A worker of which only is told what it takes."""
 
     def __init__(self):
-        self.worked, self.delayed = 7.0, {1: 3.0, 2: 5.0}
+        self.worked, self.delayed, self.ready = 7.0, {1: 3.0, 2: 5.0}, False
 
     def cpu_seconds(self):
         return self.worked
 
-    def delays(self):
-        return self.delayed
+    def threads(self):
+        return {number: Thread(delayed, self.ready) for number, delayed in self.delayed.items()}
 
 
 @pytest.mark.parametrize(
-    "waited, worked, delayed, seconds, starved",
+    "waited, worked, delayed, seconds",
     [
-        (1.0, 0.9, {1: 3.1, 2: 5.0}, 0.9, False),
-        (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4, False),  # others were at work, too
-        (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0, False),  # it slept, or hid who works for it
-        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7, False),  # threads that wait for each other
-        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0, False),  # several at once
-        (3.0, 0.6, {1: 5.4, 2: 5.0}, 1.0, False),  # at least a third of the wall's
-        (3.0, 0.1, {1: 5.9, 2: 5.0}, 1.0, True),
-        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.02, False),  # the clock of the kernel has not ticked yet
+        (1.0, 0.9, {1: 3.1, 2: 5.0}, 0.9),
+        (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4),  # others were at work, too
+        (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0),  # it slept
+        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads that wait for each other
+        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several at once
+        (3.0, 0.1, {1: 5.9, 2: 5.0}, 0.1),
+        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the clock of the kernel has not ticked yet
     ],
 )
 def test_a_call_takes_what_passes_while_nobody_keeps_it_waiting(
-    waited, worked, delayed, seconds, starved, monkeypatch
+    waited, worked, delayed, seconds, monkeypatch
 ):
     now, worker = [100.0], Pretended()
     monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(patience, "seconds_of_our_own", lambda: 0.0)
-    stop = patience.stopwatch(worker)
+    meter = patience.Meter(worker)
     now[0] += waited
     worker.worked, worker.delayed = worker.worked + worked, delayed
-    assert stop() == (pytest.approx(seconds), starved)
+    meter.look(answered=True)
+    assert meter.seconds == pytest.approx(seconds)
 
 
 def test_while_we_read_an_answer_nobody_sleeps(monkeypatch):
     now, ours = [100.0], [2.0]
     monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(patience, "seconds_of_our_own", lambda: ours[0])
-    stop = patience.stopwatch(Pretended())
+    meter = patience.Meter(Pretended())
     now[0] += 1.0
     ours[0] += 0.6
-    assert stop() == (pytest.approx(0.4), False)
+    meter.look(answered=True)
+    assert meter.seconds == pytest.approx(0.4)
+
+
+def test_who_is_ready_to_run_does_not_sleep(monkeypatch):
+    """Of threads and children that have ended, nobody tells how long they were kept waiting."""
+    now, ours, worker = [100.0], [2.0], Pretended()
+    monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(patience, "seconds_of_our_own", lambda: ours[0])
+    meter = patience.Meter(worker)
+    for ready, worked, passed, at_work, taken in (
+        (True, 0.1, 1.0, 0.0, 0.1),  # the others had the rest
+        (False, 0.0, 0.5, 0.2, 0.4),  # it slept, but while we were at work
+        (True, 0.2, 0.4, 0.0, 0.6),
+        (True, 0.3, 1.0, 0.0, 0.9),
+    ):
+        worker.ready, worker.worked = ready, worker.worked + worked
+        now[0] += passed
+        ours[0] += at_work
+        meter.look()
+        assert meter.seconds == pytest.approx(taken)
+    # Who has answered is at rest now, and slept before as often as was found.
+    worker.ready = False
+    now[0] += 1.0
+    meter.look(answered=True)
+    assert meter.seconds == pytest.approx(0.9 + 0.3 / 2.7)
 
 
 @pytest.mark.slow
-def test_who_is_called_slow_for_want_of_a_processor_is_called_starved(sandbox):
+def test_who_sleeps_takes_time_and_who_waits_for_a_processor_does_not(sandbox):
     with Student(Program((NEEDS,), ("f", "wait")), sandbox) as student:
         assert student.wait.timed(1)[1] > 0.6
-        assert not student.starved
         with crowded(student, 11):
-            student.f.timed(0.6)
-        assert student.starved
+            assert student.f.timed(0.5)[1] < 3  # by the wall's clock, 6
+        assert not student.starved
 
 
 @pytest.mark.slow

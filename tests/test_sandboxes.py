@@ -32,7 +32,7 @@ class Streams:
     def cpu_seconds(self):
         return time.monotonic()
 
-    def delays(self):
+    def threads(self):
         return None
 
     def has_ended(self, seconds):

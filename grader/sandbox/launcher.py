@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 import signal
@@ -16,8 +17,8 @@ from subprocess import Popen
 from grader.sandbox.boundary import PYTHON, WORKER
 from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, Forked, read_line
 from grader.sandbox.inside import wire
-from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Worker
-from grader.sandbox.usage import cpu_of_tree, delays_of_tree, memory_left, memory_of_tree
+from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
+from grader.sandbox.usage import cpu_of_tree, memory_left, memory_of_tree, threads_of_tree
 
 SECONDS_BETWEEN_LOOKS = 0.2
 SECONDS_TO_REPORT = 60
@@ -88,10 +89,10 @@ class WorkerProcess:
         """Processor time that it and all it started have had."""
         return sum(map(cpu_of_tree, self.pids))
 
-    def delays(self) -> dict[int, float] | None:
-        """Seconds for which each of its threads wanted a processor and had none, by number."""
-        every = [delays_of_tree(pid) for pid in self.pids]
-        return None if None in every else {thread: s for one in every for thread, s in one.items()}
+    def threads(self) -> dict[int, Thread] | None:
+        """All that run for it and want a processor as much as we do, by number."""
+        every = [threads_of_tree(pid) for pid in self.pids]
+        return None if None in every else dict(itertools.chain(*map(dict.items, every)))
 
     def watch_memory(self, limit: int) -> None:
         """Kill the worker when all its processes together take more than `limit` bytes.

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import random
 import time
-from collections.abc import Callable
 
 from grader.sandbox.inside import wire
-from grader.sandbox.protocol import Limits, Worker
+from grader.sandbox.protocol import Limits, Thread, Worker
 from grader.sandbox.usage import seconds_of_our_own
 
 # How many times its limit a step may take by the clock on the wall, where nobody can tell who
-# waits for a processor from who sleeps. No call is called quicker than this share of the wall's.
+# waits for a processor from who sleeps.
 PATIENCE = 3
 SOON = 0.05  # seconds, in which most answers come
-A_WHILE = 0.3  # seconds, beside which the kernel's clock ticks finely enough
+# After what share of a step's time it is looked at again, at least twice that at most: nobody
+# knows when.
+NEXT_LOOK = 1 / 16
+_DICE = random.SystemRandom()
 
 
 class Budget:
@@ -53,9 +56,9 @@ class Budget:
 class Meter:
     """What a worker takes, from now on.
 
-    That is the processor's time; and whatever passes while nobody keeps it waiting, neither others
-    who are at work on this machine, nor we. So who sleeps, or stops itself, or waits for a child
-    that hides its work, takes the time on the wall.
+    That is the processor's time, and the time for which it sleeps: none of its threads was ready to
+    run when it was looked at. All that passes while nobody keeps it waiting is the most it can be,
+    neither others who are at work on this machine, nor we.
 
     Parameters
     ----------
@@ -72,29 +75,47 @@ class Meter:
     def __init__(self, worker: Worker) -> None:
         self._worker, self._begin = worker, time.monotonic()
         self._had, self._ours = worker.cpu_seconds(), seconds_of_our_own()
-        self._delays = worker.delays()
+        self._threads = worker.threads()
+        self._slept = self._noticed = 0.0
         self.seconds = self.waited = 0.0
 
     @property
     def tells(self) -> bool:
         """Whether who sleeps is told from who waits for a processor."""
-        return self._delays is not None
+        return self._threads is not None
 
-    def look(self) -> None:
-        """Read it."""
+    def look(self, answered: bool = False) -> None:
+        """Read it; the oftener, the better is told for how long it sleeps.
+
+        Parameters
+        ----------
+        answered : bool
+            Whether it has done its work, so that nothing of it is ready to run.
+        """
         self.waited = time.monotonic() - self._begin
         worked = self._worker.cpu_seconds() - self._had
-        self.seconds = max(worked, self.waited - self._kept() if self.tells else 0.0)
+        self.seconds = worked
+        if self.tells:
+            now = self._worker.threads() or {}
+            # What passed while we were at work ourselves is ours.
+            passed = self.waited - (seconds_of_our_own() - self._ours)
+            share = 0.0 if any(thread.ready for thread in now.values()) else 1.0
+            if answered and self._noticed:
+                share = self._slept / self._noticed  # as before
+            self._slept += share * max(0.0, passed - self._noticed)
+            self._noticed = passed
+            most = passed - self._delayed(now)
+            self.seconds = max(worked, min(most, worked + self._slept))
 
-    def _kept(self) -> float:
-        """Seconds for which it was kept waiting.
+    def _delayed(self, now: dict[int, Thread]) -> float:
+        """Seconds for which others kept it waiting, of which threads that have ended tell nothing.
 
         That is the longest that any of its threads was. Their sum would be the larger, the more of
         them wait for each other; but while one waits for others, these work at least as long.
         """
-        before, now = self._delays, self._worker.delays() or {}
-        delays = (seconds - before.get(thread, 0.0) for thread, seconds in now.items())
-        return max(delays, default=0.0) + seconds_of_our_own() - self._ours
+        begun = {number: thread.delayed for number, thread in self._threads.items()}
+        delays = (thread.delayed - begun.get(number, 0.0) for number, thread in now.items())
+        return max(delays, default=0.0)
 
 
 class Patience:
@@ -107,6 +128,8 @@ class Patience:
         Its limit, as a `Meter` counts.
     until : float
         When it is given up in any case.
+    meter : Meter, optional
+        What reads what the worker takes, if somebody has begun to.
 
     Attributes
     ----------
@@ -115,10 +138,12 @@ class Patience:
         right.
     """
 
-    def __init__(self, worker: Worker, seconds: float, until: float) -> None:
+    def __init__(
+        self, worker: Worker, seconds: float, until: float, meter: Meter | None = None
+    ) -> None:
         self._worker, self._seconds, self._until = worker, seconds, until
         # Looking takes longer than most steps.
-        self._look_at, self._meter = time.monotonic() + SOON, None
+        self._look_at, self._meter = time.monotonic() + SOON, meter
         self.starved = False
 
     def __call__(self) -> float:
@@ -144,36 +169,12 @@ class Patience:
         if left <= 0 or now >= self._until:
             self.starved = left > 0
             raise wire.WireTimeout
-        return max(SOON, min(left, self._until - now))
+        nap = _DICE.uniform(1, 2) * NEXT_LOOK * self._meter.waited
+        return max(SOON, min(left, self._until - now, nap))
 
     def taken(self) -> float:
         """Seconds that the step has cost so far; nothing if it took no longer than most do."""
         if self._meter is None:
             return 0.0
-        self._meter.look()
+        self._meter.look(answered=True)
         return max(0.0, self._meter.seconds)
-
-
-def stopwatch(worker: Worker) -> Callable[[], tuple[float, bool]]:
-    """Begin to count what a worker takes.
-
-    Parameters
-    ----------
-    worker : grader.sandbox.protocol.Worker
-
-    Returns
-    -------
-    callable
-        Returns seconds since then, as a `Meter` counts them, or a share of the wall's, if that is
-        more: what its children do for it, a process can hide. And whether the worker was starved
-        meanwhile.
-    """
-    meter = Meter(worker)
-
-    def stop() -> tuple[float, bool]:
-        meter.look()
-        share = meter.waited / PATIENCE
-        starved = meter.waited > A_WHILE and meter.seconds < share / 2
-        return max(meter.seconds, share), starved
-
-    return stop

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 MEBIBYTE = 2**20
 
@@ -54,6 +54,21 @@ class Limits:
         }
 
 
+class Thread(NamedTuple):
+    """A thread that runs for a worker.
+
+    Attributes
+    ----------
+    delayed : float
+        Seconds for which it wanted a processor and had none, since it began.
+    ready : bool
+        Whether it has a processor now, or wants one.
+    """
+
+    delayed: float
+    ready: bool
+
+
 class Worker(Protocol):
     """A running worker that knows its rules, and that nobody has asked anything yet.
 
@@ -72,10 +87,11 @@ class Worker(Protocol):
         Where nobody can tell, the clock on the wall, which the processor's is never ahead of.
         """
 
-    def delays(self) -> dict[int, float] | None:
-        """Seconds for which each of its threads wanted a processor and had none, by number.
+    def threads(self) -> dict[int, Thread] | None:
+        """All that run for it now, by number; None where nobody can tell.
 
-        None where nobody can tell.
+        Only those that want a processor as much as we do: who asks for little, waits of its own
+        accord.
         """
 
     def has_ended(self, seconds: float) -> bool:

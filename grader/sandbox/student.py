@@ -14,7 +14,7 @@ from typing import NoReturn
 
 from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, why_it_ended
 from grader.sandbox.inside import wire, wire_format
-from grader.sandbox.patience import Budget, Patience, stopwatch
+from grader.sandbox.patience import Budget, Meter, Patience
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.quoting import sentence_on_cell
@@ -55,13 +55,16 @@ class RemoteFunction(Remote):
         return self._student._ask(self.__name__, [arguments], held=self._held, observe=True)
 
     def timed(self, *arguments: object) -> tuple[object, float]:
-        """Return what it returns, and the seconds that it takes; see `stopwatch`."""
-        self._student._ensure_running()
-        stop = stopwatch(self._student._worker)
-        answer = self(*arguments)
-        seconds, starved = stop()
-        self._student.starved |= starved
-        return answer, seconds
+        """Return what it returns, and the seconds that it takes, as a `Meter` counts."""
+        student = self._student
+        student._ensure_running()
+        meter = student._meter = Meter(student._worker)
+        try:
+            answer = self(*arguments)
+        finally:
+            student._meter = None
+        meter.look(answered=True)
+        return answer, meter.seconds
 
     def each(self, calls: Sequence[Sequence]) -> None:
         """Call it with each of these arguments, in one message; they share the time of a call."""
@@ -121,8 +124,7 @@ class Student:
         Processor seconds after which calls are interrupted inside, where `TOOK_TOO_LONG` is raised
         then; None where nobody but the limits ends them, and their process.
     starved : bool
-        Whether a call was given up, or called slow, that had not had its time: on a quieter
-        machine it may be right.
+        Whether a call was given up that had not had its time: on a quieter machine it may be right.
     """
 
     def __init__(
@@ -146,6 +148,7 @@ class Student:
         self._hung_before = frozenset(self._budget.hung)
         self._told, self._took, self._past = False, 0.0, 0.0
         self.interrupts_after: float | None = None
+        self._meter: Meter | None = None  # of a call that is timed
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
         self._lines: dict[str, list[list[int]]] = {}
@@ -416,7 +419,7 @@ class Student:
         """Send a message, if any, and return the next one."""
         seconds *= ONCE_MORE if self._budget.lost.get(what, 0.0) >= seconds else 1.0
         seconds = min(seconds, max(self._budget.seconds, 0.1))
-        patience = Patience(self._worker, seconds, self._budget.until)
+        patience = Patience(self._worker, seconds, self._budget.until, self._meter)
         try:
             return self._converse(message, patience)
         except wire.WireTimeout:

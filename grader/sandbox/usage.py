@@ -13,6 +13,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from grader.sandbox.protocol import Thread
+
 PAGE = os.sysconf("SC_PAGE_SIZE")
 TICK = os.sysconf("SC_CLK_TCK")
 PROC = os.path.exists("/proc/self/stat")
@@ -46,8 +48,8 @@ def cpu_of_tree(pid: int) -> float:
     return sum(map(_cpu, tree(pid))) if PROC else time.monotonic()
 
 
-def delays_of_tree(pid: int) -> dict[int, float] | None:
-    """Seconds for which threads of a process and its descendants wanted a processor and had none.
+def threads_of_tree(pid: int) -> dict[int, Thread] | None:
+    """The threads of a process and its descendants, as `grader.sandbox.protocol.Worker` wants them.
 
     Parameters
     ----------
@@ -55,21 +57,21 @@ def delays_of_tree(pid: int) -> dict[int, float] | None:
 
     Returns
     -------
-    dict of int to float, or None
-        By the number of the thread, since each began. Only of those that want a processor as much
-        as we do: who asks for little, waits of its own accord. None where the kernel does not tell.
+    dict of int to grader.sandbox.protocol.Thread, or None
+        By number. None where the kernel does not tell who waits for a processor.
     """
     if not _tells_delays():
         return None
     ours = os.getpriority(os.PRIO_PROCESS, 0), os.sched_getscheduler(0)
-    delays = {}
+    threads = {}
     for member in tree(pid):
         for thread in _threads(member):
             with contextlib.suppress(OSError, ValueError):
-                fields = _fields(f"/proc/{member}/task/{thread}/stat")
+                folder = f"/proc/{member}/task/{thread}"
+                fields = _fields(f"{folder}/stat")
                 if int(fields[16]) <= ours[0] and int(fields[38]) == ours[1]:
-                    delays[int(thread)] = _schedule(f"/proc/{member}/task/{thread}")[1]
-    return delays
+                    threads[int(thread)] = Thread(_schedule(folder)[1], fields[0] == "R")
+    return threads
 
 
 def seconds_of_our_own() -> float:

@@ -5,7 +5,8 @@ user namespace gives everybody a root's view of the kernel; keyrings are inherit
 grades; virtual sockets reach through a namespace to the host. And all notebooks see the same
 files, which the kernel knows under one name: locks, watches, hints, futexes on their pages and
 what lies in memory of them are places where two could meet. A seccomp filter answers all of them,
-for this process and all it will ever start, with "no such call".
+for this process and all it will ever start, with "no such call". To let children end unnoticed has
+no effect: what they have worked is counted once somebody has waited for them.
 
 The filter is a program for the kernel's packet filter: see seccomp(2) and
 ``linux/filter.h``.
@@ -72,6 +73,7 @@ MACHINES = {
             "madvise": 28,
             "prctl": 157,
             "futex": 202,
+            "rt_sigaction": 13,
         },
     ),
     "aarch64": (
@@ -126,11 +128,12 @@ MACHINES = {
             "madvise": 233,
             "prctl": 167,
             "futex": 98,
+            "rt_sigaction": 134,
         },
     ),
 }
 # These stay, with limits on an argument.
-LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex")
+LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
 NEW_USER_NAMESPACE = 0x10000000
 ORDINARY_SOCKETS = (1, 2, 10)  # unix, IPv4, IPv6: the sandbox has no network to reach
 # Descriptors and their flags: no locks, leases, watches, nor hints, which a file keeps.
@@ -143,10 +146,12 @@ MERGE_ALL = 67
 # A futex that is not private lies on a page, perhaps of a file that all see.
 PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
 WAITS, WAKES = (0, 9), (1, 10)
+# Of children that end unnoticed the kernel forgets what they have worked.
+END_OF_A_CHILD = 17
 
 _LOAD, _AND, _RETURN = 0x20, 0x54, 0x06
 _IF_EQUAL, _IF_AT_LEAST, _IF_ANY_BIT = 0x15, 0x35, 0x45
-_NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT = 0, 4, 16, 8
+_NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT, _SIZE_OF_HALF = 0, 4, 16, 8, 4
 _FOREIGN_NUMBERS = 0x40000000  # the x32 calls of x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
@@ -246,12 +251,22 @@ def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
             _DENY,
         ],
         "prctl": [_argument(0), *_answer(_DENY, _IF_EQUAL, MERGE_ALL), _ALLOW],
+        "rt_sigaction": [
+            _argument(0),
+            *_unless(END_OF_A_CHILD, _ALLOW),
+            # To ask what is done about it is no change.
+            _argument(1),
+            *_unless(0, _DONE),
+            _argument(1, _SIZE_OF_HALF),
+            *_unless(0, _DONE),
+            _ALLOW,
+        ],
     }
 
 
-def _argument(position: int) -> _Instruction:
-    """Load an argument; of its two halves the lower one, which is all that these take."""
-    return _LOAD, 0, 0, _FIRST_ARGUMENT + _SIZE_OF_ARGUMENT * position
+def _argument(position: int, half: int = 0) -> _Instruction:
+    """Load an argument; of its two halves the lower one, which is all that most take."""
+    return _LOAD, 0, 0, _FIRST_ARGUMENT + _SIZE_OF_ARGUMENT * position + half
 
 
 def _answer(what: _Instruction, test: int, *values: int) -> Iterator[_Instruction]:
@@ -259,3 +274,9 @@ def _answer(what: _Instruction, test: int, *values: int) -> Iterator[_Instructio
     for value in values:
         yield test, 0, 1, value
         yield what
+
+
+def _unless(value: int, what: _Instruction) -> Iterator[_Instruction]:
+    """Give an answer where an argument is another one."""
+    yield _IF_EQUAL, 1, 0, value
+    yield what

@@ -51,6 +51,7 @@ def main(read_end: int, write_end: int) -> None:
     volunteer_for_the_memory_killer()
     become_nobody(rules["user"])
     set_limits(rules["limits"])
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # for good, with the next line
     syscalls.deny(sockets=rules.get("sockets", True))
     semaphores.poll()
     sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
