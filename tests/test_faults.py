@@ -443,6 +443,28 @@ def test_who_waits_is_called_off_when_a_rehearsal_fails(three_lessons, sandbox):
     assert asked == ["06", "07", "08"] and not list(course.verdicts.glob("*/stage*/*.json"))
 
 
+class Busy(Inline):
+    """Rehearses at once, and is at work on each notebook for a while: nobody can call it off."""
+
+    def submit(self, function, *arguments):
+        if function is rehearsals.rehearse_one:
+            return super().submit(function, *arguments)
+        future = Future()
+        future.set_running_or_notify_cancel()
+        threading.Timer(0.5, lambda: future.set_result(function(*arguments))).start()
+        return future
+
+
+def test_what_is_at_work_when_a_rehearsal_fails_is_kept(three_lessons, sandbox):
+    course, asked, complaints = three_lessons
+    complaints.update({"07": ("one",)})
+    with pytest.raises(rehearsals.RehearsalFailed):
+        judge_three(course, sandbox, Busy, workers=9)
+    kept = {path.parts[-3] for path in course.verdicts.glob("*/stage*/*.json")}
+    assert {what for what in asked if len(what) > 2} == {f"06 {student}" for student in kept}
+    assert kept == {"ada", "poison", "zoe"}
+
+
 class Dying(ThreadPoolExecutor):
     """The process that lets the solution of 07 be judged dies, up to a number of times."""
 
