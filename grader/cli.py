@@ -246,7 +246,7 @@ def _feedback(kinds: argparse._SubParsersAction) -> None:
     feedback = kinds.add_parser("feedback", help="write a page for each student: what to mend")
     feedback.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
     feedback.add_argument(
-        "--student", action="append", default=[], metavar="ID", help="only for them"
+        "--student", action="append", default=[], metavar="X", help="only for them"
     )
     feedback.add_argument(
         "--for",

@@ -68,16 +68,15 @@ def run_release(options: argparse.Namespace) -> int:
 
 def _release_solutions(options: argparse.Namespace) -> int:
     from grader.classroom.executors import processors
-    from grader.course.deadlines import read_deadlines
+    from grader.course.deadlines import Deadlines, read_deadlines
     from grader.course.solved import still_open, write_solutions
+    from grader.lms.dates import granted_in_gradebook
 
-    wanted = options.stages or stages()
-    deadlines = read_deadlines(Course())
+    wanted, course = options.stages or stages(), Course()
+    deadlines = read_deadlines(course) or Deadlines({})
+    granted = granted_in_gradebook(course, wanted, deadlines)
     now = datetime.now(UTC)
-    unknown = [stage for stage in wanted if deadlines is None or stage not in deadlines.stages]
-    if unknown:
-        print(f"deadlines.toml has no date for {', '.join(unknown)}.", file=sys.stderr)
-    early = [still_open(deadlines, stage, now) for stage in wanted if stage not in unknown]
+    early = [still_open(deadlines, stage, now, granted[stage]) for stage in wanted]
     if any(early):
         print(*filter(None, early), sep="\n", file=sys.stderr)
         if not options.anyway:
@@ -281,15 +280,21 @@ def run_export(options: argparse.Namespace) -> int:
 
 def run_feedback(options: argparse.Namespace) -> int:
     """Run ``feedback [STAGE ...]``."""
+    from grader.classroom.folders import Unknown, who_is_meant
     from grader.lms.handing_back import PLATFORMS, write_feedback
 
     if not are_stages(options.stages):
         return WRONG_CALL
     course = Course()
+    try:
+        students = [who_is_meant(course, text) for text in options.student]
+    except Unknown as error:
+        print(console.plain(error), file=sys.stderr)
+        return WRONG_CALL
     folder = options.to or course.root / "handed_back"
     with console.progress_bar("Writing feedback") as advance:
         done = [
-            write_feedback(course, stage, options.student, folder, options.platform, advance)
+            write_feedback(course, stage, students, folder, options.platform, advance)
             for stage in options.stages or stages()
         ]
     console.print_feedback(done)
@@ -298,7 +303,11 @@ def run_feedback(options: argparse.Namespace) -> int:
         return WRONG_CALL
     if any(one.archive for one in done):
         print(PLATFORMS[options.platform].next_step)
-    return FAULT if any(one.left for one in done) else GOOD
+    without = set(students) - {path.stem for one in done for path in one.pages}
+    if without:
+        names = console.plain(", ".join(sorted(without)))
+        print(f"There is nothing to hand back to {names}.", file=sys.stderr)
+    return FAULT if without or any(one.left for one in done) else GOOD
 
 
 def run_similarity(options: argparse.Namespace) -> int:

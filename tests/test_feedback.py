@@ -20,6 +20,7 @@ from grader.course import paths
 from grader.course.lessons import find_lesson
 from grader.course.nbgrader_settings import converter
 from grader.course.paths import Course
+from grader.course.roster import Person
 from grader.course.variants import fill_in
 from grader.judging.verdict import (
     JUDGED,
@@ -30,10 +31,10 @@ from grader.judging.verdict import (
     write_verdict,
 )
 from grader.lms.entering import enter
-from grader.lms.feedback import lateness
+from grader.lms.feedback import Feedback, lateness
 from grader.lms.folding import fold
 from grader.lms.gradebook import open_gradebook
-from grader.lms.results import MARKED, StageResult
+from grader.lms.results import EXCUSED, MARKED, StageResult
 from tests import browser
 from tests.archives import canvas_files, moodle_files, zipped
 
@@ -163,8 +164,26 @@ def test_lateness_and_penalty_in_words(monkeypatch):
     assert said(timedelta(seconds=5))[0].startswith("Handed in 1 minute late, ")
     assert said(timedelta(hours=1))[0].startswith("Handed in 1 hour late, ")
     assert said(handed_in=None) == said(due=None) == []
-    (sentence,) = said(handed_in=None, undecided=True)
-    assert "a person has still to decide" in sentence
+
+
+@pytest.mark.parametrize(
+    "why",
+    [
+        "timestamp.txt is empty",
+        "the learning platform marks it late, and gives no time",
+        "the table of times has no line about them",
+    ],
+)
+def test_what_is_undecided_is_so_whatever_the_reason(why):
+    (sentence,) = said(handed_in=None, undecided=why)
+    assert "a person has still to decide: nobody knows yet when it was handed in" in sentence
+
+
+def test_who_is_excused_reads_that_first_and_of_no_penalty():
+    """Who hands in all the same, and late, gets a page."""
+    result = StageResult("ada", STAGE, EXCUSED, 90.0, 100.0, 9.0, DUE + DAY, DUE, DAY)
+    (sentence,) = Feedback(Person("ada"), result, ()).sentences
+    assert sentence.startswith("You are excused from this stage")
 
 
 # ---- pages --------------------------------------------------------------------------------------
@@ -339,6 +358,23 @@ def test_the_same_page_again(canvas_course, pages, tmp_path, monkeypatch):
     write(canvas_course, monkeypatch, "--student", "bjorn", "--to", str(tmp_path / "again"))
     (path,) = (tmp_path / "again" / STAGE).iterdir()
     assert path.read_text("utf-8") == pages["bjorn"]
+
+
+def test_a_student_may_be_named_in_any_way_and_nobody_is_passed_over(
+    canvas_course, tmp_path, monkeypatch, capsys
+):
+    called = ("--student", "Björn Müller", "--student", "ADA")
+    assert write(canvas_course, monkeypatch, *called, "--to", str(tmp_path)) == 0
+    assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn"]
+    capsys.readouterr()
+    called = ("--student", "cy", "--student", "noshow")
+    assert write(canvas_course, monkeypatch, *called, "--to", str(tmp_path)) == 1
+    assert "There is nothing to hand back to noshow." in capsys.readouterr().err
+    called = ("--student", "ada", "--student", "adda")
+    assert write(canvas_course, monkeypatch, *called, "--to", str(tmp_path / "none")) == 2
+    said = capsys.readouterr().err
+    assert "'adda' is not on the roster" in said and "grader grade" not in said
+    assert not (tmp_path / "none").exists()
 
 
 @pytest.mark.slow

@@ -25,6 +25,7 @@ from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.nbgrader_settings import configure
 from grader.course.paths import PROJECT, Course
+from grader.lms.gradebook import open_gradebook
 from tests.running import errors_of, run
 from tests.test_requirements import distributions, normal, own_pins, strangers_by_file
 
@@ -200,18 +201,29 @@ def deadlines(**dates):
 
 def test_who_may_still_hand_in_is_named():
     late, over = NOW + HOUR, NOW - HOUR
-    assert solved.still_open(deadlines(due=over), STAGE, NOW) == ""
-    assert solved.still_open(deadlines(due=None), STAGE, NOW) == ""
+    assert solved.still_open(deadlines(due=over), STAGE, NOW, {}) == ""
     said = solved.still_open(
         deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
         STAGE,
         NOW,
+        {"": late, "bo": late},  # the file goes before what is said elsewhere
     )
     assert said == (
         "stage3_obstacles is open: for section B until 12 October 2026, 15:00 CEST, "
         "anna until 12 October 2026, 15:00 CEST."
     )
-    assert "for everybody until" in solved.still_open(deadlines(due=late), STAGE, NOW)
+    assert "for everybody until" in solved.still_open(deadlines(due=late), STAGE, NOW, {})
+    granted = solved.still_open(deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over})
+    assert granted == "stage3_obstacles is open: for cy until 12 October 2026, 15:00 CEST."
+
+
+def test_where_nothing_says_when_a_stage_is_due_it_may_be_open():
+    late, over = NOW + HOUR, NOW - HOUR
+    for known in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
+        assert "nothing says when it is due" in solved.still_open(known, STAGE, NOW, {})
+        assert solved.still_open(known, STAGE, NOW, {"": over, "anna": over}) == ""
+        assert "for everybody until" in solved.still_open(known, STAGE, NOW, {"": late})
+        assert "for anna until" in solved.still_open(known, STAGE, NOW, {"": over, "anna": late})
 
 
 @pytest.fixture
@@ -249,9 +261,34 @@ def test_after_the_last_extension_each_lesson_is_a_notebook_and_a_page(ran, caps
     assert names == [f"{where}/{name}.{kind}" for name in mine for kind in ("html", "ipynb")]
 
 
-def test_without_dates_that_is_said(ran, capsys):
-    assert cli.main(["release", "--solutions", STAGE, "--to", str(ran / "out")]) == 0
-    assert "deadlines.toml has no date for stage3_obstacles" in capsys.readouterr().err
+@pytest.mark.parametrize("dates", ["", f'[{STAGE}.students]\nanna = "excused"\n'])
+def test_without_a_date_solutions_wait_unless_one_insists(ran, capsys, dates):
+    (ran / "deadlines.toml").write_text(dates, "utf-8")
+    call = ["release", "--solutions", STAGE, "--to", str(ran / "out")]
+    assert cli.main(call) == 1
+    said = capsys.readouterr().err
+    assert "stage3_obstacles may be open: nothing says when it is due" in said
+    assert not (ran / "out").exists() and not (ran / "gradebook.db").exists()
+    assert cli.main([*call, "--anyway"]) == 0
+
+
+def test_dates_of_the_gradebook_count_for_solutions_too(ran, capsys):
+    call = ["release", "--solutions", STAGE, "--to", str(ran / "out")]
+    with open_gradebook(Course(ran)) as book:
+        book.add_assignment(STAGE, duedate="2999-01-31 12:00:00 UTC")
+        book.add_student("anna")
+        book.add_submission(STAGE, "anna")
+    assert cli.main(call) == 1
+    assert "for everybody until 31 January 2999" in capsys.readouterr().err
+    (ran / "deadlines.toml").write_text(f"[{STAGE}]\ndue = 2026-01-31T12:00:00Z\n", "utf-8")
+    assert cli.main(call) == 0  # the file goes before the gradebook
+    capsys.readouterr()
+    with open_gradebook(Course(ran)) as book:
+        book.grant_extension(STAGE, "anna", weeks=52_000)
+    assert cli.main(call) == 1
+    assert "is open: for anna until" in capsys.readouterr().err
+    extension(ran, "2026-02-07T12:00:00")  # until the file names her
+    assert cli.main(call) == 0
 
 
 def test_a_page_fetches_nothing():

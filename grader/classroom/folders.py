@@ -31,7 +31,7 @@ def who_is_meant(course: Course, text: str) -> str:
     roster = read_roster(course)
     meant = roster.like(text) if roster else ()
     if len(meant) > 1:
-        whom = " or ".join(_who(person) for person in meant)
+        whom = " or ".join(person.called for person in meant)
         raise Unknown(f"{text!r} may be {whom}: name the id.")
     if meant:
         return meant[0].id
@@ -61,7 +61,7 @@ def spelt_otherwise(course: Course, roster: Roster) -> Iterator[str]:
         owner = roster.owner(folder)
         if owner and owner.id != folder:
             beside = " beside what lies in the folder of that name" if owner.id in folders else ""
-            yield f"{folder!r} in {course.submitted.name}/ is taken for {_who(owner)}{beside}."
+            yield f"{folder!r} in {course.submitted.name}/ is taken for {owner.called}{beside}."
 
 
 def _folders(course: Course) -> list[str]:
@@ -79,10 +79,10 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
     if not meant:
         return f"{begins} Either {add}, or rename the folder to the id of whoever it is."
     if len(meant) > 1:
-        whom = " or ".join(_who(person) for person in meant)
+        whom = " or ".join(person.called for person in meant)
         return f"{begins} It may be of {whom}: rename the folder to the right id, or {add}."
     commands = " && ".join(_moves(course, folder, meant[0]))
-    return f"{begins} If it is of {_who(meant[0])}: {commands}; else {add}."
+    return f"{begins} If it is of {meant[0].called}: {commands}; else {add}."
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
@@ -100,7 +100,3 @@ def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
 
 def _move(course: Course, here: Path, there: Path) -> str:
     return shlex.join(["mv", "-n", *(str(path.relative_to(course.root)) for path in (here, there))])
-
-
-def _who(person: Person) -> str:
-    return person.id if person.name == person.id else f"{person.id} ({person.name})"

@@ -50,6 +50,11 @@ class Person:
         """First and last name; the id of who has none."""
         return f"{self.first_name} {self.last_name}".strip() or self.id
 
+    @property
+    def called(self) -> str:
+        """What sentences call somebody: the id, and the name where there is one."""
+        return self.id if self.name == self.id else f"{self.id} ({self.name})"
+
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(Person))
 UNIQUE = ("id", "email", "lms_id", "github")  # a mark that two may get goes to the wrong one

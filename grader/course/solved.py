@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from datetime import datetime
 from pathlib import Path
@@ -30,8 +30,10 @@ MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
-def still_open(deadlines: Deadlines, stage: str, now: datetime) -> str:
-    """Who may still hand in a stage, in a sentence; empty where nobody may.
+def still_open(
+    deadlines: Deadlines, stage: str, now: datetime, granted: Mapping[str, datetime]
+) -> str:
+    """Why a stage may still be handed in, in a sentence; empty where nobody may.
 
     Parameters
     ----------
@@ -39,12 +41,17 @@ def still_open(deadlines: Deadlines, stage: str, now: datetime) -> str:
     stage : str
     now : datetime.datetime
         Aware.
+    granted : mapping of str to datetime.datetime
+        What is known elsewhere: until when a student may hand in, and everybody (`""`).
     """
     dates = deadlines.stages.get(stage, Dates())
-    groups = {"": dates.due} | {f"section {name}": due for name, due in dates.sections.items()}
-    names = {name or "everybody": due for name, due in (groups | dates.students).items() if due}
+    groups = {f"section {name}": due for name, due in dates.sections.items()}
+    everybody = {"": dates.due} if dates.due else {}
+    names = {**granted, **everybody, **groups, **dates.students}
+    if "" not in names:
+        return f"{stage} may be open: nothing says when it is due. deadlines.toml can."
     late = [
-        f"{name} until {deadlines.local(due):%d %B %Y, %H:%M %Z}"
+        f"{name or 'everybody'} until {deadlines.local(due):%d %B %Y, %H:%M %Z}"
         for name, due in names.items()
         if due > now
     ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.course.writing import write_atomically
+from grader.lms.gradebook import is_there, open_gradebook
 
 
 def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> None:
@@ -90,6 +92,40 @@ def extend(course: Course, submission: SubmittedAssignment, deadlines: Deadlines
     else:
         write_atomically(json.dumps(wanted.total_seconds()), path)
     submission.extension = wanted
+
+
+def granted_in_gradebook(
+    course: Course, stages: Iterable[str], deadlines: Deadlines
+) -> dict[str, dict[str, datetime]]:
+    """Until when stages may be handed in, as far as the gradebook says more than the file.
+
+    Returns
+    -------
+    dict of str to (dict of str to datetime)
+        By stage and student, aware; `""` is everybody, where the file has no date.
+    """
+    found: dict[str, dict[str, datetime]] = {stage: {} for stage in stages}
+    if not is_there(course):
+        return found
+    with open_gradebook(course) as book:
+        for stage, names in found.items():
+            with contextlib.suppress(MissingEntry):
+                names |= _granted(course, book.find_assignment(stage), deadlines)
+    return found
+
+
+def _granted(course: Course, assignment: Assignment, deadlines: Deadlines) -> dict[str, datetime]:
+    date_of_file = deadlines.stages.get(assignment.name, Dates()).due
+    due = date_of_file or (assignment.duedate and assignment.duedate.replace(tzinfo=UTC))
+    if due is None:
+        return {}
+    names = {} if date_of_file else {"": due}
+    for submission in assignment.submissions:
+        student = submission.student.id
+        until = due + (extension(course, submission, deadlines) or timedelta())
+        if until > (deadlines.due(student, assignment.name) or due):
+            names[student] = until
+    return names
 
 
 def _entered(course: Course, student: str, stage: str) -> timedelta | None:

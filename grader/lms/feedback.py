@@ -21,7 +21,14 @@ from grader.lms.cells import CellMark, CellMarks, cell_marks
 from grader.lms.folding import Folded, fold
 from grader.lms.gradebook import open_gradebook
 from grader.lms.harmless import harmless
-from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResult
+from grader.lms.results import (
+    EXCUSED,
+    WAITING,
+    ClassResults,
+    NotebookResult,
+    StageResult,
+    write_number,
+)
 from grader.lms.standings import class_results
 
 
@@ -101,6 +108,8 @@ class Feedback:
     @property
     def sentences(self) -> tuple[str, ...]:
         """What is to be known about the whole."""
+        if self.result.standing == EXCUSED:
+            return ("You are excused from this stage: none of this counts, for you or against.",)
         waiting = self.result.standing == WAITING
         about = "A person has still to grade a part of this: the points are not final."
         return (*([about] if waiting else ()), *lateness(self.result, self.zone))
@@ -236,18 +245,16 @@ def title_of(lesson: Lesson) -> str:
 def lateness(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
     """Sentences on when a stage was handed in, by the clocks of a zone, and what that costs."""
     if result.undecided:
-        yield "Whether this is late, a person has still to decide: its time cannot be read."
+        yield (
+            "Whether this is late, a person has still to decide: nobody knows yet when it was "
+            "handed in."
+        )
     elif result.handed_in and result.due:
         handed_in, due = (_moment(when, zone) for when in (result.handed_in, result.due))
         how = f"{_span(result.late)} late" if result.late else "in time"
         yield f"Handed in {how}, on {handed_in}; it was due on {due}."
     if result.penalty:
-        yield f"For lateness {points(result.penalty)} points are taken off."
-
-
-def points(number: float) -> str:
-    """Points as they are written: without zeros at the end."""
-    return f"{number:.2f}".rstrip("0").rstrip(".")
+        yield f"For lateness {write_number(result.penalty)} points are taken off."
 
 
 def _moment(when: datetime, zone: tzinfo | None) -> str:

@@ -11,7 +11,8 @@ from markupsafe import Markup
 
 from grader.classroom.pages import coded
 from grader.course.mathml import STYLE, markdown_page
-from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, Text, points
+from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, Text
+from grader.lms.results import write_number
 
 
 def feedback_page(feedback: Feedback) -> str:
@@ -40,7 +41,7 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     environment.filters |= {
-        "points": points,
+        "points": write_number,
         "coded": coded,
         "as_html": _as_html,
         "in_words": stage_in_words,
@@ -61,12 +62,12 @@ def _name(one: ExerciseFeedback) -> str:
 
 def _mark(one: ExerciseFeedback) -> str:
     if one.mark.waiting:
-        return f"to be graded, of {points(one.exercise.points)}"
-    return f"{points(one.mark.score)} of {points(one.exercise.points)}"
+        return f"to be graded, of {write_number(one.exercise.points)}"
+    return f"{write_number(one.mark.score)} of {write_number(one.exercise.points)}"
 
 
 def _score(lesson: LessonFeedback) -> str:
-    most = points(lesson.result.max_score)
+    most = write_number(lesson.result.max_score)
     if lesson.result.score is None:
         return f"{lesson.result.standing}, of {most}"
-    return f"{points(lesson.result.score)} of {most}"
+    return f"{write_number(lesson.result.score)} of {most}"

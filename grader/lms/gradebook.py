@@ -44,6 +44,12 @@ def open_gradebook(course: Course) -> Gradebook:
         ) from error
 
 
+def is_there(course: Course) -> bool:
+    """Whether there is a gradebook to open; on a server, whether there is one it tells itself."""
+    url = make_url(database_url(course))
+    return url.drivername != "sqlite" or Path(url.database or "").is_file()
+
+
 def address(course: Course) -> str:
     """Where the gradebook is, without a password."""
     url = make_url(database_url(course))

@@ -10,8 +10,15 @@ from datetime import timedelta
 from grader.course.lessons import Lesson
 from grader.course.roster import Person
 from grader.judging.verdict import JUDGED, Verdict
-from grader.lms.feedback import points
-from grader.lms.results import EXCUSED, MISSING, WAITING, ClassResults, NotebookResult, StageResult
+from grader.lms.results import (
+    EXCUSED,
+    MISSING,
+    WAITING,
+    ClassResults,
+    NotebookResult,
+    StageResult,
+    write_number,
+)
 
 JUDGE_FAILED = "the judge failed: grade again"
 
@@ -122,7 +129,7 @@ def marks_table(
     ]
     return MarksTable(
         tuple(lessons),
-        tuple(points(worth[lesson.name]) for lesson in lessons),
+        tuple(write_number(worth[lesson.name]) for lesson in lessons),
         tuple(rows),
         tuple(_sections(rows)),
         any(row.late.text for row in rows),
@@ -169,13 +176,15 @@ def _cell(result: NotebookResult | None, verdict: Verdict | None) -> Cell:
         return Cell("exc.", "excused: nothing is expected")
     if result.score is None:
         return Cell("…", "handed in, and not yet entered")
-    text, means = points(result.points), []
+    text, means = write_number(result.points), []
     if result.standing == EXCUSED:
         text, means = f"({text})", ["excused: does not count"]
     elif result.standing == WAITING:
         text, means = f"{text} …", ["a person has still to grade something in it"]
     if result.penalty:
-        means.append(f"{points(result.score)} less {points(result.penalty)} for lateness")
+        means.append(
+            f"{write_number(result.score)} less {write_number(result.penalty)} for lateness"
+        )
     return Cell(text, "; ".join(means), result.points)
 
 
@@ -189,8 +198,8 @@ def _sum(results: Sequence[NotebookResult]) -> Cell:
     missing = sum(result.standing == MISSING for result in counted)
     kinds = {"wait for a person": waiting, "missing": missing}
     means = ", ".join(f"{number} {what}" for what, number in kinds.items() if number)
-    most = points(sum(result.max_score for result in counted))
-    return Cell(f"{points(whole)} of {most}{' …' if waiting else ''}", means, whole)
+    most = write_number(sum(result.max_score for result in counted))
+    return Cell(f"{write_number(whole)} of {most}{' …' if waiting else ''}", means, whole)
 
 
 def _late(stages: Sequence[StageResult]) -> Cell:
@@ -198,7 +207,7 @@ def _late(stages: Sequence[StageResult]) -> Cell:
     late = max((stage.late for stage in stages), default=timedelta())
     undecided = [stage for stage in stages if stage.undecided]
     parts = [duration(late)] if late else []
-    parts += [f"−{points(penalty)}"] if penalty else []
+    parts += [f"−{write_number(penalty)}"] if penalty else []
     parts += ["undecided"] if undecided else []
     means = "; ".join(
         f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
@@ -225,7 +234,7 @@ def _unknown(
         elif verdict.status != JUDGED:
             cells.append(Cell("?", JUDGE_FAILED))
         else:
-            cells.append(Cell(points(verdict.score), "", verdict.score))
+            cells.append(Cell(write_number(verdict.score), "", verdict.score))
     scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
-    whole = Cell(points(sum(scores)), "by the judge", sum(scores))
+    whole = Cell(write_number(sum(scores)), "by the judge", sum(scores))
     return Row(Person(id), not is_stranger, tuple(cells), Cell(""), whole)

@@ -34,9 +34,8 @@ from grader.course.writing import write_atomically
 from grader.intake.handed_in import HandedIn
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
-from grader.lms.feedback import points
 from grader.lms.marks_table import duration, marks_table
-from grader.lms.results import ClassResults
+from grader.lms.results import ClassResults, write_number
 
 NOBODY = ClassResults((), (), ())
 # A lesson that fewer have handed in says too much about each of them, even without names.
@@ -112,7 +111,7 @@ def write_report(
         "report.html",
         **about,
         coded=coded,
-        points=points,
+        points=write_number,
         duration=duration,
         zone=deadlines.zone if deadlines else None,
         script=Markup(script),

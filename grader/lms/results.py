@@ -143,6 +143,11 @@ def standing_in_stage(lessons: Iterable[NotebookResult]) -> str:
     return next((one for one in (EXCUSED, WAITING, MARKED) if one in found), MISSING)
 
 
+def write_number(points: float, decimal_mark: str = ".") -> str:
+    """Points with two digits at most, as everything has them."""
+    return f"{points:.2f}".rstrip("0").rstrip(".").replace(".", decimal_mark)
+
+
 def _lesson(result: NotebookResult) -> str:
     return result.lesson
 

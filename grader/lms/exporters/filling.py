@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from grader.course.roster import letters
 from grader.lms.exporters.exported import ExportTrouble
 from grader.lms.exporters.joining import Row, join
-from grader.lms.exporters.marks import Marks, called, listed
-from grader.lms.exporters.worksheet import read_number, write_number
-from grader.lms.results import EXCUSED
+from grader.lms.exporters.marks import Marks, listed
+from grader.lms.exporters.worksheet import read_number
+from grader.lms.results import EXCUSED, write_number
 
 CLOSE = 0.005  # points are written with two digits
 
@@ -86,12 +86,12 @@ def fill(
             else refusal(places[place].row, points)
         )
         if why:
-            lost.append(f"{called(mark.person)}, {write_number(points)} points: {why}.")
+            lost.append(f"{mark.person.called}, {write_number(points)} points: {why}.")
         else:
             row, cell = places[place].row, write_number(points, column.decimal_mark)
             rows[place] = _written(row, column, cell)
             if not _same(row[column.place], points):
-                replaced.append(f"{called(mark.person)} {row[column.place].strip()} by {cell}")
+                replaced.append(f"{mark.person.called} {row[column.place].strip()} by {cell}")
     placed = len(rows)
     unexcused = []
     for person in marks.without[EXCUSED] if column.excused else ():
@@ -100,14 +100,14 @@ def fill(
             continue
         row = places[place].row
         if why := refusal(row, 0.0):
-            unexcused.append(f"{called(person)}: {why}")
+            unexcused.append(f"{person.called}: {why}")
             continue
         rows[place] = _written(row, column, column.excused)
         before = row[column.place].strip()
         if before not in ("", column.excused):
-            replaced.append(f"{called(person)} {before} by {column.excused}")
+            replaced.append(f"{person.called} {before} by {column.excused}")
     absent = {
-        person.id: called(person)
+        person.id: person.called
         for people in marks.without.values()
         for person in people
         if person.id not in joined.rows

@@ -19,9 +19,8 @@ from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
 from grader.lms.exporters.exported import Exported, Order
 from grader.lms.exporters.inside_gradescope import digest, files_of
-from grader.lms.exporters.marks import Mark, called, marks_of
-from grader.lms.exporters.worksheet import write_number
-from grader.lms.results import MISSING, NotebookResult
+from grader.lms.exporters.marks import Mark, marks_of
+from grader.lms.results import MISSING, NotebookResult, write_number
 
 SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"
 DATE = (1980, 1, 1, 0, 0, 0)  # the same marks are the same file
@@ -60,7 +59,7 @@ def gradescope(order: Order) -> Exported:
                 raise _NoEntry(f"Gradescope knows them by e-mail, and {email} is another's, too.")
             entries[email] = _entry(order, mark, given.get(mark.person.id, ()))
         except _NoEntry as error:
-            lost.append(f"{called(mark.person)}, {write_number(mark.points)} points: {error}")
+            lost.append(f"{mark.person.called}, {write_number(mark.points)} points: {error}")
     files = {
         "setup.sh": SETUP,
         "run_autograder": Path(inside_gradescope.__file__).read_text("utf-8"),

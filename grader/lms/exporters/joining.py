@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from grader.course.roster import Person, Roster, folded, has_another_number
-from grader.lms.exporters.marks import called
 
 Claim = tuple[str, str]  # (attribute of a person, text of the row)
 
@@ -98,7 +97,7 @@ def join(rows: Sequence[Row], people: Sequence[Person]) -> Joined:
                 doubts.setdefault(person.id, reason)
     strangers = tuple(row.label for place, row in enumerate(rows) if place not in settled)
     renamed = tuple(
-        f"{rows[found[person.id]].label} for {called(person)}"
+        f"{rows[found[person.id]].label} for {person.called}"
         for person in people
         if person.id in found and not _agrees(rows[found[person.id]].name, person)
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from grader.course.roster import Person
 from grader.lms.exporters.exported import ExportTrouble, Order
+from grader.lms.notes import not_on_the_roster
 from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults, NotebookResult
 
 WITHOUT = {
@@ -103,7 +104,7 @@ def marks_of(order: Order) -> Marks:
         {one.lesson: one.max_score for one in notebooks},
         tuple(marks),
         {standing: tuple(people) for standing, people in without.items()},
-        not_on_the_roster(results),
+        tuple(not_on_the_roster(results)),
         tuple(filter(None, _notes(results, notebooks, marks, without))),
     )
 
@@ -129,21 +130,7 @@ def _notes(
     yield listed("Counted as 0, because nothing was handed in", _by_lesson(zeros))
     yield listed("Nothing taken off, as whether they were late is undecided", undecided)
     for standing, people in without.items():
-        yield listed(WITHOUT[standing], map(called, people))
-
-
-def not_on_the_roster(results: ClassResults) -> tuple[str, ...]:
-    """A sentence on each who has marks in the gradebook, and whom the roster does not know."""
-    return tuple(
-        f"{name} has marks, and is not on the roster: none of them is exported. Add a line to "
-        "roster.csv."
-        for name in results.strangers
-    )
-
-
-def called(person: Person) -> str:
-    """What sentences call somebody: the id, and the name where there is one."""
-    return person.id if person.name == person.id else f"{person.id} ({person.name})"
+        yield listed(WITHOUT[standing], (person.called for person in people))
 
 
 def listed(title: str, names: Iterable[str]) -> str:

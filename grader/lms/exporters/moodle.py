@@ -14,7 +14,8 @@ from grader.lms.exporters.exported import Exported, ExportTrouble, Order
 from grader.lms.exporters.filling import CLOSE, Column, Place, factor, fill, guess
 from grader.lms.exporters.joining import Row
 from grader.lms.exporters.marks import marks_of
-from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet, write_number
+from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet
+from grader.lms.results import write_number
 
 PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
 # What Moodle answers to "Grade can be changed" where it cannot.

@@ -9,9 +9,16 @@ from datetime import UTC, timedelta
 
 from grader.course.roster import Person
 from grader.lms.exporters.exported import Exported, ExportTrouble, Order
-from grader.lms.exporters.marks import not_on_the_roster
-from grader.lms.exporters.worksheet import write_number
-from grader.lms.results import EXCUSED, MISSING, WAITING, NotebookResult, StageResult
+from grader.lms.notes import not_on_the_roster
+from grader.lms.results import (
+    EXCUSED,
+    MISSING,
+    WAITING,
+    NotebookResult,
+    StageResult,
+    standing_in_stage,
+    write_number,
+)
 
 # A cell that begins with one of these is a formula to a spreadsheet, and a command to some.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -44,7 +51,7 @@ def scores_csv(order: Order) -> Exported:
         table.writerow(_row(order, person, mine, stages))
     content = file.getvalue().encode("utf-8", "replace")
     marked = {one.student for one in notebooks if one.standing != EXCUSED and one.score is not None}
-    return Exported(content, len(marked), not_on_the_roster(order.results))
+    return Exported(content, len(marked), tuple(not_on_the_roster(order.results)))
 
 
 def _head(stages: dict[str, dict[str, float]]) -> list[str]:
@@ -91,7 +98,7 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
         handed_in.strftime("%Y-%m-%d %H:%M:%S UTC") if handed_in else "",
         _days_late(stage),
         write_number(sum(one.penalty for one in lessons if one.standing != EXCUSED)),
-        _standing(stage, lessons),
+        _standing(lessons),
     ]
 
 
@@ -103,10 +110,11 @@ def _days_late(stage: StageResult) -> str:
     return write_number(stage.late / timedelta(days=1))
 
 
-def _standing(stage: StageResult, lessons: Sequence[NotebookResult]) -> str:
-    """The standing in a stage, with the lessons that stand otherwise than it sounds."""
-    words = [] if stage.standing == WAITING else [stage.standing]
-    if stage.standing not in (EXCUSED, MISSING):
+def _standing(lessons: Sequence[NotebookResult]) -> str:
+    """The standing in a stage or lesson, with the lessons that stand otherwise than it sounds."""
+    whole = standing_in_stage(lessons)
+    words = [] if whole == WAITING else [whole]
+    if whole not in (EXCUSED, MISSING):
         for standing in (WAITING, MISSING):
             names = [one.lesson for one in lessons if one.standing == standing]
             words += [f"{standing}: {', '.join(names)}"] if names else []

@@ -124,8 +124,3 @@ def read_number(text: str) -> float | None:
         return None
     *whole, last = re.split("[.,]", text)
     return float(f"{''.join(whole)}.{last}" if whole else last)
-
-
-def write_number(points: float, decimal_mark: str = ".") -> str:
-    """Points with two digits at most, as all formats have them."""
-    return f"{points:.2f}".rstrip("0").rstrip(".").replace(".", decimal_mark)
