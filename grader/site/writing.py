@@ -15,13 +15,14 @@ from pathlib import Path
 from grader.course.build import Origin
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.standalone import refuse_to_give_away, standalone
-from grader.site import front, guides, mathjax, proof, words
+from grader.site import front, guides, mathjax, proof, sections, words
 from grader.site.lesson import page_of
 from grader.site.pictures import Pictures
 from grader.site.settings import conf
 from grader.site.trouble import SiteTrouble
 
 OWN = Path(__file__).parent / "static"
+THEME = Path(__file__).parent / "templates" / "theme"
 MARK = "searchindex.js"  # by which a folder is known as a site
 EARLIEST = "315532800"  # 1 January 1980: no clock is to be seen in a site
 MENDED = {
@@ -105,6 +106,7 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin) -> dict[str, bytes
         refuse_to_give_away(lesson, notebook)
         found[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
     found |= {f"_static/{path.name}": path.read_bytes() for path in sorted(OWN.iterdir())}
+    found |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     found["beside/.nojekyll"] = b""  # GitHub Pages would leave out what begins with `_`
     return found | pictures.files | mathjax.files()
 
@@ -132,3 +134,4 @@ def _finish(pages: Path) -> None:
         for found, instead in MENDED.items():
             text = found.sub(instead, text)
         path.write_text(text, "utf-8")
+    sections.write(pages)

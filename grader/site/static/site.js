@@ -1,4 +1,5 @@
-// Keeps guesses in this browser, shows them beside the answer, and halts the film.
+// Keeps guesses in this browser and shows them beside the answer, halts the film, and lets the
+// keyboard reach what is wider than the page.
 (() => {
   const key = (question) => `guess-${question}`;
   const known = (question) => { try { return localStorage.getItem(key(question)); } catch { return null; } };
@@ -45,6 +46,16 @@
     });
     film.closest("figure").append(button);
   }
+
+  const reach = () => {
+    for (const wide of document.querySelectorAll('mjx-container[display="true"], .cell_output .output')) {
+      if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
+    }
+  };
+  addEventListener("load", () => {
+    (window.MathJax?.startup?.promise ?? Promise.resolve()).then(reach);
+  });
+  addEventListener("resize", reach);
 
   for (const report of document.querySelectorAll("a.report")) {
     report.addEventListener("click", () => {

@@ -1,0 +1,213 @@
+"""Looks at a written site in a browser, offline, as `.ci/site` has it done; no test of pytest's.
+
+    python -m tests.site_in_browser SITE AXE.js PICTURES
+
+Every page in four views: nothing is asked of another host, nothing moves sideways, nothing is
+broken, nothing weighs too much before somebody scrolls, and axe-core finds nothing. Then what a
+reader does: search, guess, move a slider, go dark, without a server, too.
+"""
+
+import functools
+import http.server
+import json
+import shutil
+import sys
+import threading
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
+
+VIEWS = ((390, "light"), (768, "light"), (1200, "dark"), (1600, "light"))
+HEIGHT = 900
+HEAVIEST = 3_000_000  # bytes, before somebody scrolls
+PATIENCE = 120  # seconds, on a machine with other work
+SWITCHES = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-quic"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+    "--no-first-run",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
+)
+BROKEN = """
+return [...document.images].filter((one) => one.complete && !one.naturalWidth).map((one) => one.src)
+"""
+SETTLED = """
+const done = arguments[arguments.length - 1];
+Promise.resolve(window.MathJax?.startup?.promise).then(() => setTimeout(done, 300));
+"""
+AXE = """
+const done = arguments[arguments.length - 1];
+axe.run(document, {iframes: false}).then(({violations}) => done(violations.map(
+  ({id, nodes}) => `${id} (${nodes.length}): ${nodes[0].target} ${nodes[0].failureSummary}`)));
+"""
+SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
+
+
+class _Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *about):
+        pass
+
+
+def browser():
+    """Chromium, for which there is no other host but this machine."""
+    options = webdriver.ChromeOptions()
+    for switch in SWITCHES:
+        options.add_argument(switch)
+    options.binary_location = next(
+        filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
+    )
+    options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+    driver.set_page_load_timeout(PATIENCE)
+    driver.set_script_timeout(PATIENCE)
+    return driver
+
+
+def view(driver, width, theme):
+    """From now on, pages are so wide, for somebody who likes it light or dark."""
+    size = {"width": width, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    likes = [{"name": "prefers-color-scheme", "value": theme}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": likes})
+
+
+def asked(driver):
+    """(addresses, bytes) of all that was asked for since the last call."""
+    addresses, weight = [], 0
+    for entry in driver.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        if message["method"] == "Network.requestWillBeSent":
+            addresses.append(message["params"]["request"]["url"])
+        elif message["method"] == "Network.loadingFinished":
+            weight += message["params"]["encodedDataLength"]
+    return addresses, weight
+
+
+def elsewhere(addresses):
+    """Those of another host."""
+    return [
+        one
+        for one in addresses
+        if urlsplit(one).scheme in ("http", "https", "ws", "wss")
+        and urlsplit(one).hostname != "127.0.0.1"
+    ]
+
+
+def faults_of_page(driver, address, axe):
+    """What is wrong with a page in the view of now."""
+    driver.execute_cdp_cmd("Network.enable", {})
+    driver.execute_cdp_cmd("Network.setCacheDisabled", {"cacheDisabled": True})
+    asked(driver)
+    driver.get(address)
+    driver.execute_async_script(SETTLED)
+    addresses, weight = asked(driver)
+    if weight > HEAVIEST:
+        yield f"{weight:,} bytes before somebody scrolls"
+    for other in elsewhere(addresses):
+        yield f"asks {other}"
+    across = driver.execute_script(
+        "return document.documentElement.scrollWidth - document.documentElement.clientWidth"
+    )
+    if across > 0:
+        yield f"moves {across} pixels sideways"
+    driver.execute_script(SHOW_ALL)
+    driver.execute_script("window.scrollTo(0, document.body.scrollHeight)")
+    driver.execute_async_script(SETTLED)
+    for picture in driver.execute_script(BROKEN):
+        yield f"has a picture that is not there: {picture}"
+    for other in elsewhere(asked(driver)[0]):
+        yield f"asks {other}"
+    driver.execute_script(axe)
+    yield from driver.execute_async_script(AXE)
+
+
+def found_by(driver, root, words):
+    """(title, line) of what a search shows."""
+    driver.get(f"{root}search.html?q={'+'.join(words.split())}")
+    WebDriverWait(driver, PATIENCE).until(
+        lambda page: page.find_elements(By.CSS_SELECTOR, "#search-results ul.sections li")
+    )
+    time.sleep(1)
+    items = driver.find_elements(By.CSS_SELECTOR, "#search-results ul.sections > li")
+    return [
+        (item.find_element(By.TAG_NAME, "a").get_attribute("href"), item.text) for item in items
+    ]
+
+
+def faults_of_reading(driver, root):
+    """What a reader cannot do."""
+    view(driver, 1200, "light")
+    hits = found_by(driver, root, "why not a smaller threshold")
+    if not any("05_euclidean_clustering.html#" in link for link, _ in hits):
+        yield f"a search for a smaller threshold finds only {hits}"
+    if not any("lorry" in line for _, line in found_by(driver, root, "lorry sofa")):
+        yield "a search shows no line of what it finds"
+
+    driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
+    driver.execute_async_script(SETTLED)
+    field = driver.find_element(By.CSS_SELECTOR, "form.guess input[type=text]")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", field)
+    field.send_keys("41")
+    driver.get(driver.current_url)
+    yours = "return document.querySelector('details.answer .yours').textContent"
+    if "41" not in driver.execute_script(yours):
+        yield "a guess is not kept until its answer"
+
+    chosen = driver.find_element(By.CSS_SELECTOR, ".positions input:checked")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", chosen)
+    seen = (
+        "return [...document.querySelectorAll('.positions .position')].map(p => p.offsetHeight > 0)"
+    )
+    before = driver.execute_script(seen)
+    chosen.send_keys(Keys.ARROW_RIGHT)
+    after = driver.execute_script(seen)
+    if sum(before) != 1 or sum(after) != 1 or before == after:
+        yield f"an arrow moves no slider: {before}, {after}"
+
+    driver.find_element(By.CSS_SELECTOR, ".theme-switch-button").click()
+    if driver.execute_script("return document.documentElement.dataset.mode") == "auto":
+        yield "the switch between light and dark does nothing"
+
+
+def main(site, axe, pictures):
+    """Return what is wrong, a sentence each."""
+    pictures.mkdir(parents=True, exist_ok=True)
+    handler = functools.partial(_Quiet, directory=str(site))
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    root = f"http://127.0.0.1:{server.server_port}/"
+    names = sorted(
+        path.relative_to(site).as_posix()
+        for path in site.rglob("*.html")
+        if "_static" not in path.parts and "live" not in path.relative_to(site).parts
+    )
+    found = []
+    driver = browser()
+    try:
+        for width, theme in VIEWS:
+            view(driver, width, theme)
+            for name in names:
+                faults = list(faults_of_page(driver, root + name, axe))
+                found += [f"{name}, {width} pixels, {theme}: {fault}" for fault in faults]
+                driver.execute_script("window.scrollTo(0, 0)")
+                driver.save_screenshot(str(pictures / f"{width}_{Path(name).stem}.png"))
+            print(f"{len(names)} pages seen at {width} pixels, {theme}", flush=True)
+        for place in (root, f"{site.resolve().as_uri()}/"):
+            found += [f"{place}: {fault}" for fault in faults_of_reading(driver, place)]
+    finally:
+        driver.quit()
+        server.shutdown()
+    return found
+
+
+if __name__ == "__main__":
+    place, script, folder = sys.argv[1:]
+    wrong = main(Path(place), Path(script).read_text("utf-8"), Path(folder))
+    print(*wrong, sep="\n")
+    print(f"{len(wrong)} faults" if wrong else "Nothing is wrong.")
+    sys.exit(bool(wrong))
