@@ -175,7 +175,7 @@ def faults_of_reading(driver, root):
 
 
 def main(site, axe, pictures):
-    """Return what is wrong, a sentence each."""
+    """Print what is wrong as soon as it is seen, and return it all."""
     pictures.mkdir(parents=True, exist_ok=True)
     handler = functools.partial(_Quiet, directory=str(site))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
@@ -192,13 +192,16 @@ def main(site, axe, pictures):
         for width, theme in VIEWS:
             view(driver, width, theme)
             for name in names:
-                faults = list(faults_of_page(driver, root + name, axe))
-                found += [f"{name}, {width} pixels, {theme}: {fault}" for fault in faults]
+                for fault in faults_of_page(driver, root + name, axe):
+                    found.append(f"{name}, {width} pixels, {theme}: {fault}")
+                    print(found[-1], flush=True)
                 driver.execute_script("window.scrollTo(0, 0)")
                 driver.save_screenshot(str(pictures / f"{width}_{Path(name).stem}.png"))
             print(f"{len(names)} pages seen at {width} pixels, {theme}", flush=True)
         for place in (root, f"{site.resolve().as_uri()}/"):
-            found += [f"{place}: {fault}" for fault in faults_of_reading(driver, place)]
+            for fault in faults_of_reading(driver, place):
+                found.append(f"{place}: {fault}")
+                print(found[-1], flush=True)
     finally:
         driver.quit()
         server.shutdown()
@@ -208,6 +211,5 @@ def main(site, axe, pictures):
 if __name__ == "__main__":
     place, script, folder = sys.argv[1:]
     wrong = main(Path(place), Path(script).read_text("utf-8"), Path(folder))
-    print(*wrong, sep="\n")
     print(f"{len(wrong)} faults" if wrong else "Nothing is wrong.")
     sys.exit(bool(wrong))
