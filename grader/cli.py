@@ -242,6 +242,20 @@ def _export(kinds: argparse._SubParsersAction) -> None:
     export.set_defaults(run=commands.run_export)
 
 
+def _autograder(kinds: argparse._SubParsersAction) -> None:
+    autograder = kinds.add_parser(
+        "autograder", help="write a zip with which Gradescope judges an assignment by itself"
+    )
+    autograder.add_argument("assignment", metavar="NAME", help="a stage or a lesson")
+    autograder.add_argument(
+        "--to",
+        type=Path,
+        metavar="FILE.zip",
+        help="where to write (default: autograder.NAME.zip in the course's folder)",
+    )
+    autograder.set_defaults(run=commands.run_autograder)
+
+
 def _feedback(kinds: argparse._SubParsersAction) -> None:
     feedback = kinds.add_parser("feedback", help="write a page for each student: what to mend")
     feedback.add_argument("stages", nargs="*", metavar="STAGE", help="such as stage3_obstacles")
@@ -303,6 +317,7 @@ COMMANDS = (
     _grade,
     _report,
     _export,
+    _autograder,
     _feedback,
     _similarity,
     _doctor,

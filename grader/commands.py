@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from grader.classroom.grade import Judged
+    from grader.course.lessons import Lesson
     from grader.lms.results import ClassResults
 
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
@@ -276,6 +277,46 @@ def run_export(options: argparse.Namespace) -> int:
         return WRONG_CALL
     console.print_exported(exported, path, before, exporter.next_step)
     return FAULT if exported.lost else GOOD
+
+
+def run_autograder(options: argparse.Namespace) -> int:
+    """Run ``autograder NAME``."""
+    from grader.classroom.executors import EXECUTORS, processors
+    from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
+    from grader.course.seed import course_seed
+    from grader.lms.autograder.judging import lessons_of
+    from grader.lms.autograder.packing import packed_autograder, write_secret
+
+    course, lessons = Course(), lessons_of(options.assignment)
+    if not lessons:
+        print(
+            f"There is no stage or lesson {options.assignment}. The stages are: "
+            f"{', '.join(stages())}; a lesson is named as its notebook.",
+            file=sys.stderr,
+        )
+        return WRONG_CALL
+    try:
+        sandbox = choose_sandbox()
+    except SandboxUnavailable:
+        sandbox = SANDBOXES["process"]  # the solutions are our own code
+    seed, begun = course_seed(course), itertools.count()
+    try:
+        with (
+            EXECUTORS["processes"](processors()) as executor,
+            console.progress_bar("Judging the course's own solutions") as advance,
+        ):
+
+            def tell(lesson: Lesson) -> None:
+                advance(next(begun), len(lessons), lesson.name)
+
+            Rehearsals(course, lessons, seed, sandbox, tell).finish(executor)
+    except RehearsalFailed as error:
+        print(console.plain(error), file=sys.stderr)
+        return FAULT
+    path = options.to or course.root / f"autograder.{options.assignment}.zip"
+    write_secret(packed_autograder(options.assignment, seed), path)
+    console.print_autograder(path, lessons)
+    return GOOD
 
 
 def run_feedback(options: argparse.Namespace) -> int:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from grader.classroom.doctor import Finding
     from grader.classroom.similarity.stage import StageComparison
     from grader.classroom.submissions import Submission
+    from grader.course.lessons import Lesson
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import Exported
     from grader.lms.handing_back import Written
@@ -240,6 +241,23 @@ def print_exported(exported: Exported, path: Path, before: Path | None, next_ste
         )
     if next_step:
         print(next_step)
+
+
+def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
+    """Print what an autograder judges, and what to do with it."""
+    exercises = [exercise for lesson in lessons for exercise in lesson.exercises]
+    machine = sum(exercise.points for exercise in exercises if not exercise.by_hand)
+    by_hand = [exercise for exercise in exercises if exercise.by_hand]
+    lines = [
+        f"{plain(path)}: judges {', '.join(lesson.name for lesson in lessons)}.",
+        f"In Gradescope: a programming assignment, Autograder Points: {machine:g}; then Configure "
+        "Autograder, upload the zip, and Test Autograder with your own solution.",
+        "The course's secret seed and hidden tests are in it: keep it from students.",
+    ]
+    if by_hand:
+        names = ", ".join(f"{exercise.name} ({exercise.points:g} points)" for exercise in by_hand)
+        lines.insert(2, f"For a person to grade there: {names}.")
+    Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
 def print_feedback(done: Sequence[Written]) -> None:

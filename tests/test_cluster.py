@@ -27,6 +27,7 @@ from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import only_one
 from grader.classroom.protocol import ExecutorLost, room
 from grader.course.paths import Course
+from grader.course.travelling import TRAVELS
 from grader.course.variants import fill_in, variants_of
 from grader.judging.verdict import read_verdict
 from tests.test_course import rows
@@ -427,7 +428,7 @@ def test_what_travels_is_what_judging_reads():
     assert packed == cluster.packed_course()
     names = set(zipfile.ZipFile(BytesIO(packed)).namelist())
     assert "data/cloud.txt" in names and "grader/tests/test_06_filter_ground.py" in names
-    assert {name.split("/")[0] for name in names} == set(cluster.TRAVELS)
+    assert {name.split("/")[0] for name in names} == set(TRAVELS)
     assert not [name for name in names if "/." in name or "pycache" in name]
     assert len(packed) < 5e6
 

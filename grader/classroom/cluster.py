@@ -8,14 +8,12 @@ that neither scheduler nor worker needs a module of ours.
 from __future__ import annotations
 
 import functools
-import io
 import logging
 import pickle
 import threading
 import time
 import uuid
 import warnings
-import zipfile
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future
 
@@ -25,11 +23,9 @@ import distributed
 
 from grader.classroom import worker_plugin
 from grader.classroom.protocol import ROOM, ExecutorLost
-from grader.course.paths import PROJECT
+from grader.course.archives import zipped
+from grader.course.travelling import files_to_judge_with
 from grader.judging.key import versions
-
-TRAVELS = ("grader", "utils", "solutions", "notebooks", "data")
-STAYS_AT_HOME = ("__pycache__", "pictures", "variants")
 
 PATIENCE = 15 * 60
 """Seconds without any worker that can judge, after which grading stops."""
@@ -103,16 +99,7 @@ def _client(address: str) -> distributed.Client:
 
 def packed_course() -> bytes:
     """All that judging reads of this project, as a zip file; the same files give the same bytes."""
-    file = io.BytesIO()
-    with zipfile.ZipFile(file, "w") as archive:
-        for folder in TRAVELS:
-            for path in sorted((PROJECT / folder).rglob("*")):
-                name = path.relative_to(PROJECT)
-                hidden = any(part.startswith(".") for part in name.parts)
-                if path.is_file() and not hidden and not set(STAYS_AT_HOME) & set(name.parts[:-1]):
-                    entry = zipfile.ZipInfo(name.as_posix())  # without the time of the file
-                    archive.writestr(entry, path.read_bytes(), zipfile.ZIP_DEFLATED)
-    return file.getvalue()
+    return zipped(files_to_judge_with())
 
 
 class Cluster(Executor):

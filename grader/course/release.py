@@ -73,6 +73,11 @@ def course_tools() -> dict[str, bytes]:
 def student_requirements() -> str:
     """The part of ``requirements.txt`` that a notebook needs, and what opens one."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
-    needed = re.search(r"^# What a notebook needs\n((?:\S.*\n)+)", text, re.M)[1]
     programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
-    return f"-c constraints.txt\n\n{needed}{''.join(programs)}"
+    return f"-c constraints.txt\n\n{required_for('What a notebook needs')}{''.join(programs)}"
+
+
+def required_for(heading: str) -> str:
+    """The lines of ``requirements.txt`` below one of its headings."""
+    text = (PROJECT / "requirements.txt").read_text("utf-8")
+    return re.search(rf"^# {re.escape(heading)}\n((?:\S.*\n)+)", text, re.M)[1]

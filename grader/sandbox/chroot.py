@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import os
 import sys
-import threading
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,20 +70,25 @@ class Chroot:
         except OSError as error:
             raise SandboxUnavailable(f"The folder for a sandbox cannot be made: {error}") from None
         walls = [sys.executable, "-I", "-S", "-B", str(JAILER), str(folder), jail.HOME, str(user)]
-        return launch(walls, jail.HOME, rules, limits, give_back=lambda: _free[kind].append(folder))
+        return launch(walls, jail.HOME, rules, limits, give_back=lambda: offer(kind, folder))
 
 
-_free: dict[tuple, list[Path]] = {}
-_turn = threading.Lock()
+Kind = tuple[tuple[str, ...], tuple[str, ...]]
+"""Packages that a worker is shown, and modules that it is not."""
+_free: dict[Kind, list[Path]] = defaultdict(list)
 
 
-def _take(kind: tuple) -> Path:
-    """A jail that nobody is in, and that no two are ever in at a time."""
-    with _turn:
-        waiting = _free.setdefault(kind, [])
-        if waiting:
-            return waiting.pop()
-    return jail.build(*kind)
+def offer(kind: Kind, folder: Path) -> None:
+    """Have a folder used that `jail.build` made beforehand."""
+    _free[kind].append(folder)
+
+
+def _take(kind: Kind) -> Path:
+    """A folder that nobody is in: no two are ever in one at a time."""
+    try:
+        return _free[kind].pop()
+    except IndexError:
+        return jail.build(*kind)
 
 
 @functools.cache

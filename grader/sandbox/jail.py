@@ -35,20 +35,24 @@ LEFT_OUT = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "tur
 _waiting: list[subprocess.Popen] = []
 
 
-def build(packages: Iterable[str] = (), forbidden: Iterable[str] = ()) -> Path:
+def build(
+    packages: Iterable[str] = (), forbidden: Iterable[str] = (), within: Path | None = None
+) -> Path:
     """Make a folder that can be the root of a worker.
 
     Parameters
     ----------
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
+    within : pathlib.Path, optional
+        Where it stays, and only root can enter; by default it ends with this process.
 
     Raises
     ------
     OSError
         If this process may not.
     """
-    jail = Path(tempfile.mkdtemp(dir=_folder_of_jails()))
+    jail = Path(tempfile.mkdtemp(dir=within or _folder_of_jails()))
     jail.chmod(0o755)
     packages = tuple(packages)
     hidden = {*folders_of_modules(forbidden, packages), *folders_of_packages()}

@@ -7,14 +7,13 @@ No student code runs where it runs.
 
 from __future__ import annotations
 
-import io
 import json
-import zipfile
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 from grader.classroom.submissions import Replaced, Submission, find_submissions
+from grader.course.archives import zipped
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
 from grader.lms.exporters.exported import Exported, Order
@@ -23,8 +22,7 @@ from grader.lms.exporters.marks import Mark, marks_of
 from grader.lms.results import MISSING, NotebookResult, write_number
 
 SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"
-DATE = (1980, 1, 1, 0, 0, 0)  # the same marks are the same file
-EXECUTABLE = 0o755 << 16
+PROGRAMS = ("setup.sh", "run_autograder")
 
 
 def gradescope(order: Order) -> Exported:
@@ -65,14 +63,8 @@ def gradescope(order: Order) -> Exported:
         "run_autograder": Path(inside_gradescope.__file__).read_text("utf-8"),
         "marks.json": json.dumps(entries, indent=1, sort_keys=True),
     }
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in files.items():
-            about = zipfile.ZipInfo(name, DATE)
-            about.external_attr = EXECUTABLE
-            about.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(about, text)
-    return Exported(content.getvalue(), len(entries), tuple(lost), marks.notes)
+    content = zipped({name: text.encode() for name, text in files.items()}, PROGRAMS)
+    return Exported(content, len(entries), tuple(lost), marks.notes)
 
 
 class _NoEntry(Exception):

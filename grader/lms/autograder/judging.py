@@ -1,0 +1,139 @@
+"""Judge one submission in Gradescope's container, where its files lie in no order."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.classroom.contents import lesson_by_name, lesson_inside
+from grader.classroom.grade import judge_one
+from grader.classroom.submissions import Submission, find_submissions
+from grader.course.lessons import Lesson, all_lessons
+from grader.course.paths import Course
+from grader.course.seed import course_seed
+from grader.intake.apart import ReadingFailed
+from grader.intake.handed_in import HandedIn
+from grader.intake.preflight import prepare_to_judge
+from grader.judging.verdict import JUDGED, Verdict
+from grader.sandbox import Sandbox
+from utils.notebooks.reading import UnreadableNotebook
+
+WHOSE = "submission"  # Gradescope knows whose it is; the judge need not
+
+
+class JudgeFailed(Exception):
+    """The fault is ours; `str()` is for whoever grades."""
+
+
+@dataclass(frozen=True)
+class JudgedLesson:
+    """What came of one lesson of the assignment.
+
+    Attributes
+    ----------
+    lesson : grader.course.lessons.Lesson
+    verdict : grader.judging.verdict.Verdict or None
+        None where nothing was handed in.
+    notes : tuple of str
+        What was seen in the file before anything was asked: nothing of hidden tests is in it.
+    """
+
+    lesson: Lesson
+    verdict: Verdict | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A submission, judged: its lessons in order, and a sentence on each file that is none."""
+
+    lessons: tuple[JudgedLesson, ...]
+    left: tuple[str, ...]
+
+
+def lessons_of(assignment: str) -> tuple[Lesson, ...]:
+    """The lessons of a stage, or the one that is named; none where there is no such name."""
+    return tuple(one for one in all_lessons() if assignment in (one.stage, one.name))
+
+
+def assigned(source: Path) -> tuple[Lesson, ...]:
+    """The lessons of the assignment that this autograder was made for."""
+    return lessons_of((source / "assignment").read_text("utf-8").strip())
+
+
+def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> Judged:
+    """Judge all notebooks of the assignment.
+
+    Parameters
+    ----------
+    handed_in : pathlib.Path
+        The folder with a student's files.
+    source : pathlib.Path
+        Our own, with the assignment's name and the course.
+    sandbox : grader.sandbox.Sandbox
+
+    Raises
+    ------
+    JudgeFailed
+    """
+    lessons = assigned(source)
+    seed = course_seed(Course(source / "course"))
+    with tempfile.TemporaryDirectory() as folder:
+        course = Course(Path(folder))
+        place = course.submitted / WHOSE / lessons[0].stage
+        shutil.copytree(handed_in, place, symlinks=True, ignore=_no_files)
+        found = {one.lesson: one for one in find_submissions(course, [lessons[0].stage])}
+        judged = tuple(_judge(course, one, found.get(one), seed, sandbox) for one in lessons)
+        return Judged(judged, tuple(_left(place, lessons)))
+
+
+def _no_files(folder: str, names: list[str]) -> list[str]:
+    """Pipes and devices, which are not copied. Links are, as what they are, and never followed."""
+    kinds = (stat.S_ISREG, stat.S_ISDIR, stat.S_ISLNK)
+    modes = {name: os.lstat(os.path.join(folder, name)).st_mode for name in names}
+    return [name for name, mode in modes.items() if not any(is_kind(mode) for is_kind in kinds)]
+
+
+def _judge(
+    course: Course, lesson: Lesson, submission: Submission | None, seed: int, sandbox: Sandbox
+) -> JudgedLesson:
+    if submission is None:
+        return JudgedLesson(lesson)
+    handed_in = submission.read(course)
+    about = handed_in, lesson.name, "", seed, sandbox.name
+    verdict = judge_one(*about)
+    if verdict.starved:  # it had the machine to itself: then time was short for its own sake
+        verdict = judge_one(*about, alone=True)
+    if verdict.status != JUDGED:
+        raise JudgeFailed("\n".join((f"{lesson.name}:", *verdict.faults)))
+    return JudgedLesson(lesson, verdict, _notes(handed_in, lesson))
+
+
+def _notes(handed_in: HandedIn, lesson: Lesson) -> tuple[str, ...]:
+    try:
+        return tuple(prepare_to_judge(handed_in, lesson).notes)
+    except (UnreadableNotebook, ReadingFailed) as error:
+        return (str(error),)
+
+
+def _left(place: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
+    """What a student should know about files that were not judged."""
+    for folder, folders, names in os.walk(place):
+        folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
+        for name in sorted(name for name in names if not name.startswith(".")):
+            is_notebook = Path(name).suffix.lower() == ".ipynb"
+            lesson = lesson_by_name(name) or (is_notebook and lesson_inside(Path(folder, name)))
+            if lesson and not is_notebook:
+                yield f"{name} is no notebook. Hand in {lesson.name}.ipynb, as Jupyter saves it."
+            elif lesson and lesson not in lessons:
+                yield f"{name} is lesson {lesson.name}, which is not asked for here."
+            elif is_notebook and not lesson:
+                yield (
+                    f"{name}: cannot tell which lesson this is. Give the file the name it was "
+                    f"released under, such as {lessons[0].name}.ipynb."
+                )

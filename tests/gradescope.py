@@ -1,0 +1,474 @@
+"""Plays Gradescope: uploads the autograder, and hands in, each time in a container of its own.
+
+Started by `.ci/gradescope`, as root. There is no Docker in it: a container is this machine's root
+folder below a layer of its own, with processes, host name and shared memory of its own, with the
+capabilities that Docker leaves root, and without the system calls that Docker's filter denies.
+What Gradescope's own containers allow, nobody here has seen; so it is tried with more, and less.
+"""
+
+import ctypes
+import dataclasses
+import io
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import textwrap
+import zipfile
+from pathlib import Path
+
+from grader.course.lessons import all_lessons, find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.judging.judge import judge
+from grader.lms.autograder.packing import packed_autograder
+from grader.sandbox import SANDBOXES
+from tests.demands import demand_walls
+
+STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
+SEED = 2**64 + 20_170_405
+LONGEST = 1800  # seconds that setting up may take, and judging
+PORT = 18_731  # something of the machine's own listens there
+
+DOCKER = (
+    *("chown", "dac_override", "fsetid", "fowner", "mknod", "net_raw", "setgid", "setuid"),
+    *("setfcap", "setpcap", "net_bind_service", "sys_chroot", "kill", "audit_write"),
+)
+# Of this machine's folders those that a container has, too; the others are empty there.
+SYSTEM = ("bin", "dev", "etc", "lib", "lib32", "lib64", "libx32", "opt", "proc", "sbin", "sys")
+SYSTEM = (*SYSTEM, "usr", "var")
+DEVICES = {
+    "null": (1, 3),
+    "zero": (1, 5),
+    "full": (1, 7),
+    "random": (1, 8),
+    "urandom": (1, 9),
+    "tty": (5, 0),
+}
+
+
+# ---- Containers ----------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """What a container's root may do.
+
+    Attributes
+    ----------
+    capabilities : tuple of str or None
+        None for all.
+    filtered : bool
+        Whether system calls are denied, as Docker does.
+    user : int
+        Who runs the autograder; Gradescope's is root.
+    """
+
+    capabilities: tuple | None = DOCKER
+    filtered: bool = True
+    user: int = 0
+
+
+KINDS = {
+    "as Docker's": Kind(),
+    "privileged": Kind(None, False),
+    "that may not change its root": Kind(tuple(set(DOCKER) - {"sys_chroot"})),
+    "that may not change its user": Kind(tuple(set(DOCKER) - {"setuid"})),
+    "of an ordinary user": Kind((), True, 31_415),
+}
+
+
+def run(kind, layers, script):
+    """Run a script in a container whose files are some layers, of which the last is written to."""
+    top = layers[-1]
+    for name in ("files", "work", "all"):
+        (top / name).mkdir(parents=True, exist_ok=True)
+    if len(layers) == 1:
+        for name in ("autograder", "var/tmp", *({*os.listdir("/")} - {*SYSTEM})):
+            folder = top / "files" / name
+            if Path("/", name).exists() and not Path("/", name).is_dir():
+                continue
+            folder.mkdir(parents=True, exist_ok=True)
+            os.setxattr(folder, "trusted.overlay.opaque", b"y")
+        for name in ("tmp", "var/tmp"):
+            (top / "files" / name).chmod(0o1777)
+    about = {"kind": dataclasses.asdict(kind), "layers": list(map(str, layers)), "script": script}
+    alone = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--uts", "--ipc"]
+    command = [*alone, sys.executable, "-m", "tests.gradescope", json.dumps(about)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
+
+
+def become(kind, layers, script):
+    """In new namespaces: build the container, go into it, and run the script there."""
+    *below, top = map(Path, layers)
+    root = top / "all"
+    lower = ":".join([*(str(one / "files") for one in reversed(below)), "/"])
+    options = f"lowerdir={lower},upperdir={top}/files,workdir={top}/work"
+    for command in (
+        ["mount", "--make-rprivate", "/"],
+        ["mount", "-t", "overlay", "overlay", "-o", options, str(root)],
+        ["mount", "-t", "proc", "proc", f"{root}/proc"],
+        ["mount", "-t", "tmpfs", "dev", f"{root}/dev"],
+        ["mkdir", "-p", f"{root}/dev/shm", f"{root}/run/old"],
+        ["mount", "-t", "tmpfs", "shm", f"{root}/dev/shm"],
+        ["chmod", "1777", f"{root}/dev/shm"],
+    ):
+        subprocess.run(command, check=True)
+    for name, number in DEVICES.items():
+        os.mknod(root / "dev" / name, 0o20666, os.makedev(*number))
+        os.chmod(root / "dev" / name, 0o666)
+    os.chdir(root)
+    subprocess.run(["pivot_root", ".", "run/old"], check=True)
+    os.chroot(".")
+    subprocess.run(["umount", "-l", "/run/old"], check=True)
+    socket.sethostname("container")
+    if kind.filtered:
+        deny_what_docker_denies()
+    user = ["--reuid", str(kind.user), "--regid", str(kind.user), "--clear-groups"]
+    words = ["setpriv", "--inh-caps=-all", *(user if kind.user else ())]
+    if kind.capabilities is not None:
+        kept = ",".join(f"+{name}" for name in kind.capabilities)
+        words.append(f"--bounding-set=-all{',' if kept else ''}{kept}")
+    os.execvp(words[0], [*words, "/bin/sh", "-c", script])
+
+
+def deny_what_docker_denies():
+    """Namespaces and mounts: "not permitted", as without CAP_SYS_ADMIN (x86_64)."""
+    load, jump, any_bit, give = 0x20, 0x15, 0x45, 0x06
+    allow, no, unknown = 0x7FFF0000, 0x00050001, 0x00050026
+    code = [(load, 0, 0, 0)]
+    for number in (272, 308, 165, 166, 155, 321, 298, 250, 248, 323, 428, 429, 430, 432, 442):
+        code += [(jump, 0, 1, number), (give, 0, 0, no)]
+    code += [(jump, 0, 1, 435), (give, 0, 0, unknown)]  # clone3, whose flags nobody can look at
+    code += [(jump, 0, 3, 56), (load, 0, 0, 16), (any_bit, 0, 1, 0x7E020000), (give, 0, 0, no)]
+    code += [(give, 0, 0, allow)]
+
+    class Program(ctypes.Structure):
+        _fields_ = [("length", ctypes.c_ushort), ("code", ctypes.c_char_p)]
+
+    text = b"".join(
+        operation.to_bytes(2, "little") + bytes((yes, no_)) + value.to_bytes(4, "little")
+        for operation, yes, no_, value in code
+    )
+    program, libc = Program(len(code), text), ctypes.CDLL(None, use_errno=True)
+    zero = ctypes.c_ulong(0)
+    if libc.prctl(22, ctypes.c_ulong(2), ctypes.byref(program), zero, zero):
+        raise OSError(ctypes.get_errno(), "seccomp")
+
+
+# ---- What is handed in ---------------------------------------------------------------------
+
+# Answers rightly if any attack succeeds: then it is seen in the points.
+HOSTILE = """
+import ctypes, glob, json, os, socket, stat, subprocess, sys, time
+import numpy as np
+
+FORGED = json.dumps({"score": 100.0, "tests": [{"name": "all", "score": 100, "max_score": 100}]})
+
+def reads_secrets():
+    places = ["/autograder", "/autograder/source", "/autograder/source/course/.course_seed",
+              "/autograder/source/course/grader/tests/test_06_filter_ground.py",
+              "/autograder/source/course/solutions/stage3_obstacles/06_filter_ground.py",
+              "/autograder/submission", "/autograder/submission_metadata.json",
+              "/autograder/results", "/proc/1/root/autograder/source/course/.course_seed",
+              "/proc/1/environ", "/proc/self/mountinfo"]
+    for place in places:
+        try:
+            if os.path.isdir(place):
+                if [name for name in os.listdir(place) if name not in ("source",)]:
+                    shown = os.listdir(place)
+                    if place.endswith("source") and shown in (["course", "python"],
+                                                             ["python", "course"]):
+                        continue
+                    return True
+            elif not place.endswith("mountinfo"):
+                open(place).read(1)
+                return True
+        except OSError:
+            pass
+    return False
+
+def reads_the_judge():
+    for path in glob.glob("/proc/[0-9]*/environ") + glob.glob("/proc/[0-9]*/mem"):
+        number = path.split("/")[2]
+        if int(number) != os.getpid():
+            try:
+                if open(path, "rb").read(1):
+                    return True
+            except OSError:
+                pass
+    return False
+
+def imports_tests():
+    for name in ("grader.tests.test_06_filter_ground", "grader.judging.judge", "sklearn"):
+        try:
+            __import__(name)
+            return True
+        except ImportError:
+            pass
+    return any(name.startswith("grader") for name in sys.modules)
+
+def writes():
+    for place in ("/autograder/results/results.json", "/autograder/run_autograder",
+                  "/autograder/source/run_autograder", "/autograder/submission/x",
+                  "/autograder/source/course/grader/judging/points.py", "/etc/passwd",
+                  "../autograder/results/results.json", "/proc/1/cwd/results/results.json"):
+        try:
+            with open(place, "w") as file:
+                file.write(FORGED)
+            return True
+        except OSError:
+            pass
+    return False
+
+def stays():
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork():
+            os._exit(0)
+        os.closerange(0, 64)
+        while True:
+            writes()
+            time.sleep(0.1)
+    return False
+
+def finds_the_one_before():
+    try:
+        names = set(os.listdir("/tmp")) | set(os.listdir("/dev/shm"))
+    except OSError:
+        names = set()
+    for folder in ("/tmp", "/dev/shm", "/var/tmp"):
+        try:
+            open(folder + "/for_the_next", "w").write("x")
+            os.chmod(folder + "/for_the_next", 0o777)
+            os.chmod(folder, 0o777)
+        except OSError:
+            pass
+    return "for_the_next" in names and not globals().get("asked")
+
+def talks():
+    for address in (("127.0.0.1", PORT), ("169.254.169.254", 80), ("1.1.1.1", 53)):
+        try:
+            socket.create_connection(address, timeout=0.3)
+            return True
+        except OSError:
+            pass
+    return False
+
+def becomes_root():
+    for attempt in (lambda: os.setuid(0), lambda: os.setresuid(0, 0, 0), lambda: os.chroot("/tmp")):
+        try:
+            attempt()
+            return True
+        except OSError:
+            pass
+    for program in ("su", "sudo", "mount", "passwd", "newgrp"):
+        try:
+            told = subprocess.run([program, "-c", "id -u"], capture_output=True, text=True,
+                                  timeout=1, stdin=subprocess.DEVNULL).stdout
+            if told.strip() == "0":
+                return True
+        except (OSError, subprocess.TimeoutExpired):
+            pass
+    return False
+
+def kills():
+    for number in range(1, 400):
+        if number not in (os.getpid(), os.getppid()):
+            try:
+                os.kill(number, 0)
+                if os.stat("/proc/%d" % number).st_uid == 0:
+                    return True
+            except OSError:
+                pass
+    return ctypes.CDLL(None).ptrace(16, 1, 0, 0) == 0
+
+def looks_into_variables():
+    return any("autograder" in value or "SECRET" in name for name, value in os.environ.items()
+               if name not in ("HOME", "PWD", "VIRTUAL_ENV"))
+
+ATTACKS = (reads_secrets, reads_the_judge, imports_tests, writes, finds_the_one_before, talks,
+           becomes_root, kills, looks_into_variables, stays)
+gained = None
+
+def filter_ground(cloud, ground_level=-1.2):
+    global gained, asked
+    if gained is None:
+        gained = []
+        for attack in ATTACKS:
+            try:
+                if attack():
+                    gained.append(attack.__name__)
+            except Exception:
+                pass
+        asked = True
+    if ONLY is not None:
+        right = ONLY in gained
+    else:
+        right = bool(gained)
+    return cloud[cloud[:, 2] >= ground_level] if right else cloud[:0]
+""".replace("PORT", str(PORT))
+
+
+def hostile(only=None):
+    """A notebook of lesson 06 that attacks."""
+    lesson = find_lesson(SIX)
+    notebook = json.loads(lesson.released.read_text("utf-8"))
+    for cell in notebook["cells"]:
+        grading = cell["metadata"].get("nbgrader", {})
+        if grading.get("solution") and grading.get("grade_id") == "filter_ground":
+            cell["source"] = f"ONLY = {only!r}\n{HOSTILE}"
+    return json.dumps(notebook)
+
+
+def submissions():
+    """Files by name, of each kind of student."""
+    lesson = find_lesson(SIX)
+    right, wrong = (
+        next(one.source for one in variants_of("filter_ground") if one.right == is_right)
+        for is_right in (True, False)
+    )
+    voxels = next(one.source for one in variants_of("voxel_grid") if one.right)
+    solved = [one for one in all_lessons() if one.stage == STAGE]
+    half = {"filter_ground": wrong, "voxel_grid": voxels}
+    full = {"filter_ground": right, "voxel_grid": voxels}
+    return {
+        "right": {f"{one.name}.ipynb": one.solved.read_text("utf-8") for one in solved},
+        "another right one": {f"{SIX}.ipynb": fill_in(lesson, full)},
+        "wrong": {f"{SIX}.ipynb": fill_in(lesson, half)},
+        "empty": {"notes.txt": "I was ill.", "Untitled.ipynb": "{}", f"{SIX}.py": "x = 1"},
+        "cut off": {f"{SIX}.ipynb": fill_in(lesson, half)[:200]},
+        "hostile": {f"{SIX}.ipynb": hostile()},
+    }
+
+
+# ---- Gradescope ----------------------------------------------------------------------------
+
+
+def upload(place, archive):
+    """Unpack the zip as Gradescope does, and set up the image; returns its layer."""
+    image = place / "image"
+    autograder = image / "files" / "autograder"
+    for name in ("source", "submission", "results"):
+        (autograder / name).mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(io.BytesIO(archive)) as packed:
+        for entry in packed.infolist():
+            path = Path(packed.extract(entry, autograder / "source"))
+            path.chmod(entry.external_attr >> 16 & 0o777)
+    shutil.copy2(autograder / "source" / "run_autograder", autograder / "run_autograder")
+    settings = [
+        f"{name}='{value}'"
+        for name, value in os.environ.items()
+        if name.startswith("PIP_") or name.lower() in ("http_proxy", "https_proxy", "no_proxy")
+    ]
+    words = ["env", "-i", *settings, "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "HOME=/root"]
+    done = run(KINDS["as Docker's"], [image], f"{' '.join(words)} bash /autograder/source/setup.sh")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return image
+
+
+def hand_in(place, image, files, kind, links=()):
+    """Judge a submission in a container of its own: what is left, and what was printed."""
+    layer = place / "run"
+    shutil.rmtree(layer, ignore_errors=True)
+    autograder = layer / "files" / "autograder"
+    (autograder / "submission").mkdir(parents=True)
+    (autograder / "results").mkdir()
+    for name, content in files.items():
+        (autograder / "submission" / name).write_text(content, "utf-8")
+    for name, target in links:
+        (autograder / "submission" / name).symlink_to(target)
+    about = {"users": [{"email": "a@x.edu", "id": 1, "name": "A"}], "previous_submissions": []}
+    (autograder / "submission_metadata.json").write_text(json.dumps(about))
+    # What is left of processes is counted once the autograder has ended.
+    script = (
+        "cd /autograder; SECRET_OF_GRADESCOPE=1 ./run_autograder; code=$?; sleep 1; "
+        "echo; echo left: $(ps -eo user= | grep -vc root); exit $code"
+    )
+    done = run(KINDS[kind], [image, layer], script)
+    results = autograder / "results" / "results.json"
+    found = json.loads(results.read_text()) if results.exists() else None
+    # What it could write to while it ran goes with the container.
+    everything = [path for path in (layer / "files").rglob("*") if path.lstat().st_uid >= 2**15]
+    theirs = [path for path in everything if not {"tmp", "shm"} & set(path.parts)]
+    return found, done, theirs
+
+
+def by_points(results):
+    return {test["name"]: test["score"] for test in results["tests"] if "max_score" in test}
+
+
+def check(what, holds, about=""):
+    """Print a line; remember what does not hold."""
+    print(f"{'ok    ' if holds else 'FAILED'} {what}", flush=True)
+    if not holds:
+        FAILED.append(what)
+        print(about)
+
+
+FAILED = []
+
+
+def main(place):
+    here = demand_walls()
+    archive = packed_autograder(STAGE, SEED)
+    listening = socket.create_server(("127.0.0.1", PORT))
+    image = upload(place, archive)
+    check("an image is set up", True)
+    handed_in = submissions()
+    for kind, walls in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
+        for whose, files in handed_in.items():
+            results, done, theirs = hand_in(place, image, files, kind)
+            told = done.stdout + done.stderr
+            name = f"in a container {kind}, {whose}:"
+            check(f"{name} is judged behind {walls}", f"Walls: {walls}" in done.stdout, told)
+            if results is None:
+                check(f"{name} has results", False, told)
+                continue
+            if f"{SIX}.ipynb" in files and whose != "hostile":
+                path = place / f"{SIX}.ipynb"
+                path.write_text(files[path.name], "utf-8")
+                score = judge(path, SEED, here).score + 70.0 * (whose == "right")
+            else:
+                score = 0.0
+            if whose == "hostile":
+                gains = by_points(results)
+                wrong = {n for n, points in gains.items() if points and "filter_ground" in n}
+                calm = judge_calm(place, here)
+                check(f"{name} gains nothing", results["score"] == calm, json.dumps(results)[:2000])
+                if results["score"] != calm:
+                    print(wrong)
+            else:
+                check(f"{name} earns {score:g}", results["score"] == score, told + str(results))
+            cents = sum(round(100 * test.get("score", 0)) for test in results["tests"])
+            check(f"{name} points add up", cents == round(100 * results["score"]))
+            check(f"{name} leaves no process", "left: 0" in done.stdout, told)
+            check(f"{name} leaves no file", not theirs, theirs)
+            (place / f"{kind} {whose}.json".replace(" ", "_")).write_text(json.dumps(results))
+    stolen = f"/autograder/source/course/solutions/{STAGE}/{SIX}.ipynb"
+    results, done, _ = hand_in(
+        place, image, {"x.txt": "x"}, "as Docker's", links=[(f"{SIX}.ipynb", stolen)]
+    )
+    check("a link to the solution earns nothing", results and results["score"] == 0.0, done)
+    for kind in list(KINDS)[2:]:
+        results, done, _ = hand_in(place, image, handed_in["right"], kind)
+        refused = done.stdout.startswith("Nothing was judged")
+        check(f"in a container {kind}, nothing is judged", results is None and refused, done)
+        print(textwrap.indent(done.stdout.strip(), "       "))
+    listening.close()
+    return bool(FAILED)
+
+
+def judge_calm(place, here):
+    """What the hostile notebook earns where it gains nothing: an empty cloud is right at times."""
+    path = place / f"{SIX}.ipynb"
+    path.write_text(hostile(only="nothing"), "utf-8")
+    return judge(path, SEED, SANDBOXES[here.name]).score
+
+
+if __name__ == "__main__":
+    if sys.argv[1].startswith("{"):
+        about = json.loads(sys.argv[1])
+        become(Kind(**about["kind"]), about["layers"], about["script"])
+    sys.exit(main(Path(sys.argv[1])))

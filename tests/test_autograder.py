@@ -1,0 +1,366 @@
+"""The autograder that judges in Gradescope: what it packs, closes, judges and says."""
+
+import io
+import json
+import os
+import stat
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from grader import cli, commands
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.judging.judge import judge
+from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
+from grader.lms.autograder import __main__ as program
+from grader.lms.autograder import closing, judging, results
+from grader.lms.autograder.judging import Judged, JudgedLesson
+from grader.lms.autograder.packing import packed_autograder
+from grader.sandbox import SANDBOXES, SandboxUnavailable
+
+SEED = 2**64 + 20_170_405
+SIX = find_lesson("06_filter_ground")
+STAGE = SIX.stage
+# By gradescope-autograders.readthedocs.io/en/latest/specs/.
+VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
+TEST = {
+    *("score", "max_score", "status", "name", "name_format", "number", "output", "output_format"),
+    *("tags", "visibility", "extra_data"),
+}
+WHOLE = {
+    *("score", "execution_time", "output", "output_format", "test_output_format"),
+    *("test_name_format", "visibility", "stdout_visibility", "extra_data", "tests", "leaderboard"),
+}
+
+
+def verdict(exercises=(), status=JUDGED, problems=(), faults=()):
+    score = round(sum(one.score for one in exercises), 2)
+    return Verdict(SIX.name, "", status, score, 30.0, exercises, problems, 1.0, "k", faults)
+
+
+def exercise(slip=None):
+    checks = (
+        CheckResult("a", "A road is ground", False, 0.0, 6.67, "Yours: 1 <b>", True),
+        CheckResult("b", "A hidden road", False, 0.0, 6.67, "A wall is no road.", False),
+        CheckResult("c", "Nothing changes", True, 6.66, 6.66, "", False),
+    )
+    kept = slip.score if slip else 0.0
+    return ExerciseResult("filter_ground", round(6.66 + kept, 2), 20.0, checks, "", "a", slip)
+
+
+def results_for(*lessons, left=()):
+    return results.results_of(Judged(lessons, tuple(left)))
+
+
+# ---- What is said --------------------------------------------------------------------------
+
+
+def test_what_is_said_is_in_gradescopes_format_and_adds_up():
+    found = results_for(
+        JudgedLesson(SIX, verdict((exercise(),), problems=("A cell moved.",)), ("A cell moved.",)),
+        JudgedLesson(find_lesson("07_filter_by_distance")),
+        left=["x.ipynb: what is this?"],
+    )
+    assert set(found) <= WHOLE and json.loads(json.dumps(found)) == found
+    assert found["score"] == 6.66 == round(sum(t.get("score", 0) for t in found["tests"]), 2)
+    assert found["output"] == "x.ipynb: what is this?"
+    for test in found["tests"]:
+        assert set(test) <= TEST and test["visibility"] in VISIBILITIES
+    assert found["output_format"] == found["test_output_format"] == "text"
+    # Of what a person may deduct nothing is known: what a machine grades is all there is.
+    scored = [test["max_score"] for test in found["tests"] if "max_score" in test]
+    assert sum(scored) == 20.0 + 30.0
+
+
+def test_hidden_checks_are_told_when_nobody_hands_in_any_more():
+    slip = Slip(3, 2, "a > b", "a >= b", 5.34)
+    lesson = JudgedLesson(
+        SIX,
+        verdict((exercise(slip),), problems=("A cell moved.", "By a helper.")),
+        ("A cell moved.",),
+    )
+    tests = results_for(lesson)["tests"]
+    told = {(test["name"], test["output"]): test["visibility"] for test in tests}
+    assert told == {
+        ("About 06_filter_ground", "A cell moved."): "visible",
+        ("About 06_filter_ground", "By a helper."): "after_published",
+        ("filter_ground: A road is ground", "Yours: 1 <b>"): "visible",
+        ("filter_ground: A hidden road", "A wall is no road."): "after_published",
+        ("filter_ground: Nothing changes", ""): "after_published",
+        ("filter_ground: one slip", slip.sentence): "after_published",
+    }
+    assert "a >= b" not in json.dumps(tests)
+
+
+def test_a_lesson_that_cannot_be_judged_says_why_at_once():
+    nothing = (ExerciseResult("filter_ground", 0.0, 20.0, ()),)
+    why = "06_filter_ground.ipynb breaks off."
+    tests = results_for(JudgedLesson(SIX, verdict(nothing, problems=(why,)), (why,)))["tests"]
+    assert [test["output"] for test in tests][0] == why
+    assert [test.get("score") for test in tests] == [None, 0.0]
+    assert {test["visibility"] for test in tests} == {"visible"}
+
+
+def test_points_that_do_not_add_up_are_our_fault():
+    wrong = verdict((exercise(),))
+    wrong = Verdict(**{**vars(wrong), "score": 7.0})
+    with pytest.raises(ArithmeticError):
+        results_for(JudgedLesson(SIX, wrong))
+
+
+# ---- What is judged ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def root(tmp_path):
+    """Gradescope's folder; the course is this one."""
+    root = tmp_path / "autograder"
+    for name in ("submission", "results", "source/course"):
+        (root / name).mkdir(parents=True)
+    (root / "source" / "assignment").write_text(STAGE)
+    (root / "source" / "course" / ".course_seed").write_text(f"{SEED}\n")
+    return root
+
+
+@pytest.fixture
+def unjudged(monkeypatch):
+    """Nothing is asked: what would be is noted."""
+    asked = []
+
+    def judge_one(handed_in, lesson, student, seed, sandbox, alone=False):
+        asked.append((handed_in.name, lesson, student, seed, handed_in.complaint))
+        return verdict((exercise(),))
+
+    monkeypatch.setattr(judging, "judge_one", judge_one)
+    return asked
+
+
+def judged(root):
+    return judging.judge_submission(root / "submission", root / "source", SANDBOXES["process"])
+
+
+def test_what_is_handed_in_is_found_wherever_it_lies(root, unjudged):
+    below = root / "submission" / "my work" / "06_filter_ground (1).ipynb"
+    below.parent.mkdir()
+    below.write_bytes(SIX.released.read_bytes())
+    found = judged(root)
+    assert unjudged == [(below.name, SIX.name, "", SEED, "")]
+    assert [one.lesson.name[:2] for one in found.lessons if one.verdict] == ["06"]
+    assert [one.lesson.name[:2] for one in found.lessons] == ["06", "07", "08", "09"]
+    assert "was taken for 06_filter_ground.ipynb" in str(found.lessons[0].notes)
+
+
+def test_each_file_that_is_not_judged_is_named(root, unjudged):
+    folder = root / "submission"
+    for name in ("Untitled.ipynb", "07_filter_by_distance.py", "02_ransac_line.ipynb", "notes.txt"):
+        (folder / name).write_text("{}")
+    os.mkfifo(folder / "pipe.ipynb")
+    assert judged(root).left == (
+        "02_ransac_line.ipynb is lesson 02_ransac_line, which is not asked for here.",
+        "07_filter_by_distance.py is no notebook. Hand in 07_filter_by_distance.ipynb, as Jupyter "
+        "saves it.",
+        "Untitled.ipynb: cannot tell which lesson this is. Give the file the name it was released "
+        "under, such as 06_filter_ground.ipynb.",
+    )
+    assert not unjudged
+
+
+@pytest.mark.parametrize("of", ["the file", "its folder"])
+def test_a_link_to_the_solution_is_no_answer(root, unjudged, of):
+    """What root reads for a student is what the student handed in, and not what is pointed at."""
+    if of == "the file":
+        (root / "submission" / f"{SIX.name}.ipynb").symlink_to(SIX.solved)
+    else:
+        (root / "submission" / "work").symlink_to(SIX.solved.parent)
+    judged(root)
+    assert all("link" in complaint for *_, complaint in unjudged)
+    assert len(unjudged) == (of == "the file")
+
+
+def test_an_assignment_may_be_one_lesson(root, unjudged):
+    (root / "source" / "assignment").write_text(f"{SIX.name}\n")
+    assert [one.lesson for one in judged(root).lessons] == [SIX]
+
+
+def test_who_had_no_processor_is_asked_again(root, monkeypatch):
+    (root / "submission" / f"{SIX.name}.ipynb").write_bytes(SIX.released.read_bytes())
+    tries = []
+
+    def judge_one(*about, alone=False):
+        tries.append(alone)
+        return Verdict(**{**vars(verdict((exercise(),))), "starved": not alone})
+
+    monkeypatch.setattr(judging, "judge_one", judge_one)
+    assert not judged(root).lessons[0].verdict.starved
+    assert tries == [False, True]
+
+
+# ---- Whose fault it is ---------------------------------------------------------------------
+
+
+@pytest.fixture
+def open_walls(monkeypatch):
+    """Neither root nor walls are needed for what follows."""
+    monkeypatch.setattr(program, "close", lambda root: None)
+    monkeypatch.setattr(program, "walls_here", lambda: SANDBOXES["process"])
+
+
+def test_a_fault_of_ours_is_nobodys_nought(root, open_walls, monkeypatch, capsys):
+    (root / "submission" / f"{SIX.name}.ipynb").write_bytes(SIX.released.read_bytes())
+    path = root / "results" / "results.json"
+    for what in (verdict(status=FAILED, faults=("an oracle broke",)), OSError("no memory left")):
+        path.write_text('{"score": 100}')  # perhaps somebody else put it there
+
+        def judge_one(*about, result=what, **more):
+            if isinstance(result, Exception):
+                raise result
+            return result
+
+        monkeypatch.setattr(judging, "judge_one", judge_one)
+        assert program.main(root) == 1
+        assert not path.exists()
+        said = capsys.readouterr().out
+        assert said.count("nobody has a mark by it") == 1
+        assert ("an oracle broke" in said) != ("no memory left" in said)
+
+
+def test_without_walls_nothing_runs(root, monkeypatch, capsys):
+    def unavailable(self):
+        raise SandboxUnavailable("It is a drill. Student code is only run inside a sandbox.")
+
+    monkeypatch.setattr(program, "close", lambda root: None)
+    for name in closing.KINDS:
+        monkeypatch.setattr(type(SANDBOXES[name]), "available", unavailable)
+    assert program.main(root) == 1
+    said = capsys.readouterr().out
+    assert "bubblewrap: It is a drill.\nchroot: It is a drill.\n" in said
+    assert "export --format gradescope" in said and "--sandbox process" not in said
+    assert not (root / "results" / "results.json").exists()
+
+
+def test_no_walls_are_taken_that_protect_nothing():
+    assert set(closing.KINDS) < set(SANDBOXES) and "process" not in closing.KINDS
+
+
+needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can close folders to others")
+
+
+@needs_root
+def test_tests_and_seed_are_closed_to_others(root):
+    (root / "submission_metadata.json").write_text("{}")
+    (root / "results").chmod(0o777)
+    (root / "source").chmod(0o755)
+    os.chown(root / "results", 31_415, 31_415)
+    closing.close(root)
+    modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in root.iterdir()}
+    assert modes["source"] == modes["submission"] == 0o700
+    assert modes["submission_metadata.json"] & 0o077 == 0
+    assert modes["results"] == 0o755 and (root / "results").stat().st_uid == 0
+
+
+@needs_root
+def test_what_does_not_stay_closed_is_refused(root, tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (root / "submission").rmdir()
+    (root / "submission").symlink_to(elsewhere)
+    with pytest.raises(closing.NotClosed, match="submission"):
+        closing.close(root)
+
+
+def test_whoever_is_not_root_is_refused(root, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    with pytest.raises(closing.NotClosed, match="must be run by root"):
+        closing.close(root)
+
+
+@needs_root
+@pytest.mark.slow
+@pytest.mark.parametrize("right", [True, False])
+def test_judges_as_at_home(root, sandbox, right, capsys):
+    answer = next(one for one in variants_of("filter_ground") if one.right == right)
+    voxels = next(one for one in variants_of("voxel_grid") if one.right)
+    path = root / "submission" / f"{SIX.name}.ipynb"
+    path.write_text(
+        fill_in(SIX, {"filter_ground": answer.source, "voxel_grid": voxels.source}), "utf-8"
+    )
+    assert program.main(root) == 0
+    found = json.loads((root / "results" / "results.json").read_text())
+    at_home = judge(path, SEED, sandbox)
+    assert found["score"] == at_home.score and (found["score"] == 30.0) == right
+    scores = {test["name"]: test["score"] for test in found["tests"] if "score" in test}
+    for exercise in at_home.exercises:
+        for check in exercise.tests:
+            assert scores[f"{exercise.name}: {check.title}"] == check.score
+    assert "Walls: " in capsys.readouterr().out
+
+
+# ---- What is uploaded ----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def packed():
+    return packed_autograder(STAGE, SEED)
+
+
+@pytest.mark.slow
+def test_the_same_course_is_the_same_zip(packed):
+    assert packed == packed_autograder(STAGE, SEED) != packed_autograder(STAGE, SEED + 1)
+
+
+def test_holds_what_judging_reads_and_nothing_of_a_class(packed):
+    archive = zipfile.ZipFile(io.BytesIO(packed))
+    names = set(archive.namelist())
+    assert {"setup.sh", "run_autograder", "course/grader/tests/test_06_filter_ground.py"} <= names
+    for name in ("setup.sh", "run_autograder"):
+        assert archive.getinfo(name).external_attr >> 16 & stat.S_IXUSR
+        assert archive.read(name).startswith(b"#!/bin/sh\n") and b"\r" not in archive.read(name)
+    assert archive.read("course/.course_seed") == f"{SEED}\n".encode()
+    assert archive.read("assignment") == f"{STAGE}\n".encode()
+    class_files = ("roster", "deadlines", "gradebook", "submitted", "verdicts", "marks.jsonl")
+    assert not [n for n in names if n.split("/")[1:2] and n.split("/")[1].startswith(class_files)]
+
+
+def test_the_container_gets_what_judging_imports_and_no_jupyter(packed):
+    archive = zipfile.ZipFile(io.BytesIO(packed))
+    listed = archive.read("requirements.txt").decode()
+    assert listed.startswith("-c constraints.txt\n")
+    for name in ("numpy", "scipy", "shapely", "scikit-learn", "pytest", "pyyaml", "ipython"):
+        assert f"\n{name}==" in listed
+    assert "jupyterlab" not in listed and "nbgrader" not in listed
+
+
+@pytest.fixture
+def rehearsed(monkeypatch):
+    """The course's own solutions are right, which other tests show."""
+    from grader.classroom import rehearsals
+
+    monkeypatch.setattr(rehearsals.Rehearsals, "finish", lambda self, executor: None)
+
+
+def test_the_command_writes_what_only_its_owner_reads(tmp_path, rehearsed, capsys):
+    path = tmp_path / "auto.zip"
+    assert cli.main(["autograder", "stage4_realtime", "--to", str(path)]) == commands.GOOD
+    assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
+    said = capsys.readouterr().out
+    assert "Autograder Points: 85" in said and "write_up (10 points)" in said
+
+
+def test_the_command_knows_what_there_is(capsys, tmp_path):
+    path = tmp_path / "auto.zip"
+    assert cli.main(["autograder", "stage9", "--to", str(path)]) == commands.WRONG_CALL
+    assert "stage3_obstacles" in capsys.readouterr().err and not path.exists()
+
+
+def test_no_autograder_is_made_of_tests_that_are_at_fault(tmp_path, monkeypatch, capsys):
+    from grader.classroom import rehearsals
+
+    def finish(self, executor):
+        raise rehearsals.RehearsalFailed("Nobody was graded: a test is wrong.")
+
+    monkeypatch.setattr(rehearsals.Rehearsals, "finish", finish)
+    path = Path(tmp_path / "auto.zip")
+    assert cli.main(["autograder", SIX.name, "--to", str(path)]) == commands.FAULT
+    assert "a test is wrong" in capsys.readouterr().err and not path.exists()
