@@ -418,6 +418,7 @@ def test_nbgrader_s_pages_say_of_which_function_a_score_is(canvas_course):
     head = words(page.partition('<div class="panel-body">')[0])
     assert "match_boxes (Score: 2.25 / 5.0)" in head and "write_up (Score: 7.5 / 10.0)" in head
     assert "Test cell" not in page and "Written response" not in page
+    assert "img { max-width: 100%" in page
     assert "<mfrac>" in page and "12 more cannot be judged" not in page
     ten = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TEN.name}.html").read_text()
     assert "12 more cannot be judged before this is right." in ten

@@ -13,6 +13,9 @@ _KIND = re.compile(
     r'(<li><a href="#(?:test_)?(\w+)">)(?:Test cell|Coding free-response|Written response)(?=</a>)'
 )
 
+# Nor does it make room for pictures that are wider than the page.
+_PICTURES = "img { max-width: 100%; height: auto; }"
+
 
 class FeedbackExporter(Page):
     """The pages of ``nbgrader generate_feedback``."""
@@ -22,5 +25,5 @@ class FeedbackExporter(Page):
     ) -> tuple[str, dict]:
         """Make a page of a graded notebook; see nbconvert."""
         page, resources = super().from_notebook_node(nb, resources, **options)
-        page = page.replace("</head>", f"<style>{STYLE}</style></head>", 1)
+        page = page.replace("</head>", f"<style>{STYLE} {_PICTURES}</style></head>", 1)
         return _KIND.sub(r"\1\2", page), resources

@@ -1,0 +1,165 @@
+"""An instructor's day by commands alone: from the zips of two platforms to marks back in them."""
+
+import csv
+import re
+import shutil
+import zipfile
+
+import pytest
+
+from grader import cli, commands
+from grader.course import paths
+from grader.course.lessons import find_lesson
+from grader.course.paths import PROJECT, Course
+from grader.course.variants import fill_in, variants_of
+from tests.archives import canvas_files, moodle_files, worksheet, zipped
+from tests.platforms import Canvas, CanvasStudent, Moodle, MoodleStudent
+from tests.test_course import REPORT, by_hand, with_report
+from tests.test_grade import CONFIGURATION, SEED, answer
+from tests.test_gradebook import LATE
+
+SIX, TWELVE = find_lesson("06_filter_ground"), find_lesson("12_streaming_obstacles")
+PEOPLE = (  # id, first and last name, section, Canvas's number, Moodle's
+    ("ada", "Ada", "Ash", "A", 4001, 51),
+    ("bjorn", "Björn", "Müller", "A", 4002, 52),
+    ("cy", "Cy", "O'Neil, Jr", "B", 4003, 53),
+    ("dan", "Dan", "Dorn", "B", 4004, 54),
+    ("eve", "Eve", "Elm", "A", 4005, 55),
+    ("finn", "Finn", "Fell", "B", 4006, 56),
+    ("gus", "Gus", "Gray", "A", 4007, 57),
+)
+DATES = f"""
+timezone = "Europe/Berlin"
+[{SIX.stage}]
+due = 2026-10-12T23:59:00
+[{SIX.stage}.students]
+eve = "excused"
+gus = 2999-01-01T12:00:00
+[{TWELVE.stage}]
+due = 2026-10-12T23:59:00
+"""
+LATELY = "id,Last modified (submission)\nbjorn,2026-10-14 08:00\ngus,2026-10-20 08:00\n"
+
+
+@pytest.fixture
+def course(tmp_path, sandbox, monkeypatch):
+    """A course with roster, dates and a penalty, and nothing handed in."""
+    made = Course(tmp_path / "course")
+    for folder, lesson in ((f, one) for f in ("solutions", "notebooks") for one in (SIX, TWELVE)):
+        place = made.root / folder / lesson.stage
+        place.mkdir(parents=True)
+        shutil.copy(PROJECT / folder / lesson.stage / f"{lesson.name}.ipynb", place)
+    about = {"project": str(PROJECT), "root": str(made.root), "seed": SEED}
+    settings = CONFIGURATION.format(**about, sandbox=sandbox.name) + LATE
+    (made.root / "nbgrader_config.py").write_text(settings)
+    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["id", "first_name", "last_name", "section", "lms_id", "email"])
+        for id, first, last, section, number, _ in PEOPLE:
+            table.writerow([id, first, last, section, number, f"{id}@x.edu"])
+    (made.root / "deadlines.toml").write_text(DATES)
+    monkeypatch.setattr(commands, "Course", lambda: made)
+    paths._folder.cache_clear()
+    return made
+
+
+def half():
+    """A notebook of lesson 06 in which the ground is right, and the voxels are not begun."""
+    (right, *_) = (one.source for one in variants_of("filter_ground") if one.right)
+    return fill_in(SIX, {"filter_ground": right}).encode()
+
+
+def from_canvas(again=False):
+    """Stage 3: a zip, a number for a name, a mark by Canvas, and somebody who has left."""
+    right = answer().encode()
+    work = {
+        "ada": [(f"{SIX.name}.ipynb", half())],
+        "bjorn": [(f"Übung {SIX.name}.ipynb", right if again else half())],
+        "cy": [("homework.zip", zipped([(f"hw/{SIX.name}.ipynb", right)]))],
+        "dan": [("6.ipynb", right)],
+        "gus": [(f"{SIX.name}.ipynb", half())],
+    }
+    files = canvas_files("Ghost, Gil", 9999, [(99, f"{SIX.name}.ipynb", right)])
+    for place, (id, first, last, _, number, _) in enumerate(PEOPLE):
+        given = [(100 * (1 + again) + place, *one) for one in work.get(id, ())]
+        files += canvas_files(f"{last}, {first}", number, given, late=id in ("bjorn", "gus"))
+    return zipped(files)
+
+
+def from_moodle():
+    """Stage 4: two write-ups, of which one is a team's."""
+    data = with_report(REPORT).encode()
+    files = moodle_files("Ada Ash", 51, [(f"{TWELVE.name}.ipynb", data)])
+    return zipped(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
+
+
+@pytest.mark.proof
+def test_a_day_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys):
+    def run(*words):
+        capsys.readouterr()
+        status = cli.main([str(word) for word in words])
+        return status, capsys.readouterr().out
+
+    def file(name, content):
+        (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        return tmp_path / name
+
+    # Handed out; and handed in, once and again.
+    assert run("release", SIX.stage, "--to", tmp_path / "out")[0] == 0
+    first, again = (file(f"canvas{n}.zip", from_canvas(bool(n))) for n in (0, 1))
+    status, said = run("collect", first, "--stage", SIX.stage)
+    assert status == 1 and "--who ghostgil_9999=ID" in said
+    assert run("collect", first, "--stage", SIX.stage, "--who", "ghostgil_9999=-")[0] == 0
+    times = ("--timestamps", file("times.csv", LATELY))
+    status, said = run("collect", again, "--stage", SIX.stage, *times)
+    assert status == 0 and "1 in place of an older one" in said and "undecided" not in said
+    rows = [(n, f"{a} {b}", "", f"{i}@x.edu", "-") for i, a, b, _, _, n in PEOPLE]
+    rows = [(*row[:4], "12 October 2026, 10:00 AM") for row in rows]
+    moodle = ("collect", file("moodle.zip", from_moodle()), "--stage", TWELVE.stage)
+    moodle += ("--timestamps", file("worksheet.csv", worksheet(rows)))
+    assert run(*moodle, "--who", "Team Red_7=bjorn,cy")[0] == 0
+
+    # Judged, and read by a person.
+    status, said = run("grade")
+    assert status == 0 and "8 notebooks: 8 judged" in said
+    for student, mark in (("ada", 8.0), ("bjorn", 9.0), ("cy", 9.0)):
+        by_hand(course, student, mark)
+    assert "0 judged" in run("grade")[1]
+
+    # Into Canvas, where somebody has worked meanwhile: 30 less 20 %, gus in time by his extension.
+    site = Canvas(
+        [CanvasStudent(number, f"{last}, {first}") for _, first, last, _, number, _ in PEOPLE],
+        {501: ["Quiz", 10.0], 502: ["Stage 3 Obstacles", 30.0]},
+        {(4006, 502): 3.0},
+    )
+    given = file("gradebook.csv", site.export())
+    site.scores[4001, 501] = 9.0
+    export = ("export", "--to", tmp_path / "marks.csv", "--into", given, "--assignment", SIX.stage)
+    status, said = run(*export, "--format", "canvas")
+    assert status == 0 and "handed in nothing: finn" in said
+    site.import_((tmp_path / "marks.csv").read_bytes())
+    marks = {number: score for (number, place), score in site.scores.items() if place == 502}
+    expected = {4001: 10.0, 4002: 24.0, 4003: 30.0, 4004: 30.0, 4005: "EX", 4006: 3.0}
+    assert marks == expected | {4007: 10.0}
+    assert site.scores[4001, 501] == 9.0
+
+    # Into Moodle: 5 points of match_boxes and the mark by hand.
+    site = Moodle([MoodleStudent(n, f"{a} {b}", f"{i}@x.edu") for i, a, b, _, _, n in PEOPLE], 40)
+    given = file("grading.csv", site.export())
+    export = ("export", "--to", tmp_path / "marks2.csv", "--into", given)
+    export += ("--assignment", TWELVE.name, "--format", "moodle")
+    assert run(*export)[0] == 0
+    site.import_((tmp_path / "marks2.csv").read_bytes())
+    assert site.grades == {51: 13.0, 52: 14.0, 53: 14.0} and not site.skipped
+
+    # Handed back, asked about, compared; solutions wait for gus.
+    assert run("feedback", SIX.stage, "--for", "canvas", "--to", tmp_path / "back")[0] == 0
+    with zipfile.ZipFile(tmp_path / "back" / f"{SIX.stage}_canvas.zip") as archive:
+        assert len(archive.namelist()) == 5
+    page = (tmp_path / "back" / SIX.stage / "bjorn.html").read_text()
+    assert "Björn Müller: 24 of 30 points" in page and "14 October 2026 at 08:00 CEST" in page
+    status, said = run("grade", "--student", "Björn Müller", SIX.stage)
+    assert status == 0 and re.search(r"voxel_grid +- +20 +verdict", said)
+    status, said = run("similarity", SIX.stage)
+    assert status == 0 and "the same file: bjorn, cy, dan" in said
+    assert run("release", "--solutions", SIX.stage)[0] == 1
