@@ -288,6 +288,13 @@ def test_what_one_edit_answered_is_not_remembered_for_the_next(passing, monkeypa
     assert passing(student) == [0, 3]
 
 
+def test_who_is_interrupted_hangs_and_who_raises_does_not():
+    name = (TOOK_TOO_LONG + " ").strip()  # as it comes out of another process
+    assert repair._hangs(StudentError("f", name)) and repair._hangs(StudentStopped("It is gone."))
+    others = (None, NO, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
+    assert not any(map(repair._hangs, others))
+
+
 def test_of_edits_that_pass_three_are_judged(passing):
     student = Edited(["abxy", "", "a", "", "", "", ""])
     assert passing(student) == [0, 2, 3] and student.tried == 4
@@ -332,10 +339,10 @@ def test_each_call_has_the_time_of_a_right_answer(passing):
 
 def test_edits_take_their_time_of_what_the_notebook_has_left(passing):
     budget = Budget(Limits())
-    student = Edited(["abxy"] * 100, slept=0.3)  # more than a second between the first two looks
+    student = Edited(["abxy"] * 100, slept=0.07)  # more than a second between the first two looks
     assert passing(student, budget=budget) == [] and student.tried == repair.LOOK_AFTER
     assert student.budget is budget
-    assert budget.seconds == pytest.approx(180 - 0.3 * repair.LOOK_AFTER)
+    assert budget.seconds == pytest.approx(180 - 0.07 * repair.LOOK_AFTER)
     # What others take meanwhile, as when an edit is judged as a whole, is not theirs.
     student = Edited(["abxy", *["", "a"] * 40], slept=0.01)
 
