@@ -83,6 +83,29 @@ SLIPS = {
     "a keyword": ("return f(x, axis=1)", "return f(x)"),
     "transposed": ("return x @ y", "return x @ y.T"),
     "a call": ("return len(x)", "return x"),
+    "pass": (
+        "for k in x:\n    if k:\n        pass\n    y += k",
+        "for k in x:\n    if k:\n        continue\n    y += k",
+    ),
+    "an early end": (
+        "for k in x:\n    if k:\n        return\n    y += k",
+        "for k in x:\n    if k:\n        continue\n    y += k",
+    ),
+    "a part that nobody returns": ("y = x > 0\nx[y & z]", "y = x > 0\nreturn x[y & z]"),
+    "is equal": ("return x <= y", "return x == y"),
+    "a product for both": ("return x & y", "return x * y"),
+    "one returned": ("return x", "return x, y"),
+    "two of three returned": ("return x, z", "return x, y, z"),
+    "an argument too few": ("return f(y)", "return f(x, y)"),
+    "a name too few": ("dx = f(z)\nreturn dx + dy", "dx, dy = f(z)\nreturn dx + dy"),
+    "no range": ("for k in n:\n    x += k", "for k in range(n):\n    x += k"),
+    "no len": ("return x.sum() / y", "return x.sum() / len(y)"),
+    "no sum": ("if x > y:\n    z = x", "if x > y.sum():\n    z = x"),
+    "a factor too few": ("return x + y", "return x + (y * z)"),
+    "not divided": ("dx = x - y\nreturn dx", "dx = x - y\nreturn (dx / n)"),
+    "with replacement": ("return z.choice(n, 2)", "return z.choice(n, 2, replace=False)"),
+    "a mask returned": ("y = x > 0\nreturn y", "y = x > 0\nreturn x[y]"),
+    "a mask that nobody asks": ("y = x > 0", "y = x > 0\nreturn x[~y]"),
 }
 
 

@@ -1,0 +1,516 @@
+"""What one slip makes of one node of a function's tree; see `utils.notebooks.edits`."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+_COMPARED = {
+    ast.Lt: ("<=", ">", ">=", "!="),
+    ast.LtE: ("<", ">=", ">", "=="),
+    ast.Gt: (">=", "<", "<=", "!="),
+    ast.GtE: (">", "<=", "<", "=="),
+    ast.Eq: ("!=", "<=", ">="),
+    ast.NotEq: ("==", "<", ">"),
+    ast.Is: ("is not",),
+    ast.IsNot: ("is",),
+    ast.In: ("not in",),
+    ast.NotIn: ("in",),
+}
+_SIGNS = {
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.Is: "is",
+    ast.IsNot: "is not",
+    ast.In: "in",
+    ast.NotIn: "not in",
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.FloorDiv: "//",
+    ast.Mod: "%",
+    ast.Pow: "**",
+    ast.LShift: "<<",
+    ast.RShift: ">>",
+    ast.MatMult: "@",
+    ast.BitAnd: "&",
+    ast.BitOr: "|",
+    ast.BitXor: "^",
+    ast.And: "and",
+    ast.Or: "or",
+}
+_INSTEAD = {
+    "+": ("-", "*"),
+    "-": ("+", "/"),
+    "*": ("/", "+", "@", "**", "&"),
+    "/": ("*", "//", "-"),
+    "//": ("/", "%"),
+    "%": ("//",),
+    "**": ("*",),
+    "<<": (">>", "**"),
+    ">>": ("<<", "//"),
+    "@": ("*",),
+    "&": ("|", "*"),
+    "|": ("&",),
+    "^": ("&", "|", "**"),
+    "and": ("or",),
+    "or": ("and",),
+}
+_TWINS = (
+    ("left", "right"),
+    ("min", "max"),
+    ("argmin", "argmax"),
+    ("minimum", "maximum"),
+    ("any", "all"),
+    ("floor", "ceil"),
+    ("floor", "round"),
+    ("ceil", "round"),
+    ("sum", "mean"),
+    ("mean", "median"),
+    ("std", "var"),
+    ("sin", "cos"),
+    ("arcsin", "arccos"),
+    ("append", "extend"),
+    ("add", "update"),
+    ("pop", "popleft"),
+    ("hstack", "vstack"),
+    ("column_stack", "vstack"),
+    ("zeros", "ones"),
+    ("isnan", "isfinite"),
+    ("isinf", "isfinite"),
+    ("logical_and", "logical_or"),
+    ("dot", "cross"),
+    ("log", "exp"),
+)
+_TWIN = {}
+for _one, _other in _TWINS:
+    _TWIN.setdefault(_one, []).append(_other)
+    _TWIN.setdefault(_other, []).append(_one)
+_COMMUTE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
+_ALONG_AN_AXIS = frozenset(
+    ["sum", "mean", "min", "max", "any", "all", "argmin", "argmax", "median", "prod"]
+    + ["std", "var", "norm", "sort", "argsort", "cumsum"]
+)
+_WRAPS = ("-{}", "abs({})", "{} ** 0.5", "{} ** 2")
+_COLUMNS = ("[:, 0]", "[:, 1]", "[:, 2]")
+_NUMBERS = ("[0]", "[1]", "[2]")
+_SLICES = (
+    *("[::-1]", "[1:]", "[:-1]", "[:, :3]", "[:, :2]", "[:3]", "[:2]", ".T", ".copy()"),
+    *_COLUMNS,
+)
+_OF_EACH_ROW = (".all(axis=1)", ".any(axis=1)")
+_CALLS = ("len({})", "{}.sum()", "np.floor({})", "np.linalg.norm({})", "np.isfinite({})")
+_BY_A_NAME = ("{} / {}", "{} * {}", "{} + {}", "{} - {}")
+_KEYWORDS = {
+    "choice": ("replace=False", "size=2", "size=3"),
+    **dict.fromkeys(("zeros", "ones", "empty", "full", "array"), ("dtype=bool", "dtype=int")),
+}
+
+
+class Source:
+    """A text, and where the nodes of its tree stand in it."""
+
+    def __init__(self, text: str) -> None:
+        self._bytes = text.encode()
+        self._starts = [0]
+        for line in self._bytes.split(b"\n"):
+            self._starts.append(self._starts[-1] + len(line) + 1)
+
+    def span(self, node: ast.AST) -> tuple[int, int]:
+        """Where a node begins and ends."""
+        return (
+            self._starts[node.lineno - 1] + node.col_offset,
+            self._starts[node.end_lineno - 1] + node.end_col_offset,
+        )
+
+    def text(self, begin: int, end: int) -> str:
+        """What stands between two places."""
+        return self._bytes[begin:end].decode()
+
+    def of(self, node: ast.AST) -> str:
+        """A node's text."""
+        return self.text(*self.span(node))
+
+    def with_text(self, begin: int, end: int, text: str) -> str:
+        """All of it, with something else between two places."""
+        return (self._bytes[:begin] + text.encode() + self._bytes[end:]).decode()
+
+
+@dataclass(frozen=True)
+class Names:
+    """What a function calls things.
+
+    Attributes
+    ----------
+    arguments : list of str
+        Its parameters.
+    bound : list of str
+        These, and what is assigned.
+    missing : list of str
+        What it reads, and neither assigns nor calls; Python's own names are none of them.
+    """
+
+    arguments: list[str]
+    bound: list[str]
+    missing: list[str]
+
+
+def names_in(function: ast.AST) -> Names:
+    """The names in a function, or a class, each once, in their order."""
+    arguments, bound, read, elsewhere = {}, {}, {}, {*dir(builtins)}
+    for node in ast.walk(function):
+        if isinstance(node, ast.arg):
+            arguments[node.arg] = bound[node.arg] = True
+        elif isinstance(node, ast.Name):
+            (bound if isinstance(node.ctx, ast.Store) else read)[node.id] = True
+        elif isinstance(node, (ast.Call, ast.Attribute)):
+            name = node.func if isinstance(node, ast.Call) else node.value
+            elsewhere |= {name.id} if isinstance(name, ast.Name) else set()
+    missing = [name for name in read if name not in bound and name not in elsewhere]
+    return Names([*arguments], [*bound], missing)
+
+
+def edits_of_node(
+    source: Source, node: ast.AST, parent: ast.AST | None, field: str, names: Names
+) -> Iterator[tuple[int, int, int, str]]:
+    """Rank, begin, end and new text of each edit at a node.
+
+    Parameters
+    ----------
+    source : Source
+    node, parent : ast.AST
+        The node, and what it belongs to.
+    field : str
+        As what.
+    names : Names
+        Those of the function.
+
+    Yields
+    ------
+    tuple of int, int, int, str
+        Of rank 0 are the likeliest.
+    """
+    value = getattr(node, "value", None)
+    if isinstance(node, ast.Compare):
+        yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARED)
+    elif isinstance(node, ast.BoolOp):
+        yield from _operators(source, node.values, [node.op] * (len(node.values) - 1))
+        yield from _without_one(source, node.values, node)
+    elif isinstance(node, ast.BinOp):
+        yield from _of_binary(source, node)
+    elif isinstance(node, ast.UnaryOp):
+        yield 0, *source.span(node), f"({source.of(node.operand)})"
+    elif isinstance(node, ast.AugAssign):
+        yield from _of_augmented(source, node)
+    elif isinstance(node, (ast.Break, ast.Continue, ast.Pass)):
+        for word in ("break", "continue", "pass", "return"):
+            yield 1, *source.span(node), word
+    elif isinstance(node, ast.Constant):
+        yield from _of_constant(source, node)
+    elif isinstance(node, ast.Call):
+        yield from _of_call(source, node, names)
+    elif isinstance(node, (ast.Tuple, ast.List)):
+        yield from _exchanged(source, node.elts, 0 if field == "value" else 1)
+    elif isinstance(node, ast.Attribute):
+        yield from _of_attribute(source, node)
+    elif isinstance(node, ast.Subscript):
+        yield from _of_subscript(source, node)
+    elif isinstance(node, ast.Slice):
+        yield from _of_slice(source, node)
+    elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+        for twin in _TWIN.get(node.id, ()):
+            yield 1, *source.span(node), twin
+        if node.id in names.bound:
+            for other in names.bound:
+                yield 4, *source.span(node), other
+    elif isinstance(node, ast.keyword) and node.arg:
+        yield 2, *_with_comma(source, node, parent), ""
+    elif isinstance(node, ast.Return) and value is not None:
+        yield from _of_return(source, node, names)
+    elif isinstance(node, ast.Return):
+        yield from ((1, *source.span(node), word) for word in ("continue", "break", "pass"))
+    elif isinstance(node, ast.Expr) and field == "body" and not isinstance(value, ast.Constant):
+        yield 1, *source.span(node), f"return {source.of(node.value)}"
+    elif isinstance(node, ast.Assign) and len(node.targets) == 1:
+        yield from _of_assignment(source, node, names)
+    elif isinstance(node, ast.If):
+        yield from _of_if(source, node)
+    elif isinstance(node, ast.For):
+        yield 1, *source.span(node.iter), f"range({source.of(node.iter)})"
+    if isinstance(node, ast.expr) and isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
+        yield from _wrapped(source, node, parent, field)
+        yield from _with_a_name(source, node, parent, field, names)
+
+
+def _operators(
+    source: Source, operands: list[ast.expr], operators: list[ast.AST], table: dict | None = None
+) -> Iterator[tuple[int, int, int, str]]:
+    for left, operator, right in zip(operands, operators, operands[1:], strict=False):
+        sign = _SIGNS[type(operator)]
+        others = table[type(operator)] if table else _INSTEAD[sign]
+        begin, end = source.span(left)[1], source.span(right)[0]
+        at = source.text(begin, end).find(sign)
+        if at >= 0:
+            for other in others:
+                yield 0, begin + at, begin + at + len(sign), other
+
+
+def _without_one(
+    source: Source, operands: list[ast.expr], node: ast.expr
+) -> Iterator[tuple[int, int, int, str]]:
+    for kept in operands if len(operands) == 2 else ():
+        yield 3, *source.span(node), f"({source.of(kept)})"
+
+
+def _of_binary(source: Source, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
+    yield from _operators(source, [node.left, node.right], [node.op])
+    small = isinstance(node.right, ast.Constant)
+    if small:
+        yield 0, *source.span(node), f"({source.of(node.left)})"
+    else:
+        yield from _without_one(source, [node.left, node.right], node)
+    if not isinstance(node.op, _COMMUTE):
+        yield 1, *_both(source, node.left, node.right)
+
+
+def _both(source: Source, one: ast.expr, other: ast.expr) -> tuple[int, int, str]:
+    """Two neighbours exchanged."""
+    (begin, middle), (further, end) = source.span(one), source.span(other)
+    return begin, end, source.of(other) + source.text(middle, further) + source.of(one)
+
+
+def _of_augmented(source: Source, node: ast.AugAssign) -> Iterator[tuple[int, int, int, str]]:
+    sign = _SIGNS[type(node.op)]
+    begin, end = source.span(node.target)[1], source.span(node.value)[0]
+    at = source.text(begin, end).find(sign + "=")
+    for other in (*_INSTEAD[sign], ""):
+        yield 0, begin + at, begin + at + len(sign) + 1, f"{other}="
+
+
+def _of_constant(source: Source, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
+    value, (begin, end) = node.value, source.span(node)
+    if isinstance(value, bool):
+        yield 0, begin, end, str(not value)
+    elif isinstance(value, int):
+        for rank, other in ((0, value + 1), (0, value - 1), (3, value + 2), (3, value - 2)):
+            yield rank, begin, end, f"({other})" if other < 0 else str(other)
+    elif isinstance(value, float):
+        for other in (value / 2, value * 2, value + 1, value - 1):
+            yield 3, begin, end, f"({other!r})"
+
+
+def _of_call(source: Source, node: ast.Call, names: Names) -> Iterator[tuple[int, int, int, str]]:
+    name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
+    if len(node.args) == 1:
+        yield 1, *source.span(node), f"({source.of(node.args[0])})"
+    if isinstance(node.func, ast.Attribute) and not node.args:
+        yield 1, *source.span(node), source.of(node.func.value)
+    yield from _exchanged(source, node.args, 1)
+    if node.args:
+        yield from _with_one_more(source, node.args, names.bound, 5)
+        for keyword in _KEYWORDS.get(name, ()):
+            end = source.span(node)[1]
+            yield 3, end - 1, end, f", {keyword})"
+    if name in _ALONG_AN_AXIS and not any(word.arg == "axis" for word in node.keywords):
+        begin, end = source.span(node)
+        comma = ", " if node.args or node.keywords else ""
+        for axis in (0, 1, -1):
+            yield 1, end - 1, end, f"{comma}axis={axis})"
+    if isinstance(node.func, ast.Name) and node.func.id == "range":
+        for argument in node.args:
+            for change in ("{} + 1", "{} - 1"):
+                yield 0, *source.span(argument), change.format(f"({source.of(argument)})")
+        if len(node.args) == 1:
+            yield 1, *source.span(node.args[0]), f"1, {source.of(node.args[0])}"
+        else:
+            yield 1, *source.span(node), f"range({source.of(node.args[1])})"
+
+
+def _exchanged(
+    source: Source, nodes: list[ast.expr], rank: int
+) -> Iterator[tuple[int, int, int, str]]:
+    """Two of some exchanged, and one of them left out."""
+    if len(nodes) > 4:
+        pairs = list(zip(nodes, nodes[1:], strict=False))
+    else:
+        pairs = [(one, other) for k, one in enumerate(nodes) for other in nodes[k + 1 :]]
+    pairs = [(one, other) for one, other in pairs if not isinstance(one, ast.Starred)]
+    for one, other in pairs:
+        yield rank, *_both(source, one, other)
+    if len(nodes) == 3:
+        first, second, third = map(source.of, nodes)
+        begin, end = source.span(nodes[0])[0], source.span(nodes[-1])[1]
+        yield 2, begin, end, f"{second}, {third}, {first}"
+        yield 2, begin, end, f"{third}, {first}, {second}"
+    for kept, gone in zip(nodes, nodes[1:], strict=False):
+        yield 3, source.span(kept)[1], source.span(gone)[1], ""
+        yield 3, source.span(kept)[0], source.span(gone)[0], ""
+
+
+def _of_attribute(source: Source, node: ast.Attribute) -> Iterator[tuple[int, int, int, str]]:
+    end = source.span(node)[1]
+    for twin in _TWIN.get(node.attr, ()):
+        yield 0, end - len(node.attr), end, twin
+    if node.attr == "T":
+        yield 1, end - 2, end, ""
+
+
+def _of_subscript(source: Source, node: ast.Subscript) -> Iterator[tuple[int, int, int, str]]:
+    begin, end = source.span(node)
+    value_end = source.span(node.value)[1]
+    yield 1, value_end, end, ""
+    inside = node.slice
+    if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
+        for change in ("{} + 1", "{} - 1"):
+            yield 2, *source.span(inside), change.format(f"({source.of(inside)})")
+    if not isinstance(inside, ast.Tuple):
+        yield 1, *source.span(inside), f":, {source.of(inside)}"
+
+
+def _of_slice(source: Source, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
+    for bound in (node.lower, node.upper, node.step):
+        if bound is not None:
+            yield 1, *source.span(bound), ""
+            if not isinstance(bound, ast.Constant):
+                for change in ("{} + 1", "{} - 1"):
+                    yield 1, *source.span(bound), change.format(f"({source.of(bound)})")
+    if node.lower is None:
+        begin = source.span(node)[0]
+        yield 1, begin, begin, "1"
+    if node.upper is None and node.step is None:
+        begin, end = source.span(node)
+        for bound in ("-1", "2", "3"):
+            yield 1, end, end, bound
+
+
+def _with_comma(source: Source, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
+    """Where a keyword argument stands, with the comma before it, or behind it."""
+    begin, end = source.span(node)
+    before = [source.span(one)[1] for one in (*call.args, *call.keywords) if one is not node]
+    earlier = [place for place in before if place <= begin]
+    return (max(earlier), end) if earlier else (begin, end)
+
+
+def _of_return(
+    source: Source, node: ast.Return, names: Names
+) -> Iterator[tuple[int, int, int, str]]:
+    value = node.value
+    yield 5, *source.span(node), source.of(value)
+    several = value.elts if isinstance(value, ast.Tuple) else [value]
+    yield from _with_one_more(source, several, names.bound, 4)
+    if not isinstance(value, ast.Tuple):
+        for whole in names.arguments:
+            yield 3, *source.span(value), f"{whole}[{source.of(value)}]"
+
+
+def _with_one_more(
+    source: Source, nodes: list[ast.expr], names: list[str], rank: int
+) -> Iterator[tuple[int, int, int, str]]:
+    """A name before, between or behind some nodes."""
+    if any(isinstance(node, ast.GeneratorExp) for node in nodes):
+        return
+    for name in names:
+        begin = source.span(nodes[0])[0]
+        yield rank, begin, begin, f"{name}, "
+        for node in nodes:
+            end = source.span(node)[1]
+            yield rank, end, end, f", {name}"
+
+
+def _of_assignment(
+    source: Source, node: ast.Assign, names: Names
+) -> Iterator[tuple[int, int, int, str]]:
+    target = node.targets[0]
+    targets = target.elts if isinstance(target, ast.Tuple) else [target]
+    yield from _with_one_more(source, targets, names.missing, 1)
+    if isinstance(target, (ast.Name, ast.Subscript)):
+        begin = source.span(target)[1]
+        end = source.span(node.value)[0]
+        at = source.text(begin, end).find("=")
+        for sign in ("+=", "-=", "&=", "|="):
+            yield 2, begin + at, begin + at + 1, sign
+    if isinstance(target, ast.Name) and isinstance(node.value, ast.Name):
+        yield 2, *_both(source, target, node.value)
+
+
+def _of_if(source: Source, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
+    begin = source.span(node)[0]
+    if source.text(begin, begin + 5) == "elif ":
+        yield 2, begin, begin + 4, "if"
+    else:
+        yield 2, begin, begin + 2, "elif"
+
+
+def _wrapped(
+    source: Source, node: ast.expr, parent: ast.AST | None, field: str
+) -> Iterator[tuple[int, int, int, str]]:
+    """A value as it goes into something: with a sign, a root, a part, a copy more."""
+    into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List, ast.Subscript)
+    tested = isinstance(parent, (ast.If, ast.While, ast.IfExp)) and field == "test"
+    placed = isinstance(parent, into) and field in ("value", "args", "elts", "slice")
+    operand = isinstance(parent, (ast.BinOp, ast.Compare, ast.BoolOp))
+    if not (tested or placed or operand) or isinstance(node, (ast.Starred, ast.Slice)):
+        return
+    if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
+        return
+    begin, end = source.span(node)
+    text = source.of(node)
+    atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
+    inner = text if atom else f"({text})"
+    if tested or isinstance(parent, ast.BoolOp):
+        yield 0, begin, end, f"(not {inner})"
+    elif isinstance(parent, ast.Subscript):
+        yield from ((1, begin, end, sign + inner) for sign in "-~" if field == "slice")
+    elif isinstance(node, ast.Constant):
+        yield 1, begin, end, f"(-{inner})"
+    elif not isinstance(node, (ast.Tuple, ast.List)):
+        if placed and not _is_arithmetic(node):
+            yield 0, begin, end, f"~{inner}"
+        for wrap in _WRAPS:
+            yield 1 if placed else 3, begin, end, f"({wrap.format(inner)})"
+        for part in _SLICES if atom and placed else ():
+            yield 2, begin, end, inner + part
+        for part in (*_COLUMNS, *_NUMBERS) if operand and isinstance(node, ast.Name) else ():
+            yield 3, begin, end, inner + part
+        for part in _OF_EACH_ROW if placed and not _is_arithmetic(node) else ():
+            yield 2, begin, end, inner + part
+        if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
+            yield 1, begin, end, f"{inner}.T"
+        for change in ("{} + 1", "{} - 1") if placed else ():
+            yield 2, begin, end, f"({change.format(inner)})"
+    if isinstance(parent, ast.Return):
+        for wrap in ("np.array({})", "int({})", "float({})", "tuple({})", "list({})"):
+            yield 3, begin, end, wrap.format(f"({text})" if isinstance(node, ast.Tuple) else text)
+
+
+def _with_a_name(
+    source: Source, node: ast.expr, parent: ast.AST | None, field: str, names: Names
+) -> Iterator[tuple[int, int, int, str]]:
+    """A value in a call, or multiplied with a name that the function has, and the like."""
+    into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List)
+    operand = isinstance(parent, (ast.BinOp, ast.Compare))
+    if not operand and not (isinstance(parent, into) and field in ("value", "args", "elts")):
+        return
+    if isinstance(node, (ast.Constant, ast.Tuple, ast.List, ast.Starred, ast.GeneratorExp)):
+        return
+    begin, end = source.span(node)
+    inner = source.of(node)
+    for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
+        yield 3, begin, end, call.format(inner)
+    atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
+    for form in _BY_A_NAME:
+        for name in names.bound:
+            yield 5, begin, end, f"({form.format(inner if atom else f'({inner})', name)})"
+
+
+def _is_arithmetic(node: ast.expr) -> bool:
+    """Whether it is no mask: a sum, a product, a power."""
+    masks = (ast.BitAnd, ast.BitOr, ast.BitXor)
+    return isinstance(node, ast.BinOp) and not isinstance(node.op, masks)
