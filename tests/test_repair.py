@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
 from grader.intake.handed_in import HandedIn
@@ -39,6 +41,17 @@ def line_through(p, q):
         return None
     a, b = normal / length
     return a, b, -a * p[0] - b * p[1]
+"""
+EITHER_WAY = """
+def line_through(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a, b = -dy / length, dx / length
+    if {heads}:
+        return a, b, -(a * p[0] + b * p[1])
+    return {otherwise}
 """
 ENDLESS = WITH_A_WRONG_SIGN.replace(
     "    length = np.hypot(dx, dy)\n",
@@ -125,6 +138,19 @@ def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
     for answer in (AND_MORE, NOTHING_IS_DROPPED):
         _, exercises = judged(sandbox, lesson, drop_invalid=answer)
         assert exercises["drop_invalid"].slip is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("otherwise", ["a, b, a * p[0] + b * p[1]", "None", "b, a, 0"])
+def test_a_coin_earns_no_more_than_whoever_writes_its_wrong_side_down(sandbox, otherwise):
+    """Whatever edit makes a coin right makes that right, too; and the coin may still fall wrong."""
+    earned = []
+    for heads in ("np.random.default_rng().random() < 0.5", "False", "True"):
+        text = EITHER_WAY.format(heads=heads, otherwise=otherwise)
+        _, exercises = judged(sandbox, line_through=text)
+        earned.append(exercises["line_through"].score)
+    coin, wrong, right = earned
+    assert coin <= wrong <= 3.0 < right == 5.0
 
 
 def test_nothing_is_looked_for_in_a_stub(sandbox, monkeypatch):

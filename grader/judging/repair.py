@@ -4,7 +4,8 @@ Each edit of the student's own functions (`utils.notebooks.edits`) is asked the 
 answer failed, all in one process. What passes these is handed in, so to speak: the notebook with
 that edit is judged as any other is, hidden questions and all, and only where it loses nothing is
 it proven that one thing alone is wrong. So a repair earns what its author nearly wrote, and who
-has written nothing has nothing that one edit could mend.
+has written nothing has nothing that one edit could mend. Who throws a coin gains nothing by it: an
+edit that makes the coin right makes the side right, too, that it fell on.
 
 Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) mend with the
 answers of other students. Here nobody's answer is needed, as the questions decide.
