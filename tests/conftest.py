@@ -77,7 +77,7 @@ A_FEW_OF_MANY = {
     "test_no_cheap_answer_is_one_edit_from_a_right_one": (),
     "test_an_edit_of_a_right_answer_loses_points_or_is_right": ("line_through: the solution",),
     "test_few_lose_more_than_three_fifths_for_one_edit": (),
-    "test_a_mistake_that_a_cheap_answer_makes_is_the_task_itself": (),
+    "test_a_mistake_that_a_cheap_answer_makes_says_so": (),
     "test_an_endless_loop_costs_seconds": (),
     "test_a_slip_in_a_helper_of_ones_own_is_a_slip": (),
     "test_what_an_exercise_is_about_is_no_slip": (),

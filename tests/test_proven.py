@@ -100,6 +100,15 @@ def test_the_task_itself_is_not_tried(tried):
     assert [exercise for _, exercise, _ in tried] == ["ransac_line"]
 
 
+def test_a_cheap_mistake_is_a_slip_by_an_edit_and_not_by_its_name(tried, monkeypatch):
+    monkeypatch.setattr(repair, "explains", lambda *about: True)
+    named, cheap = slip(), slip(is_cheap=True)
+    outcomes = (*outcomes_of("line_through", NO), *outcomes_of("ransac_line", NO))
+    asked = Asked(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
+    assert repair.slips_in(SETTING, HANDED_IN, asked, {}) == {"ransac_line": named}
+    assert [exercise for _, exercise, _ in tried] == ["line_through", "ransac_line"]
+
+
 def test_a_course_may_do_without(tried, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
     repair.slips_in(SETTING, HANDED_IN, Asked(outcomes_of("line_through", NO)), {})

@@ -93,7 +93,9 @@ def slips_in(
             if repair := repair_of(setting, its, exercise.name, failed):
                 found[exercise.name] = repair
             elif (
-                mistake and not better and explains(setting, program, exercise.name, mistake, lost)
+                mistake
+                and not (mistake.is_cheap or better)
+                and explains(setting, program, exercise.name, mistake, lost)
             ):
                 found[exercise.name] = mistake
     return found

@@ -147,12 +147,12 @@ def mixed_up() -> tuple[Mistake, ...]:
             lambda right, *case: np.arange(len(right)) + 1,
             "Look at the distances: is there one for each point (axis=1), and do those below the "
             "threshold get the label?",
-            is_the_task=True,
+            is_cheap=True,
         ),
         Mistake(
             "All points have the same label, however far apart.",
             lambda right, *case: np.ones(len(right), dtype=int),
-            is_the_task=True,
+            is_cheap=True,
         ),
         Mistake(
             "What is returned has one number for each cluster.",

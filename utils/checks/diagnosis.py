@@ -30,6 +30,8 @@ class Mistake:
         Takes the right answer and then the arguments of a case; returns what the mistake would.
     hint : str
         What to do about it; empty where the sentence says so.
+    is_cheap : bool
+        Whether it is made without looking at the task. Then its name proves no slip; an edit does.
     is_the_task : bool
         Whether the exercise is about just this. Then it is no slip, however small the change.
     """
@@ -37,6 +39,7 @@ class Mistake:
     says: str
     predicts: Callable
     hint: str = ""
+    is_cheap: bool = False
     is_the_task: bool = False
 
 

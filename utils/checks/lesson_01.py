@@ -203,19 +203,19 @@ mistakes(
         "These are |x| + |y|, the way around the corner.",
         lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
         "Square both, add, and take the root of the sum.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "This is the larger of |x| and |y|.",
         lambda right, cloud: np.abs(cloud[:, :2]).max(axis=1),
         "Square both, add, and take the root of the sum.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "This is |x| alone; a point to the side is far away, too.",
         lambda right, cloud: np.abs(cloud[:, 0]),
         "Square x and y, add, and take the root.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "These are lengths of y and z. Columns are counted from 0: x is cloud[:, 0].",
@@ -569,7 +569,7 @@ mistakes(
         "Nothing is dropped: the rows come back as they went in.",
         lambda right, cloud: cloud,
         "Index the cloud with both masks. A good row fulfils both, `&`; with `|` one is enough.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "Returns at (0, 0, 0) stay.",

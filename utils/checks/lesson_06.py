@@ -217,7 +217,7 @@ mistakes(
     Mistake(
         "Nothing is removed: the cloud comes back as it went in.",
         lambda right, cloud, level: cloud,
-        is_the_task=True,
+        is_cheap=True,
     ),
     cases=(
         (np.array([[5, -3, -1.7], [9, 1, 0.9], [7, -1, -0.8], [-4, 3, -0.2]]), -0.5),
@@ -696,7 +696,7 @@ mistakes(
     Mistake(
         "Nothing is merged: the cloud comes back as it went in.",
         lambda right, cloud, size: cloud,
-        is_the_task=True,
+        is_cheap=True,
     ),
     cases=(
         (

@@ -723,7 +723,7 @@ mistakes(
     Mistake(
         "Nothing is removed: the cloud comes back as it went in.",
         lambda right, cloud, distance: cloud,
-        is_the_task=True,
+        is_cheap=True,
     ),
     cases=(
         (
@@ -936,14 +936,14 @@ mistakes(
         "Nothing is left: no point counts as inside.",
         lambda right, cloud, low, high: cloud[:0],
         "Inside is >= minimum and <= maximum. Are the two exchanged, or the comparisons?",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "Nothing is removed: the cloud comes back as it went in.",
         lambda right, cloud, low, high: cloud,
         "A point is inside where both comparisons hold, which & says. With | one of them is "
         "enough, and one of them always holds. Then index with the mask: cloud[inside].",
-        is_the_task=True,
+        is_cheap=True,
     ),
     cases=_BOXES,
     right=_cropped,
@@ -1003,13 +1003,13 @@ mistakes(
         lambda right, cloud, low, high: cloud[:0],
         "Inside is >= minimum and <= maximum, which & joins; outside is < minimum or > maximum, "
         "which | joins. The other way round it holds always, or never.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "Nothing is removed: the cloud comes back as it went in.",
         lambda right, cloud, low, high: cloud,
         "Inside is >= minimum and <= maximum: are the two exchanged? Then index with ~inside.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     cases=_BOXES,
     right=_freed,

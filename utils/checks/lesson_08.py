@@ -390,7 +390,7 @@ mistakes(
             [corners_between(cloud.min(axis=0), cloud.max(axis=0))] * len(right)
         ),
         "For each label take the rows with that label alone, cloud[cluster_labels == label].",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "One maximum serves x, y and z alike: axis=0 is missing.",

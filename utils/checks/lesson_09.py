@@ -460,7 +460,7 @@ mistakes(
     Mistake(
         "Nothing is removed: the labels come back as they went in.",
         lambda right, labels, minimum: labels,
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "The later labels move up while the loop walks along them, so that it never looks at the "

@@ -804,12 +804,12 @@ mistakes(
             np.arange(len(current)) < len(previous), np.arange(len(current)), -1
         ),
         "Boxes come in any order: compare their centres.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "No box gets a partner: every entry is -1.",
         lambda right, *case: np.full(len(right), -1),
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "0 stands where a box has no partner. That is the index of a previous box.",

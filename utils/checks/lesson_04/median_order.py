@@ -400,7 +400,7 @@ mistakes(
         _each_on_top(axis_at=lambda depth, k: 0, place=lambda m: 0),
         "A sorted order makes a tree that is a list. Take the median first, then go on with each "
         "half.",
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "The rows are sorted by x, the largest first.",
@@ -410,7 +410,7 @@ mistakes(
     Mistake(
         "The rows stay in the order in which they came.",
         lambda *_: lambda points, order: bool((np.diff(order) == 1).all()),
-        is_the_task=True,
+        is_cheap=True,
     ),
     Mistake(
         "Each median stands between its two parts; it should come before both.",
