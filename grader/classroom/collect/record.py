@@ -9,6 +9,7 @@ import contextlib
 import dataclasses
 import json
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 
 from grader.course.writing import write_atomically
@@ -36,6 +37,10 @@ class Source:
         Moodle's number of whose it is, a person or a team.
     beaten : tuple of str
         SHA-256 of other files for the same, which somebody said do not count.
+    when : str
+        When it was handed in, in ISO 8601; empty where that is not known.
+    undecided : str
+        Why nobody knows when; empty where somebody does, or was not asked.
     """
 
     digest: str
@@ -45,6 +50,8 @@ class Source:
     late: bool = False
     participant: str = ""
     beaten: tuple[str, ...] = ()
+    when: str = ""
+    undecided: str = ""
 
     def newer_than(self, other: Source) -> bool | None:
         """Whether it was handed in after another; None where nothing tells."""
@@ -64,10 +71,28 @@ class Record:
         By the name under which each lies there.
     undecided : str
         Why nobody knows when the work was handed in; empty where somebody does, or was not asked.
+    others : str
+        When what was not collected was handed in, in ISO 8601, where a ``timestamp.txt`` said so.
+    written : str
+        What collecting wrote last into ``timestamp.txt``, in ISO 8601: another time is a person's.
     """
 
     files: dict[str, Source] = field(default_factory=dict)
     undecided: str = ""
+    others: str = ""
+    written: str = ""
+
+    def time(self, folder: Path) -> tuple[datetime | None, str]:
+        """When all that lies in the folder was handed in; and why that is not known."""
+        lying = {name: one for name, one in self.files.items() if (folder / name).is_file()}
+        for one in lying.values():
+            if one.undecided:
+                return None, one.undecided
+        said = [when for when in (self.others, *(one.when for one in lying.values())) if when]
+        without = [name for name, one in lying.items() if not one.when]
+        if said and without:
+            return None, f"no time is known of {min(without)}"
+        return max(map(datetime.fromisoformat, said), default=None), ""
 
 
 def read_record(folder: Path) -> Record:
@@ -75,7 +100,7 @@ def read_record(folder: Path) -> Record:
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
         content = json.loads((folder / NAME).read_text("utf-8"))
         files = {name: Source(**source) for name, source in content["files"].items()}
-        return Record(files, content["undecided"])
+        return Record(**(content | {"files": files}))
     return Record()
 
 

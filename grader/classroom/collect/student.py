@@ -60,14 +60,15 @@ class Student:
         """
         files = self._files(handed)
         notebooks = self._by_lesson(files)
+        time = _time(handed, rows)
         folders: dict[str, StageFolder] = {}
         for lesson, several in sorted(notebooks.items(), key=lambda pair: pair[0].name):
             if lesson in self._outcome.lessons:
-                folder = folders.setdefault(lesson.stage, self._folder(lesson.stage))
+                folder = folders.setdefault(lesson.stage, self._folder(lesson.stage, *time))
                 self._states[lesson] = self._place(folder, lesson, several, files)
             else:
                 self._tell_other_stage(lesson, several)
-        self._note_times(folders.values(), *_time(handed, rows))
+        self._note_times(folders.values())
         if not notebooks and not self._doubts:
             names = ", ".join(dict.fromkeys(one.path[-1] for _, one in handed))
             self._doubt(handed[0][1].owner.label, f"handed in no notebook: {names}")
@@ -172,12 +173,10 @@ class Student:
         else:
             self._outcome.ask(several[0].name, text)
 
-    def _note_times(
-        self, folders: Iterable[StageFolder], when: datetime | None, undecided: str
-    ) -> None:
+    def _note_times(self, folders: Iterable[StageFolder]) -> None:
         """Write when it was handed in, where that is known, and keep in mind where it is not."""
         for folder in folders:
-            reason = folder.note_time(when, undecided)
+            reason = folder.note_time()
             if reason:
                 self._outcome.undecided[self._id] = reason
             elif folder.is_late() and not (folder.path / "timestamp.txt").is_file():
@@ -202,8 +201,8 @@ class Student:
         """Whether this very file was collected for a lesson before."""
         return self._folder(lesson.stage).holds(f"{lesson.name}.ipynb", file.digest)
 
-    def _folder(self, stage: str) -> StageFolder:
-        return StageFolder(self._course.submitted / self._id / stage)
+    def _folder(self, stage: str, when: datetime | None = None, undecided: str = "") -> StageFolder:
+        return StageFolder(self._course.submitted / self._id / stage, when, undecided)
 
 
 def _time(

@@ -1,0 +1,160 @@
+"""When work was handed in, whatever is collected in which order, and wherever one is stopped."""
+
+import contextlib
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from grader.classroom.collect import placing, record
+from grader.course.paths import Course
+from grader.lms.times import Undecided, handed_in_at
+from tests.archives import EIGHT, SEVEN, SIX, canvas_files, notebook
+from tests.test_collect import STAGE, archive, collect, older, placed, resubmission, states
+
+EARLY, LATE = "2026-10-10 10:00:00 UTC", "2026-10-20 10:00:00 UTC"
+
+
+def make_course(root):
+    root.mkdir()
+    (root / "roster.csv").write_text("id,last_name,first_name,lms_id\nada,Lovelace,Ada,4001\n")
+    return Course(root)
+
+
+@pytest.fixture
+def course(tmp_path):
+    return make_course(tmp_path / "course")
+
+
+def at(text):
+    return datetime.strptime(text, "%Y-%m-%d %H:%M:%S UTC").replace(tzinfo=UTC)
+
+
+def table(course, time):
+    path = course.root / "times.csv"
+    path.write_text(f"id,Last modified (submission)\nada,{time}\n")
+    return path
+
+
+def folder(course):
+    return course.submitted / "ada" / STAGE
+
+
+def time_of(course):
+    """The stage's time, or why nobody knows it."""
+    try:
+        return handed_in_at([folder(course)])
+    except Undecided as reason:
+        return str(reason)
+
+
+def lesson(course, name, text="x = 1", file=None):
+    files = [(f"ada/{name}.ipynb", notebook(name, text))]
+    return archive(course, files, file or f"{name}-{text[:1]}.zip")
+
+
+@pytest.mark.parametrize("times", [(LATE, EARLY), (EARLY, LATE)])
+def test_the_latest_time_of_all_lessons_counts_in_whatever_order_they_come(course, times):
+    for name, when in zip((EIGHT, SIX), times, strict=True):
+        collect(course, lesson(course, name), times=table(course, when))
+    assert placed(course, "ada")["timestamp.txt"].decode() == f"{LATE}\n"
+    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    assert time_of(course) == at(LATE)
+
+
+def test_the_time_of_a_lesson_goes_with_it(course):
+    for name, when in ((EIGHT, LATE), (SIX, EARLY)):
+        collect(course, lesson(course, name), times=table(course, when))
+    (folder(course) / f"{EIGHT}.ipynb").unlink()
+    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    assert time_of(course) == at(EARLY)
+
+
+def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
+    collect(course, lesson(course, EIGHT))
+    assert time_of(course) is None
+    outcome = collect(course, lesson(course, SIX), times=table(course, LATE))
+    assert time_of(course) == outcome.undecided["ada"] == f"no time is known of {EIGHT}.ipynb"
+    collect(course, lesson(course, EIGHT), times=table(course, EARLY))  # the same file again
+    assert time_of(course) == at(LATE)
+
+
+def test_what_a_person_wrote_counts_for_all_that_lay_there(course):
+    files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
+    collect(course, archive(course, files))
+    (folder(course) / "timestamp.txt").write_text(LATE)
+    collect(course, archive(course, files))
+    assert placed(course, "ada")["timestamp.txt"].decode() == LATE, "nothing has changed"
+    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    assert time_of(course) == at(LATE)
+    assert LATE.encode() in older(course, "ada")
+
+
+def test_the_time_of_what_was_not_collected_counts(course):
+    """Such as by nbgrader, with its own time."""
+    folder(course).mkdir(parents=True)
+    (folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))
+    (folder(course) / "timestamp.txt").write_text("2026-10-20 12:00:00.250000 UTC")
+    collect(course, lesson(course, SIX), times=table(course, EARLY))
+    assert time_of(course) == datetime(2026, 10, 20, 12, tzinfo=UTC)
+    collect(course, lesson(course, SEVEN), times=table(course, LATE))
+    assert time_of(course) == datetime(2026, 10, 20, 12, tzinfo=UTC)
+
+
+def test_a_time_that_nobody_can_read_is_not_forgotten(course):
+    collect(course, lesson(course, SIX), times=table(course, EARLY))
+    (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
+    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    assert time_of(course) == "timestamp.txt did not say a time that could be read"
+
+
+class Stopped(BaseException):
+    """Somebody pressed Ctrl-C."""
+
+
+def watched(change, count, number, after):
+    """Change something, unless it is stopped before or after the nth change."""
+
+    def changing(*args, **kwargs):
+        count.append(change)
+        if len(count) == number and not after:
+            raise Stopped
+        change(*args, **kwargs)
+        if len(count) == number:
+            raise Stopped
+
+    return changing
+
+
+@pytest.mark.parametrize("after", [False, True])
+@pytest.mark.parametrize("written_by", ["us", "a person", "nobody"])
+def test_stopped_anywhere_new_work_never_has_the_time_of_old_work(
+    tmp_path, monkeypatch, after, written_by
+):
+    """And the same command again makes it good."""
+    for number in range(1, 30):
+        place = make_course(tmp_path / str(number))
+        first, second = resubmission(place, notebook(text="first"), notebook(text="second"))
+        collect(place, first, times=table(place, EARLY) if written_by == "us" else None)
+        if written_by == "a person":
+            (folder(place) / "timestamp.txt").write_text(EARLY)
+        before = time_of(place)
+        about, count = table(place, LATE), []
+        with monkeypatch.context() as patch, contextlib.suppress(Stopped):
+            for owner, name in (
+                (placing, "write_atomically"),
+                (record, "write_atomically"),
+                (Path, "unlink"),
+            ):
+                patch.setattr(owner, name, watched(getattr(owner, name), count, number, after))
+            collect(place, second, times=about)
+        is_new = placed(place, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
+        found = time_of(place)
+        assert isinstance(found, str) or found == (at(LATE) if is_new else before)
+        state = states(collect(place, second, times=about))["ada"]["06"]
+        assert state == ("same" if is_new else "newer")
+        assert placed(place, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
+        assert time_of(place) == at(LATE)
+        if len(count) < number:
+            break
+    assert 4 < number < 29, "it was stopped at each change, and then not at all"
