@@ -125,6 +125,11 @@ def _site(kinds: argparse._SubParsersAction) -> None:
         metavar="DIR",
         help="where to write (default: site/ in the course's folder)",
     )
+    site.add_argument(
+        "--live",
+        action="store_true",
+        help="with pages on which lessons run in the browser, which fetches a kernel from jsDelivr",
+    )
     add_workers(site)
     site.set_defaults(run=commands.run_site)
 

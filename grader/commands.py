@@ -91,7 +91,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
 
 
 def run_site(options: argparse.Namespace) -> int:
-    """Run ``site [--to DIR]``."""
+    """Run ``site [--to DIR] [--live]``."""
     from grader.course.build import read_origin
     from grader.course.lessons import all_lessons
     from grader.course.standalone import NotReleased
@@ -103,7 +103,7 @@ def run_site(options: argparse.Namespace) -> int:
         ready(options.to)
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs(all_lessons(), options.workers, advance)
-        write_site(options.to, ran, read_origin())
+        write_site(options.to, ran, read_origin(), options.live)
     except (NotReleased, SiteTrouble) as error:
         print(error, file=sys.stderr)
         return FAULT

@@ -15,10 +15,11 @@ from nbformat.v4 import new_code_cell, new_output
 from PIL import Image
 
 from grader import cli
+from grader.course import standalone
 from grader.course.build import Origin, read_origin
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
-from grader.site import front, guides, proof, recording, running, words, writing
+from grader.site import front, guides, live, proof, recording, running, words, writing
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
 from grader.site.showing import html_of, key_of, shown
@@ -234,12 +235,12 @@ def test_a_cell_without_partner_stops_the_site():
     notebook = nbformat.read(LESSON.solved, as_version=4)
     lost = notebook.cells.pop(5).id
     with pytest.raises(SiteTrouble, match=lost):
-        page_of(LESSON, nbformat.writes(notebook).encode(), PUBLIC, Pictures())
+        page_of(LESSON, nbformat.writes(notebook).encode(), "", Pictures())
 
 
 def test_a_page_says_where_it_runs_once_there_is_an_address():
-    assert links_of(LESSON, Origin("", "main")).count("<a ") == 1
-    there = links_of(LESSON, PUBLIC)
+    assert links_of(LESSON, Origin("", "main"), False).count("<a ") == 1
+    there = links_of(LESSON, PUBLIC, False)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
     assert "https://code.example.org/anna/lidar/issues/new" in there
 
@@ -374,6 +375,28 @@ def test_what_a_page_loads_is_beside_it(site):
     for lesson in all_lessons():
         notebook = json.loads((site / "notebooks" / f"{lesson.name}.ipynb").read_text("utf-8"))
         assert notebook["metadata"]["lidar_obstacle_lab"]["standalone"]
+
+
+def test_a_notebook_for_the_browser_gets_its_sliders_first():
+    content = json.loads(live.notebook_of(LESSON))
+    nbformat.validate(content)
+    texts = ["".join(cell["source"]) for cell in content["cells"]]
+    (place,) = (number for number, text in enumerate(texts) if "%pip install" in text)
+    assert texts[place + 1].startswith(standalone.TITLE)
+    assert content["metadata"]["kernelspec"]["name"] == "python", "as its kernel calls itself"
+
+
+@pytest.mark.slow
+def test_every_lesson_has_a_page_on_which_it_runs(tmp_path):
+    live.write_live(tmp_path / "pages", tmp_path / "work")
+    pages = tmp_path / "pages" / "live"
+    for lesson in all_lessons():
+        page, _, query = live.address_of(lesson).partition("?path=")
+        assert (tmp_path / "pages" / page).is_file()
+        assert (pages / "files" / query).read_bytes() == live.notebook_of(lesson)
+    settings = json.loads((pages / "jupyter-lite.json").read_text("utf-8"))
+    extensions = settings["jupyter-config-data"]["federated_extensions"]
+    assert sorted(one["name"] for one in extensions) == sorted(live.EXTENSIONS)
 
 
 @pytest.mark.proof

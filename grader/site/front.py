@@ -23,6 +23,7 @@ README = PROJECT / "README.md"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 STAGE = re.compile(r"^\| (\d+) · ([^|]+?) \|", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
+CARD = 480  # pixels of its longer side
 STILL = 0.45  # of the film, whose picture stands for it where nothing may move
 
 
@@ -75,7 +76,7 @@ def card(lesson: Lesson, pictures: Pictures) -> Card:
     if found:
         content = base64.b64decode(first["attachments"][found[2]]["image/png"])
         # The title beside it says where the link goes.
-        picture = pictures.tag(content, "", "")
+        picture = pictures.tag(_small(content), "", "")
     return Card(
         lesson.number,
         title_of(lesson),
@@ -86,10 +87,22 @@ def card(lesson: Lesson, pictures: Pictures) -> Card:
     )
 
 
+def _small(content: bytes) -> bytes:
+    """A picture no larger than a card needs it, as PNG."""
+    with Image.open(io.BytesIO(content)) as picture:
+        small = picture.convert("RGB")
+    small.thumbnail((CARD, CARD))
+    return _png(small)
+
+
 def _still(film: bytes) -> bytes:
     """One picture of a film, as PNG."""
     with Image.open(io.BytesIO(film)) as picture:
         picture.seek(int(picture.n_frames * STILL))
-        buffer = io.BytesIO()
-        picture.convert("P").save(buffer, "PNG", optimize=True)
-        return buffer.getvalue()
+        return _png(picture.convert("RGB"))
+
+
+def _png(picture: Image.Image) -> bytes:
+    buffer = io.BytesIO()
+    picture.quantize(128).save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()

@@ -12,6 +12,7 @@ from nbformat import NotebookNode
 from grader.course.build import Origin
 from grader.course.lessons import Lesson
 from grader.site import words
+from grader.site.live import address_of
 from grader.site.pictures import Pictures
 from grader.site.recording import QUESTION
 from grader.site.showing import shown
@@ -23,7 +24,7 @@ SETUP = "Brings the tools of the course"
 ASKING = "Asks for your guess"
 
 
-def page_of(lesson: Lesson, ran: bytes, origin: Origin, pictures: Pictures) -> bytes:
+def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes:
     """The notebook that Sphinx makes the page of.
 
     Parameters
@@ -31,7 +32,8 @@ def page_of(lesson: Lesson, ran: bytes, origin: Origin, pictures: Pictures) -> b
     lesson : Lesson
     ran : bytes
         Its solved notebook, with outputs: of `grader.site.running.solved_runs`.
-    origin : grader.course.build.Origin
+    links : str
+        The line below the title: of `links_of`.
     pictures : Pictures
         Gets all that the page shows.
 
@@ -59,7 +61,7 @@ def page_of(lesson: Lesson, ran: bytes, origin: Origin, pictures: Pictures) -> b
             elif _only_asks(solved[cell.id]):
                 _fold(cell, ASKING)
         elif "badge" in tags:
-            cell.source = links_of(lesson, origin)
+            cell.source = links
         else:
             cell.source = words.linked(cell.source)
             _lay_down(cell, pictures)
@@ -92,9 +94,19 @@ def _lay_down(cell: NotebookNode, pictures: Pictures) -> None:
         cell.source = cell.source.replace(f"(attachment:{name})", f"(/{place})")
 
 
-def links_of(lesson: Lesson, origin: Origin) -> str:
-    """The line below the title: where the lesson can be run, and where a mistake is reported."""
+def links_of(lesson: Lesson, origin: Origin, live: bool) -> str:
+    """Where a lesson can be run, and where a mistake is reported, as HTML.
+
+    Parameters
+    ----------
+    lesson : Lesson
+    origin : grader.course.build.Origin
+    live : bool
+        Whether it runs on a page of the site.
+    """
     found = [f'<a href="../notebooks/{lesson.name}.ipynb" download>Download the notebook</a>']
+    if live:
+        found.insert(0, f'<a href="../{address_of(lesson)}">Run it in the browser</a>')
     if origin.repository:
         notebook = f"notebooks/{lesson.stage}/{lesson.name}.ipynb"
         colab = "https://colab.research.google.com/github"

@@ -13,8 +13,10 @@ from grader.course.build import lines_of, secret_lines
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT
 from grader.site.guides import PAGES
+from grader.site.live import FOLDER
 
 READ = {".html", ".js", ".css", ".json", ".txt", ".ipynb", ".xml"}
+IN_LIVE = {".ipynb"}
 FETCHED = {"src", "srcset", "poster", "data"}
 ELSEWHERE = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
 IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
@@ -27,7 +29,10 @@ def faults(folder: Path) -> list[str]:
     ----------
     folder : pathlib.Path
     """
-    pages = {path: Page.read(path) for path in sorted(folder.rglob("*.html"))}
+    # What JupyterLite brings is not ours, but for the notebooks in it.
+    live = folder / FOLDER
+    ours = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
+    pages = {path: Page.read(path) for path in ours}
     found = [*_given_away(folder, pages), *_from_elsewhere(folder, pages)]
     for path, page in pages.items():
         name = path.relative_to(folder)
@@ -86,7 +91,8 @@ def _given_away(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
         if re.sub("[`*]", "", line) not in published
     }
     for path in sorted(folder.rglob("*")):
-        if path.suffix not in READ or not path.is_file():
+        read = IN_LIVE if path.is_relative_to(folder / FOLDER) else READ
+        if path.suffix not in read or not path.is_file():
             continue
         raw = path.read_text("utf-8")
         text = "".join(pages[path].text) if path in pages else raw.replace('\\"', '"')

@@ -16,7 +16,8 @@ from grader.course.build import Origin
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.standalone import refuse_to_give_away, standalone
 from grader.site import front, guides, mathjax, proof, sections, words
-from grader.site.lesson import page_of
+from grader.site.lesson import links_of, page_of
+from grader.site.live import write_live
 from grader.site.pictures import Pictures
 from grader.site.settings import conf
 from grader.site.trouble import SiteTrouble
@@ -34,7 +35,10 @@ MENDED = {
     re.compile(r'(<div id="pst-primary-sidebar")'): r'\1 role="region" aria-label="Course"',
 }
 """What a page has by then, and what it gets instead."""
-NEEDED = ("sphinx", "myst_nb", "sphinx_book_theme", "sphinx-mathjax-offline")
+NEEDED = (
+    *("sphinx", "myst_nb", "sphinx_book_theme", "sphinx-mathjax-offline"),
+    *("jupyterlite_core", "jupyterlite_pyodide_kernel"),
+)
 LEFT_OUT = (
     "*.map",
     "*webpack-macros.html",
@@ -46,7 +50,9 @@ LEFT_OUT = (
 )
 
 
-def write_site(folder: Path, ran: Mapping[Lesson, bytes], origin: Origin) -> None:
+def write_site(
+    folder: Path, ran: Mapping[Lesson, bytes], origin: Origin, live: bool = False
+) -> None:
     """Write the site; the same bytes for the same runs.
 
     Parameters
@@ -56,6 +62,8 @@ def write_site(folder: Path, ran: Mapping[Lesson, bytes], origin: Origin) -> Non
     ran : mapping of Lesson to bytes
         Of all lessons, by `grader.site.running.solved_runs`.
     origin : grader.course.build.Origin
+    live : bool
+        Whether there is a page for each lesson on which it runs in the browser, too.
 
     Raises
     ------
@@ -67,12 +75,14 @@ def write_site(folder: Path, ran: Mapping[Lesson, bytes], origin: Origin) -> Non
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".site-", dir=folder.parent) as place:
         source, pages = Path(place) / "source", Path(place) / "pages"
-        for name, content in source_files(ran, origin).items():
+        for name, content in source_files(ran, origin, live).items():
             path = source / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
         _run_sphinx(source, pages)
         _finish(pages)
+        if live:
+            write_live(pages, Path(place) / "live")
         if faults := proof.faults(pages):
             raise SiteTrouble("\n".join(faults))
         if folder.exists():
@@ -91,17 +101,16 @@ def ready(folder: Path) -> None:
         raise SiteTrouble(f"{folder} holds something else than a site. Name another folder.")
 
 
-def source_files(ran: Mapping[Lesson, bytes], origin: Origin) -> dict[str, bytes]:
-    """All that Sphinx reads, by name."""
+def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:
+    """All that Sphinx reads, by name; the parameters are those of `write_site`."""
     pictures = Pictures()
     files = {"conf.py": conf(), "index.md": front.page(origin, pictures)}
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
     files["words.md"] = words.page()
     found = {name: text.encode() for name, text in files.items()}
     for lesson in all_lessons():
-        found[f"{lesson.stage}/{lesson.name}.ipynb"] = page_of(
-            lesson, ran[lesson], origin, pictures
-        )
+        links = links_of(lesson, origin, live)
+        found[f"{lesson.stage}/{lesson.name}.ipynb"] = page_of(lesson, ran[lesson], links, pictures)
         notebook = standalone(lesson.released.read_bytes())
         refuse_to_give_away(lesson, notebook)
         found[f"beside/notebooks/{lesson.name}.ipynb"] = notebook

@@ -1,0 +1,90 @@
+"""A page for each lesson on which it runs in the browser: JupyterLite, with a kernel of Pyodide.
+
+The pages are beside the site. The kernel and its packages are not: the browser fetches them from
+jsDelivr, and ipywidgets from PyPI, as no package registry has NumPy for this kernel.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from grader.course.lessons import Lesson, all_lessons
+from grader.course.standalone import standalone
+from grader.site.trouble import SiteTrouble
+
+FOLDER = "live"
+EXTENSIONS = ("@jupyterlite/pyodide-kernel-extension", "@jupyter-widgets/jupyterlab-manager")
+"""Of what is installed, the parts of JupyterLab that work without a server."""
+WIDGETS = {
+    "cell_type": "code",
+    "id": "browser",
+    "metadata": {"tags": ["raises-exception"]},
+    "execution_count": None,
+    "outputs": [],
+    "source": ["# For sliders. Without a network the lesson goes on, and they stand still.\n"]
+    + ["%pip install -q ipywidgets"],
+}
+
+
+def address_of(lesson: Lesson) -> str:
+    """Of the page on which a lesson runs, as seen from the site's root."""
+    return f"{FOLDER}/notebooks/index.html?path={lesson.name}.ipynb"
+
+
+def notebook_of(lesson: Lesson) -> bytes:
+    """The standalone notebook of a lesson for a kernel in a browser."""
+    content = json.loads(standalone(lesson.released.read_bytes()))
+    setup = next(
+        number
+        for number, cell in enumerate(content["cells"])
+        if "setup" in cell["metadata"].get("tags", ())
+    )
+    content["cells"].insert(setup, WIDGETS)
+    content["metadata"]["kernelspec"] = {
+        "display_name": "Python (Pyodide)",
+        "language": "python",
+        "name": "python",
+    }
+    return json.dumps(content, ensure_ascii=False, sort_keys=True).encode()
+
+
+def write_live(pages: Path, place: Path) -> None:
+    """Write the pages of all lessons.
+
+    Parameters
+    ----------
+    pages : pathlib.Path
+        The site, which gets a folder `live`.
+    place : pathlib.Path
+        An empty folder to work in.
+
+    Raises
+    ------
+    SiteTrouble
+        JupyterLite does not do it.
+    """
+    (place / "contents").mkdir(parents=True)
+    for lesson in all_lessons():
+        (place / "contents" / f"{lesson.name}.ipynb").write_bytes(notebook_of(lesson))
+    labextensions = Path(sys.prefix, "share", "jupyter", "labextensions")
+    settings = {
+        "contents": ["contents"],
+        "output_dir": str(pages / FOLDER),
+        "apps": ["notebooks", "lab"],
+        "ignore_sys_prefix": ["federated_extensions"],
+        "federated_extensions": [str(labextensions / name) for name in EXTENSIONS],
+        "no_sourcemaps": True,
+        "no_unused_shared_packages": True,
+    }
+    (place / "jupyter_lite_config.json").write_text(json.dumps({"LiteBuildConfig": settings}))
+    done = subprocess.run(
+        [sys.executable, "-m", "jupyterlite_core", "build"],
+        cwd=place,
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode:
+        raise SiteTrouble(f"JupyterLite ended with {done.returncode}:\n{done.stderr[-3000:]}")
