@@ -11,6 +11,7 @@ from itertools import count
 
 import pytest
 
+from grader.classroom import pool
 from grader.intake import apart
 from tests.running import children
 from utils.notebooks.reading import UnreadableNotebook
@@ -180,6 +181,11 @@ def test_where_less_is_allowed_it_is_less(limits):
 
 def test_the_largest_file_has_an_answer_and_no_answer_fills_the_memory():
     assert 64 * 2**20 < apart.LARGEST_REPLY < apart.MEGABYTES * 2**20
+
+
+def test_a_machine_that_has_much_else_to_do_may_take_its_time():
+    """It took two minutes for six seconds beside what was more important than it."""
+    assert 50 * apart.SECONDS < apart.PATIENCE < pool.LONGEST
 
 
 def test_which_end_is_too_much():

@@ -29,8 +29,9 @@ with contextlib.suppress(ImportError):  # Windows has none
 # Of the processor: five times what the largest honest file takes, full of numbers or pictures.
 SECONDS = 10
 MEGABYTES = 768
-# By the clock on the wall, for a machine that has much else to do.
-PATIENCE = 120
+# By the clock on the wall, for a machine that has much else to do: who works for so long has had
+# less than a sixtieth of a processor. Only who stands still is ended by it.
+PATIENCE = 600
 LARGEST_REPLY = 2**28
 _OUT_OF_MEMORY = 77
 

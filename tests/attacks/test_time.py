@@ -1,11 +1,16 @@
 """What a student's code may try to keep a class waiting, or to look as if others did."""
 
+import math
 import time
 
 import pytest
 
 from grader.course.lessons import find_lesson
+from grader.course.paths import PROJECT
+from grader.judging import repair
+from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.student import ONCE_MORE
 from tests.attacks.attacking import WALLS, attack, function, outcome_of, tried
 from tests.attacks.test_harm import HOLD
 
@@ -225,6 +230,22 @@ def test_what_never_begins_is_not_begun_again_to_look_for_an_edit(begins, hand_i
     answer = function(begins, "g", "") + "x = g()\ndef line_through(p, q): return x"
     assert hand_in({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
     assert len(begun) == 1
+
+
+def test_what_an_exercise_may_cost_is_what_the_threat_model_says():
+    limits = Limits()
+    again = limits.call_seconds * ONCE_MORE
+    first = limits.call_seconds + limits.restarts * again
+    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    for told in (
+        f"{limits.total_seconds:.0f} seconds in which its code works",
+        f"and {limits.wall_seconds:.0f} of the wall",
+        f"the first {limits.call_seconds:.0f} seconds are waited for",
+        # As it is, and with right helpers, once each.
+        f"{math.ceil(first)} in all, and {math.ceil(2 * again)} more where it is judged a second",
+    ):
+        assert told in threats
+    assert repair.SECONDS <= 1 and "an edit takes a second of the processor" in threats
 
 
 SLEEPY = {

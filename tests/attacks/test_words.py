@@ -1,5 +1,6 @@
 """What a student may try to have shown: the questions of hidden tests, markup, commands."""
 
+import ast
 import json
 import math
 import re
@@ -19,7 +20,10 @@ from grader.sandbox.program import MOST_LINES_OF_ALL
 from grader.sandbox.quoting import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES
 from grader.sandbox.student import MOST_FAILED_CELLS
 from tests.attacks.attacking import attack, function, tried
-from utils.checks import tips
+from tests.test_messages import FAILURES
+from utils.checks import checks_of, tips
+from utils.checks.diagnosis import known_mistakes
+from utils.notebooks import edits
 
 # A function that learns a question and wants to tell it: letters stand for its digits.
 TELLS = """
@@ -315,6 +319,37 @@ def test_tells_a_hidden_question_by_one_of_many_lines_of_the_function(hand_in):
         assert said and any("line" in words for words in said) == told
 
 
+WORDS, SMALL_NUMBERS = 16, 100
+
+
+def blanks_of(lesson):
+    """How many blanks there are in each sentence about a wrong answer to a lesson's checks."""
+    checks = PROJECT / "utils" / "checks"
+    files = [path for path in checks.glob("*.py") if not path.name.startswith("lesson_")]
+    files += [*checks.glob(f"lesson_{lesson.number}.py"), lesson.tests]
+    files += checks.glob(f"lesson_{lesson.number}/*.py")
+    return [
+        blanks_in(node.args[0])
+        for path in files
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in FAILURES and node.args
+    ]
+
+
+def blanks_in(message):
+    """How many blanks a sentence has; as many as are told where it is made elsewhere."""
+    if isinstance(message, ast.Constant):
+        return 0
+    if isinstance(message, ast.Call) and getattr(message.func, "id", "") == "fixed":
+        return 0
+    if isinstance(message, ast.JoinedStr):
+        blanks = (part.value for part in message.values if isinstance(part, ast.FormattedValue))
+        return sum(getattr(getattr(blank, "func", None), "id", "") != "fixed" for blank in blanks)
+    if isinstance(message, ast.BinOp):
+        return blanks_in(message.left) + blanks_in(message.right)
+    return FEW_NUMBERS
+
+
 def test_how_much_a_failure_can_tell_is_what_the_threat_model_says():
     """In bits, of what a student can choose: whether to raise, what, where, and our tip for it."""
     tips_for = {kind: {""} for kind in (*KNOWN_EXCEPTIONS, "another")}
@@ -322,12 +357,26 @@ def test_how_much_a_failure_can_tell_is_what_the_threat_model_says():
         for kind in kinds.split("|"):
             tips_for.setdefault(kind, {""}).add(tip)
     raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
-    ends_otherwise = 20  # passes, is wrong in some way of ours, hangs, dies
+    # Of a sentence without numbers what stands for a word may be one of some.
+    wrong = max(sum(WORDS ** (n > 0) for n in blanks_of(lesson)) for lesson in all_lessons())
+    ends_otherwise = 1 + wrong + 10  # passes, is wrong in some way of ours, hangs, dies
     bits = math.ceil(math.log2(raised + ends_otherwise))
     threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
     assert f"up to {bits} bits about its question" in threats
     assert f"at most {MOST_LINES} lines" in threats
     assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
+
+
+def test_how_much_an_exercise_can_tell_is_what_the_threat_model_says():
+    """Its mistake is looked for, and an edit that mends it, where it has met hidden questions."""
+    exercises = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
+    mistakes = max(len([*checks_of(name)] and [*known_mistakes(name)]) for name in exercises)
+    threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
+    for count, told in (
+        (mistakes, "of at most {} named mistakes an exercise is explained, which is {} bits"),
+        (edits.MOST_EDITS, "one of at most {} edits mends it, which is {}."),
+    ):
+        assert told.format(count, math.ceil(math.log2(count + 1))) in threats
 
 
 def test_how_much_all_else_can_tell_is_what_the_threat_model_says():
@@ -343,8 +392,11 @@ def test_how_much_all_else_can_tell_is_what_the_threat_model_says():
         words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
     raised = words * (MOST_LINES_OF_ALL + 1)
     called = raised * (MOST_LINES + 1)  # and the exercise's own line that led there
-    sentences = 16  # about one check, and no more
-    is_wrong = sentences * (101**FEW_NUMBERS)
+    # Each blank of a sentence takes a number or a word.
+    is_wrong = max(
+        sum((SMALL_NUMBERS + 1) ** min(n, FEW_NUMBERS) for n in blanks_of(lesson))
+        for lesson in all_lessons()
+    )
     of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
     threats = (PROJECT / "grader" / "README.md").read_text("utf-8").partition("## Threat model")[2]
     assert f"up to {of_check} bits about each visible check" in threats
