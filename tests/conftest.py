@@ -139,7 +139,7 @@ A_FEW_OF_MANY = {
     ),
     "test_a_verdict_adds_up": ("02", "04", "08"),
     "test_who_shares_the_processor_has_as_much_of_it_as_another": ("3",),
-    "test_who_is_called_slow_for_want_of_a_processor_is_called_starved": (),
+    "test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved": (),
     "test_a_search_for_neighbours_earns_everything_in_05": ("scikit-learn's tree]", "SciPy"),
     "test_a_browser_obeys_none_of_them": (),
     "test_a_verdict_is_looked_at_once": (

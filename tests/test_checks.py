@@ -364,6 +364,16 @@ def test_a_tip_may_depend_on_the_line():
         x, y, z = CLOUD.T  # noqa: RUF059
     assert "intensity" in tip_for("ValueError", str(caught.value), "`x, y, z = cloud.T`")
     assert "left-hand side" in tip_for("ValueError", str(caught.value), "`a, b, c = answer`")
+    for line in ("x, y, z = points[i]", "for x, y, z in cloud:", "x, y, z = cloud[near].T"):
+        assert "intensity" in tip_for("ValueError", str(caught.value), f"`{line}`")
+    # What a call gives is no row of a cloud, whatever is in its name: a plane has four numbers.
+    for line in (
+        "a, b, c = plane_through(p, q, r)",
+        "a, b, c = fit_plane(points)",
+        "i, j, k = rng.choice(len(points), 4, replace=False)",
+        "low, high, n = np.unique(cloud)",
+    ):
+        assert "intensity" not in tip_for("ValueError", str(caught.value), f"`{line}`")
     assert "logarithm" in tip_for("ZeroDivisionError", "float division by zero", "`1 / log(w)`")
 
 

@@ -265,7 +265,7 @@ def test_what_is_withdrawn_goes_but_no_mark_of_a_person(course, sandbox, capsys)
     assert {student for student, _, _ in entered(course)} == {"ada", "erin"}
     assert not (course.autograded / "bob" / LESSON.stage).exists()
     assert grade(course, sandbox) == commands.FAULT
-    assert "marks that a person gave" in capsys.readouterr().err
+    assert "marks or comments of a person" in capsys.readouterr().err
     assert mark_of(course, "erin") == (8, False)
 
 

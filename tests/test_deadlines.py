@@ -41,6 +41,18 @@ def utc(*numbers):
     return datetime(*numbers, tzinfo=UTC)
 
 
+def test_two_ways_of_writing_a_letter_are_one_name(course):
+    composed, apart = "jörg", "jo\u0308rg"
+    (course.root / "roster.csv").write_text(f"id,section\n{composed},Übung\n", "utf-8")
+    found = read(
+        course,
+        "[stage1_ransac]\ndue = 2026-10-12T23:59:00Z\n"
+        '[stage1_ransac.sections]\n"U\u0308bung" = 2026-10-13T23:59:00Z\n'
+        f'[stage1_ransac.students]\n"{apart}" = 2026-10-14T23:59:00Z\n',
+    )
+    assert found.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
+
+
 def test_without_a_file_there_are_no_dates(course):
     assert read_deadlines(course) is None
 

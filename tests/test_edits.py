@@ -164,7 +164,13 @@ def test_there_are_not_too_many():
 
 @pytest.mark.parametrize(
     "text",
-    ["def f(x): return x", "def f(x): return x; y = 1", "def f(x):\n\treturn -x", "def f(): pass"],
+    [
+        "def f(x): return x",
+        "def f(x): return x; y = 1",
+        "def f(x):\n\treturn -x",
+        "def f(): pass",
+        "def f(x):\n    class A(metaclass=type):\n        pass\n    return A",
+    ],
 )
 def test_unusual_texts_harm_nobody(text):
     for edit in edits_in(text):

@@ -213,6 +213,8 @@ def later():
     "inside/deep/wire.py": "",
     "inside/notes.txt": "",
     "data/cloud.txt": "1 2 3",
+    "data/truth.npz": "4",
+    "data/frames.npz": "5",
     "solutions/06.py": "a",
     "solutions/06.ipynb": "b",
     "notebooks/06.ipynb": "c",
@@ -224,7 +226,7 @@ DECIDE = {
     *("grader/intake/files.py", "grader/sandbox/fork_server.py"),
     *("utils/__init__.py", "utils/clouds.py", "utils/sliders/__init__.py", "utils/plotted.py"),
     *("utils/checks/__init__.py", "utils/checks/core.py", "utils/checks/lesson_06.py"),
-    *("inside/worker.py", "inside/deep/wire.py", "data/cloud.txt"),
+    *("inside/worker.py", "inside/deep/wire.py", "data/cloud.txt", "data/truth.npz"),
     *("solutions/06.py", "solutions/06.ipynb", "notebooks/06.ipynb", "tests/test_06.py"),
 }
 
@@ -256,6 +258,7 @@ def made_up(tmp_path, monkeypatch):
     entries = ("grader/judging/judge.py", "grader/sandbox/fork_server.py")
     monkeypatch.setattr(key, "PROJECT", tmp_path)
     monkeypatch.setattr(key, "ENTRIES", tuple(tmp_path / name for name in entries))
+    monkeypatch.setattr(key, "TRUTH", tmp_path / "data" / "truth.npz")
     monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
     forget()
     yield MadeUp(tmp_path)

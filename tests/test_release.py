@@ -11,6 +11,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
+import nbclient
 import nbformat
 import pytest
 from nbgrader.auth import Authenticator
@@ -334,6 +335,23 @@ def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
     lesson = tiny(tmp_path, monkeypatch, "1 / 0")
     with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
         solved.shown(lesson)
+    assert not (tmp_path / "kept").exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (nbclient.exceptions.CellTimeoutError("slow"), r"tiny: .* more than 300 seconds"),
+        (nbclient.exceptions.DeadKernelError("gone"), r"tiny: Python ended"),
+    ],
+)
+def test_a_solution_that_hangs_or_dies_is_named(tmp_path, monkeypatch, error, says):
+    def execute(client):
+        raise error
+
+    monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
+    with pytest.raises(standalone.NotReleased, match=says):
+        solved.shown(tiny(tmp_path, monkeypatch, "1"))
     assert not (tmp_path / "kept").exists()
 
 

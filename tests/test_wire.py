@@ -169,6 +169,26 @@ def test_too_large_is_said_before_it_is_sent(value):
         wire_format.encode(value)
 
 
+def test_what_a_notebook_holds_is_text_however_many_commas_are_in_it():
+    cells = ["pasted = [" + "1," * 1_100_000 + "]", "[" * 600_000, '"\\' * 500_000]
+    assert there_and_back({"cells": cells}) == {"cells": cells}
+    values = [[1]] * 600_000
+    with pytest.raises(TooLarge):
+        wire_format.encode(values)
+
+
+def test_texts_without_an_end_are_looked_at_once():
+    def seconds(tree):
+        begin = time.process_time()
+        with pytest.raises(WireError):
+            wire_format.decode(tree, b"")
+        return time.process_time() - begin
+
+    for end in (b'"', b'\\"', b'"a', b"\\"):
+        commas = b"," * (wire_format.MAXIMUM_COMMAS + 1)
+        assert seconds(commas + end * 2_000_000) < 5
+
+
 def decodes_or_refuses(tree, blob=b""):
     """`decode` returns plain data or raises `WireError`, and takes little memory."""
     tracemalloc.start()
@@ -289,7 +309,8 @@ def test_many_small_values_are_refused_before_they_take_memory(unit):
     try:
         with pytest.raises(WireError, match="more values"):
             wire_format.decode(tree, b"")
-        assert tracemalloc.get_traced_memory()[1] < 2**20
+        # One copy, in which it is counted what is outside of texts.
+        assert tracemalloc.get_traced_memory()[1] < 2.5 * wire_format.MAXIMUM_TREE
     finally:
         tracemalloc.stop()
 

@@ -15,6 +15,7 @@
 from __future__ import annotations
 
 import tomllib
+import unicodedata
 import zoneinfo
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -121,7 +122,8 @@ def read_deadlines(course: Course) -> Deadlines | None:
     if not path.is_file():
         return None
     try:
-        table = tomllib.loads(path.read_text("utf-8-sig"))
+        # As the roster's names are: two ways of writing an ö are one name.
+        table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
     except UnicodeDecodeError as error:
         raise DeadlinesTrouble(f"{path.name} is not in UTF-8. Save it again so.") from error
     except tomllib.TOMLDecodeError as error:

@@ -188,6 +188,16 @@ def _run(lesson: Lesson, before: str) -> bytes:
             f"{lesson.name}: its solution does not run to its end, so nothing was written. "
             f"{str(error)[-1000:]}"
         ) from None
+    except nbclient.exceptions.CellTimeoutError:
+        raise NotReleased(
+            f"{lesson.name}: a cell of its solution took more than {LONGEST_CELL} seconds, so "
+            "nothing was written. Is the machine busy? The same command tries again."
+        ) from None
+    except nbclient.exceptions.DeadKernelError:
+        raise NotReleased(
+            f"{lesson.name}: Python ended while its solution ran, so nothing was written. Is "
+            "there memory left? The same command tries again."
+        ) from None
     if before:
         notebook.cells.remove(extra)
     _settle(notebook)

@@ -289,7 +289,8 @@ _TIPS = (
     (
         "ValueError",
         r"too many values to unpack \(expected 3",
-        r"\.T\b|point|cloud|row|\b[pq]\b",
+        # A name, a part of it or its turned table: a call may give anything.
+        r"(=|\bin)\s*(?=[^=]*(\.T\b|point|cloud|row|\b[pq]\b))[\w.]+(\[[^()]*\])*(\.T)?\s*:?\W*$",
         "There are more than three values on the right. A row of a cloud has four: x, y, z and the "
         "intensity. Take [:3] of a row, [:, :3] of a cloud.",
     ),

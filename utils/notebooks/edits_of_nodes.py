@@ -230,7 +230,7 @@ def edits_of_node(
         if node.id in names.bound:
             for other in names.bound:
                 yield 4, *source.span(node), other
-    elif isinstance(node, ast.keyword) and node.arg:
+    elif isinstance(node, ast.keyword) and node.arg and isinstance(parent, ast.Call):
         yield 2, *_with_comma(source, node, parent), ""
     elif isinstance(node, ast.Return) and value is not None:
         yield from _of_return(source, node, names)
