@@ -3,7 +3,10 @@
 import csv
 import errno
 import os
+import random
 import struct
+import subprocess
+import sys
 import unicodedata
 import zipfile
 from datetime import UTC, datetime
@@ -11,12 +14,13 @@ from datetime import UTC, datetime
 import pytest
 
 from grader import cli, commands
-from grader.classroom.collect import CollectTrouble, zips
+from grader.classroom import contents
+from grader.classroom.collect import CollectTrouble, looking, zips
 from grader.classroom.collect import collecting as module
 from grader.classroom.collect.owners import safe_folder
 from grader.classroom.collect.record import read_record, why_untimed
 from grader.classroom.submissions import find_submissions, unaccounted_files
-from grader.course.paths import Course
+from grader.course.paths import PROJECT, Course
 from grader.lms.times import Undecided, handed_in_at
 from tests.archives import (
     EIGHT,
@@ -1003,3 +1007,156 @@ def test_a_full_disk_leaves_nothing_half_written(course, monkeypatch):
     with pytest.raises(OSError, match="full"):
         collect(course, path)
     assert [path.name for path in course.submitted.rglob("*") if path.is_file()] == []
+
+
+# ---- whose it is not ----------------------------------------------------------------------------
+
+
+def with_roster(course, *people):
+    lines = ["id,first_name,last_name,email,lms_id,github", *people]
+    (course.root / "roster.csv").write_text("\n".join(lines) + "\n")
+
+
+def test_a_namesake_has_their_own_time(course):
+    with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
+    files = [
+        *moodle_files("Yan Yip", 11, [(f"{SIX}.ipynb", notebook())]),
+        *moodle_files("Yan Yip", 12, [(f"{SIX}.ipynb", notebook(text="two"))]),
+    ]
+    table = course.root / "worksheet.csv"
+    times = ("Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM")
+    rows = [(number, "Yan Yip", "", "", time) for number, time in zip((11, 12), times, strict=True)]
+    table.write_text(worksheet(rows), "utf-8")
+    (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
+    who = {"Yan Yip_11": "yan", "Yan Yip_12": "yan2"}
+    collect(course, archive(course, files), times=table, who=who)
+    assert placed(course, "yan")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
+    assert placed(course, "yan2")["timestamp.txt"] == b"2026-10-20 10:00:00 UTC\n"
+
+
+def test_a_row_that_may_be_two_peoples_is_nobodys_time(course):
+    with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
+    table = course.root / "times.csv"
+    table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
+    outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
+    assert outcome.undecided == {"yan": "the table of times has no line about them"}
+
+
+def test_a_namesake_of_another_number_is_asked_about(course):
+    with_roster(course, "yan,Yan,Yip,,126,")
+    files = canvas_files("Yip, Yan", 999, [(1, f"{SIX}.ipynb", notebook())])
+    path = archive(course, files)
+    outcome = collect(course, path)
+    assert states(outcome) == {}
+    assert "not the 126 of yan that the roster has" in asked(outcome)["yipyan_999"]
+    assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
+
+
+def test_the_end_of_a_login_is_another_ones(course, tmp_path):
+    with_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
+    root = tmp_path / "hw"
+    for name in ("hw-3-mary-smith", "hw-3-zed"):
+        checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
+    outcome = collect(course, root)
+    assert states(outcome) == {"zed": {"06": "new"}}
+    assert "column github" in asked(outcome)["hw-3-mary-smith"]
+
+
+def test_logins_that_begin_alike_are_found(course, tmp_path):
+    with_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
+    for name in ("hw-3-ann-a", "hw-3-ann-b"):
+        checkout(tmp_path / "hw", name, {f"{SIX}.ipynb": notebook(text=name)})
+    assert states(collect(course, tmp_path / "hw")) == {"a": {"06": "new"}, "b": {"06": "new"}}
+
+
+def test_of_one_repository_alone_it_is_asked_where_the_login_begins(course, tmp_path):
+    with_roster(course, "sam,Sam,Smith,,,smith")
+    checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
+    question = asked(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
+    assert question.count("They may be sam: add --who hw-3-mary-smith=sam") == 1
+
+
+# ---- one student's file, and everybody else's ---------------------------------------------------
+
+
+def test_a_name_of_nothing_in_a_zip_costs_nobody_anything(course):
+    homework = zipped([("\0x", b""), (f"{SIX}.ipynb", notebook(text="bjorn"))])
+    files = [
+        (f"ada/{SIX}.ipynb", notebook()),
+        ("bjorn/h.zip", homework),
+        (f"cy/{SIX}.ipynb", notebook(text="cy")),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {name: {"06": "new"} for name in ("ada", "bjorn", "cy")}
+
+
+def test_what_cannot_be_opened_at_all_costs_nobody_else_anything(course, monkeypatch):
+    real = looking._look
+
+    def look(data, name):
+        if data == b"PK!":
+            raise IndexError  # something that nobody has thought of
+        return real(data, name)
+
+    monkeypatch.setattr(looking, "_look", look)
+    files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome)["cy"] == {"06": "new"}
+    assert asked(outcome)["ada/h.zip"].startswith("cannot be opened: look at it")
+
+
+def test_damage_in_a_zip_is_a_complaint_or_nothing():
+    """Bytes of its directory, above all, are changed; the seed is fixed."""
+    whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
+    directory = whole.find(b"PK\1\2")
+    contents.remember_what_was_released()
+    chance = random.Random(1)
+    seen = set()
+    for _ in range(600):
+        data = bytearray(whole)
+        for _ in range(chance.choice((1, 1, 2, 4))):
+            start = directory if chance.random() < 0.6 else 0
+            place = chance.randrange(start, len(data))
+            data[place] = chance.choice((0, 1, 0xFF, 0x80, 12, 93, chance.randrange(256)))
+        pieces = looking._look(bytes(data), "h.zip")
+        seen |= {piece.complaint.partition(":")[0] for piece in pieces}
+    assert len(seen) > 3, "some of it was damage"
+
+
+def test_much_in_several_zips_is_refused(course, monkeypatch):
+    monkeypatch.setattr("grader.classroom.collect.looking.MOST_BYTES_OF_A_STUDENT", 2000)
+    zips_of = [
+        zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
+        for k in (0, 5, 10)
+    ]
+    files = [(f"ada/{n}.zip", data) for n, data in enumerate(zips_of)]
+    assert sum(map(len, zips_of)) < 4000
+    said = asked(collect(course, archive(course, files)))
+    assert "with what they handed in beside it is more than" in said["ada/1.zip"]
+    inner = zipped([(f"{n}.zip", data) for n, data in enumerate(zips_of)])
+    outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
+    assert "unpacks to more than" in asked(outcome)["ada/all.zip"]
+
+
+def test_a_long_text_in_moodles_worksheet_is_read(course):
+    """Online texts stand in it."""
+    table = course.root / "worksheet.csv"
+    rows = [(5001, "Ada Lovelace", "x" * 140_000, "ada@x.edu", "14 October 2026, 2:14 PM")]
+    table.write_text(worksheet(rows), "utf-8")
+    files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
+    code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
+        "from grader.classroom.collect.worksheet import read_worksheet; "
+        f"print(len(read_worksheet(Path({str(table)!r}), None).rows))"
+    )  # in a process of its own, in which nobody else has set a limit
+    found = subprocess.run(
+        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True
+    )
+    assert found.stdout == "1\n", found.stderr
+    assert states(collect(course, archive(course, files), times=table)) == {"ada": {"06": "new"}}
+
+
+def test_a_worksheet_that_is_no_table_is_refused(course):
+    table = course.root / "worksheet.csv"
+    table.write_text("a,b\n" + "x" * 2**25)
+    with pytest.raises(CollectTrouble, match="is not a CSV file"):
+        collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)

@@ -36,12 +36,20 @@ def github(archive: Archive) -> list[Handed] | None:
 
 
 def _owner(repository: str, begin: str, identifiers: dict[str, str]) -> Owner:
-    """Logins may hold hyphens, so each ending of the name may be one."""
+    """Logins may hold hyphens, so of what all repositories begin with, the end may be a login's.
+
+    What is left behind that belongs to the login, and what is shorter is nobody's. Of one
+    repository alone nothing tells where its login begins.
+    """
     rest = repository.removeprefix(f"{begin}-") if begin else repository
     parts = repository.split("-")
     endings = tuple("-".join(parts[number:]) for number in range(len(parts)))
-    known = [identifiers[end.casefold()] for end in endings if end.casefold() in identifiers]
-    return Owner(repository, rest, (*known[:1], rest), logins=endings)
+    logins = tuple(end for end in endings if begin and len(end) >= len(rest))
+    known = [
+        identifiers[end.casefold()] for end in logins or endings if end.casefold() in identifiers
+    ]
+    guesses = () if logins else endings
+    return Owner(repository, rest, (*known[:1], rest), logins=logins, guesses=guesses)
 
 
 def _identifiers(archive: Archive) -> dict[str, str]:

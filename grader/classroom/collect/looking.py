@@ -21,11 +21,12 @@ from grader.classroom.collect.zips import (
     open_zip,
 )
 from grader.classroom.contents import Content, lesson_by_name
-from grader.intake.apart import TooMuch, apart
+from grader.intake.apart import ReadingFailed, TooMuch, apart
 from grader.intake.handed_in import LARGEST_MODULE
 from utils.notebooks.reading import UnreadableNotebook
 
 DEEPEST = 3  # zips in zips
+TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, WORK, OTHER = "notebook", "module", "work", "other"
 
 # What students hand in where they mean a notebook.
@@ -72,6 +73,8 @@ def look_at(entry: Entry, name: str) -> list[Piece]:
         return [Piece((), WORK, complaint=str(error))]
     except TooMuch:
         return [Piece((), WORK, complaint="takes too long, or too much memory, to be opened")]
+    except ReadingFailed:  # a fault of ours, which costs nobody else's work
+        return [Piece((), WORK, complaint="cannot be opened: look at it, and ask for it unpacked")]
     return [_piece(*parts) for parts in found]
 
 
@@ -130,11 +133,11 @@ def _look_in_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Piece]:
         except Unreadable as error:
             found.append(Piece(inner, WORK, complaint=str(error)))
             continue
-        size += len(content)
+        inside = _look(content, parts[-1], inner, entry.moment, depth)
+        size += sum(len(piece.data) for piece in inside)
         if size > MOST_BYTES_OF_A_STUDENT:
-            most = MOST_BYTES_OF_A_STUDENT // 2**20
-            return [Piece(path, WORK, complaint=f"unpacks to more than {most} MB of notebooks")]
-        found += _look(content, parts[-1], inner, entry.moment, depth)
+            return [Piece(path, WORK, complaint=f"unpacks to {TOO_MUCH_OF_A_STUDENT}")]
+        found += inside
     return found
 
 

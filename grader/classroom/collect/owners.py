@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Sequence
 from grader.classroom.collect.answers import NOBODY, same
 from grader.classroom.collect.protocol import CollectTrouble, Owner
 from grader.classroom.collect.worksheet import Row, Worksheet
-from grader.course.roster import Person, Roster
+from grader.course.roster import Person, Roster, has_another_number, letters
 
 LONGEST = 80
 # Windows has no folders of these names, whatever stands behind a dot.
@@ -71,6 +71,10 @@ class Owners:
         team = self._team(owner)
         if team:
             return tuple(person.id for person in team)
+        guessed = self._by_login(owner.guesses)
+        if guessed:
+            several = ", ".join(person.id for person in guessed)
+            raise Unknown(f"They may be {several}: add {_who(owner, guessed[0].id)}, or another")
         raise Unknown(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
@@ -116,8 +120,8 @@ class Owners:
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
         if person is None or not owner.names:
             return ""
-        names = [_letters(name) for name in (person.first_name, person.last_name) if name]
-        if not names or any(name in _letters(owner.names[0]) for name in names):
+        names = [letters(name) for name in (person.first_name, person.last_name) if name]
+        if not names or any(name in letters(owner.names[0]) for name in names):
             return ""
         return (
             f"Has the number of {person.id}, and another name. If it is a team, whose work came "
@@ -127,17 +131,21 @@ class Owners:
     def rows(self, owner: Owner, id: str) -> Iterable[Row]:
         """Lines of the worksheet about a student, the likeliest first."""
         person = self._roster.person(id) if self._roster else None
+        row = self._worksheet.participant(owner.participant)
         if person is None:
-            row = self._worksheet.participant(owner.participant)
             return [row] if row else self._worksheet.naming(id)
+        if row and person in self._people_of(row):
+            return [row]
         return self._rows_by_id.get(person.id, [])
 
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[Row]]:
+        """The rows that are one person's; of a namesake's time nobody gets any."""
         found: dict[str, list[Row]] = {}
         for row in self._worksheet.rows:
-            for person in self._people_of(row):
-                found.setdefault(person.id, []).append(row)
+            people = self._people_of(row)
+            if len(people) == 1:
+                found.setdefault(people[0].id, []).append(row)
         return found
 
     def _check(self, label: str, id: str) -> None:
@@ -161,13 +169,20 @@ class Owners:
                 return found
         row = self._worksheet.participant(owner.participant)
         found = self._people_of(row) if row else ()
-        logins = {login.casefold() for login in owner.logins}
-        found = found or tuple(
-            person for person in people if person.github and person.github.casefold() in logins
-        )
+        found = found or self._by_login(owner.logins)
         for name in owner.names:
-            found = found or self._roster.like(name)
+            found = found or tuple(
+                person
+                for person in self._roster.like(name)
+                if not has_another_number(person, owner.lms_id)
+            )
         return found
+
+    def _by_login(self, logins: Collection[str]) -> tuple[Person, ...]:
+        wanted = {login.casefold() for login in logins}
+        return tuple(
+            person for person in self._roster.people if person.github.casefold() in wanted - {""}
+        )
 
     def _people_of(self, row: Row) -> tuple[Person, ...]:
         for text in row.identifying:
@@ -179,8 +194,8 @@ class Owners:
     def _team(self, owner: Owner) -> list[Person]:
         """The members of a team, where the worksheet has a column for it, and all are known."""
         # An archive has blanks in the place of some signs.
-        names = {_letters(name) for name in owner.names}
-        rows = [row for row in self._worksheet.rows if names & set(map(_letters, row.others))]
+        names = {letters(name) for name in owner.names}
+        rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
         members = [self._people_of(row) for row in rows]
         return [found[0] for found in members] if all(len(one) == 1 for one in members) else []
 
@@ -190,9 +205,17 @@ class Owners:
                 f"has no name: show names in Canvas and download again, or add {_who(owner, 'ID')}"
             )
         where = ""
+        if owner.lms_id and (
+            others := [one for name in owner.names for one in self._roster.like(name)]
+        ):
+            number = " or ".join(f"{one.lms_id} of {one.id}" for one in others)
+            return (
+                f"Their number is not the {number} that the roster has for this name: correct it, "
+                f"or add {_who(owner, others[0].id)}, or another ID"
+            )
         if owner.lms_id:
             where = f"write {owner.lms_id} into their line of roster.csv, column lms_id, or "
-        elif owner.logins:
+        elif owner.logins or owner.guesses:
             where = "write the login into their line of roster.csv, column github, or "
         elif owner.participant and not self._worksheet.rows:
             where = "give Moodle's worksheet with --timestamps FILE, or "
@@ -219,8 +242,3 @@ def safe_folder(name: str) -> str:
 
 def _who(owner: Owner, ids: str) -> str:
     return f"--who {shlex.quote(f'{owner.label}={ids}')}"
-
-
-def _letters(text: str) -> str:
-    folded = unicodedata.normalize("NFC", text).casefold()
-    return "".join(character for character in folded if character.isalnum())

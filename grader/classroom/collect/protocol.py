@@ -67,7 +67,9 @@ class Owner:
     names : tuple of str
         What they may be called on the roster, likeliest first.
     lms_id, participant, logins : str, str, tuple of str
-        Canvas's number of a person, Moodle's of a participant, what may be a GitHub login.
+        Canvas's number of a person, Moodle's of a participant, what is a GitHub login.
+    guesses : tuple of str
+        What may be a GitHub login, or the end of another one's.
     """
 
     label: str
@@ -76,6 +78,7 @@ class Owner:
     lms_id: str = ""
     participant: str = ""
     logins: tuple[str, ...] = ()
+    guesses: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

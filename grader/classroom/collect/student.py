@@ -7,9 +7,10 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from pathlib import Path
 
+from grader.classroom.collect import looking
 from grader.classroom.collect.answers import Answers
 from grader.classroom.collect.choosing import File, newest
-from grader.classroom.collect.looking import MODULE, NOTEBOOK, OTHER, look_at
+from grader.classroom.collect.looking import MODULE, NOTEBOOK, OTHER, TOO_MUCH_OF_A_STUDENT, look_at
 from grader.classroom.collect.outcome import ASKED, Outcome, Question
 from grader.classroom.collect.placing import KEPT, StageFolder, Unsure
 from grader.classroom.collect.protocol import Handed
@@ -76,12 +77,18 @@ class Student:
 
     def _files(self, handed: Sequence[tuple[Path, Handed]]) -> list[File]:
         """Notebooks and modules; what may have been meant to be one is a doubt."""
-        files = []
+        files, size = [], 0
         for archive, one in handed:
             if one.remark:
                 self._doubt(one.name, one.remark)
                 continue
-            for piece in look_at(one.entry, one.path[-1]):
+            pieces = look_at(one.entry, one.path[-1])
+            size += sum(len(piece.data) for piece in pieces)
+            if size > looking.MOST_BYTES_OF_A_STUDENT:
+                text = f"with what they handed in beside it is {TOO_MUCH_OF_A_STUDENT}"
+                self._doubt(one.name, text, lesson_by_name(one.path[-1]))
+                continue
+            for piece in pieces:
                 file = File(archive, one, piece)
                 if piece.kind == OTHER:
                     self._outcome.left[file.path[-1]] += 1

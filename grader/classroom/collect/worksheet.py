@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import functools
-import io
 import re
 import unicodedata
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from pathlib import Path
 import babel
 
 from grader.classroom.collect.protocol import CollectTrouble
+from grader.course.tables import separated
 
 # What Moodle calls "Last modified (submission)", and the language in which its dates then are.
 TITLES = {
@@ -38,7 +38,6 @@ _NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word, and a number
 _ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{1,2}:\d{2}.*")
 _CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,，\s]*(?:星期\w)?[,，\s]*(\d\d:\d\d)")
 _CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
-SEPARATORS = ",;\t"
 
 
 @dataclass(frozen=True)
@@ -104,9 +103,10 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> Worksheet:
         raise CollectTrouble(f"{path} cannot be read: {error.strerror}.") from None
     except UnicodeDecodeError:
         raise CollectTrouble(f"{path} is not in UTF-8. Save it as CSV UTF-8.") from None
-    head = text.partition("\n")[0]
-    separator = max(SEPARATORS, key=head.count)
-    rows = list(csv.reader(io.StringIO(text), delimiter=separator))
+    try:
+        _, rows = separated(text)
+    except csv.Error as error:
+        raise CollectTrouble(f"{path} is not a CSV file: {error}. Download it again.") from None
     titles = [_folded(cell) for cell in rows[0]] if rows else []
     column = next((place for place, title in enumerate(titles) if title in TITLES), None)
     if column is None:

@@ -64,7 +64,8 @@ def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], En
         archive = zipfile.ZipFile(file)
     except _DAMAGE as error:
         raise Unreadable(f"cannot be opened as a zip: {_reason(error)}") from None
-    infos = [info for info in archive.infolist() if not info.is_dir()]
+    # Python's `is_dir` cannot bear a name of nothing.
+    infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > most:
         raise Unreadable(f"holds {len(infos):,} files; more than {most:,} are not opened")
     return [

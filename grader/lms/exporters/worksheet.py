@@ -9,10 +9,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.course.tables import separated
 from grader.lms.exporters.exported import ExportTrouble
 
-SEPARATORS = ",;\t"
-LARGEST_CELL = 2**24  # Moodle's worksheet holds whole texts that students wrote
 NUMBER = re.compile(r"-?[0-9][0-9.,]*")
 FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")
 
@@ -81,9 +80,12 @@ def read_worksheet(path: Path) -> Worksheet:
         ) from error
     marked = text.startswith("\ufeff")
     text = text.removeprefix("\ufeff")
-    separator, rows = max(
-        ((separator, _rows(path.name, text, separator)) for separator in SEPARATORS), key=_fit
-    )
+    try:
+        separator, rows = separated(text)
+    except csv.Error as error:
+        raise ExportTrouble(
+            f"{path.name} is not a CSV file: {error}. Download it again."
+        ) from error
     if len(rows) < 2 or len(rows[0]) < 2:
         raise ExportTrouble(f"{path.name} holds no table with students.")
     width = len(rows[0])
@@ -96,25 +98,6 @@ def read_worksheet(path: Path) -> Worksheet:
     head, *others = (tuple([*row, *[""] * width][:width]) for row in rows)
     line_end = "\r\n" if "\r\n" in text else "\n"
     return Worksheet(path.name, head, tuple(others), separator, line_end, marked)
-
-
-def _rows(name: str, text: str, separator: str) -> list[list[str]]:
-    """The rows of a table that are not empty."""
-    csv.field_size_limit(LARGEST_CELL)
-    try:
-        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
-    except csv.Error as error:
-        raise ExportTrouble(f"{name} is not a CSV file: {error}. Download it again.") from error
-    return [row for row in rows if any(row)]
-
-
-def _fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
-    """How well a separator fits: for how many rows it makes cells as for the head; how many."""
-    rows = found[1]
-    width = len(rows[0]) if rows else 0
-    if width < 2:
-        return 0.0, 0
-    return sum(len(row) == width for row in rows) / len(rows), width
 
 
 def read_number(text: str) -> float | None:

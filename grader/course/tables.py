@@ -1,0 +1,33 @@
+"""Tables that somebody else has written: as CSV, with this separator or that."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+SEPARATORS = ",;\t"
+csv.field_size_limit(2**24)  # for the process: platforms' tables hold whole texts of students
+
+
+def separated(text: str) -> tuple[str, list[list[str]]]:
+    """The separator of a table that fits best, and the rows that are not empty.
+
+    Raises
+    ------
+    csv.Error
+    """
+    return max(((separator, _rows(text, separator)) for separator in SEPARATORS), key=_fit)
+
+
+def _rows(text: str, separator: str) -> list[list[str]]:
+    rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    return [row for row in rows if any(row)]
+
+
+def _fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
+    """How well a separator fits: for how many rows it makes cells as for the head; how many."""
+    rows = found[1]
+    width = len(rows[0]) if rows else 0
+    if width < 2:
+        return 0.0, 0
+    return sum(len(row) == width for row in rows) / len(rows), width
