@@ -309,15 +309,20 @@ def _is_possible(shape: Sequence[int]) -> bool:
 
 
 def _is_modest(tree: bytes) -> bool:
-    """Whether a tree has no more values than answers have."""
-    return _has_few(tree) or _has_few(_TEXT.sub(b"", tree))
+    """Whether a tree has no more values than answers have.
 
-
-def _has_few(tree: bytes) -> bool:
-    return (
-        tree.count(b",") <= MAXIMUM_COMMAS
-        and tree.count(b"[") + tree.count(b"{") <= MAXIMUM_BRACKETS
-    )
+    What stands in texts is no value: a notebook may hold a long table.
+    """
+    commas, brackets = tree.count(b","), tree.count(b"[") + tree.count(b"{")
+    if commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS:
+        return True
+    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # so many texts are values, too
+        return False
+    for text in _TEXT.finditer(tree):
+        begin, end = text.span()
+        commas -= tree.count(b",", begin, end)
+        brackets -= tree.count(b"[", begin, end) + tree.count(b"{", begin, end)
+    return commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS
 
 
 def _is_small(value: object) -> bool:
