@@ -55,6 +55,10 @@ SLIPS = {
         "for k in x:\n    if k:\n        y += k\nreturn y",
     ),
     "one level in": ("if x:\n    y = 1\nz = 2\nreturn z", "if x:\n    y = 1\n    z = 2\nreturn z"),
+    "two lines in": (
+        "for k in x:\n    f(k)\ny += k\nz += k\nreturn z",
+        "for k in x:\n    f(k)\n    y += k\n    z += k\nreturn z",
+    ),
     "an if too deep": (
         "if x:\n    f(x)\n    if y:\n        f(y)",
         "if x:\n    f(x)\nif y:\n    f(y)",

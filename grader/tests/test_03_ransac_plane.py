@@ -513,9 +513,11 @@ def test_fit_course_cloud(student, seed):
     hint="Three points have a best plane, too: the one through them.",
 )
 def test_fit_small(student, seed):
-    triangle = random_triangle(np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
     assert_fits(student.fit_plane)
-    assert_direction(student.fit_plane(triangle.copy()), triangle)
+    for size in (0.8, 2.0, 5.0):
+        triangle = random_triangle(rng, size)
+        assert_direction(student.fit_plane(triangle.copy()), triangle)
     points, _ = scattered_plane(seed + 30, 40, 0, noise=0.05)
     for variant in (
         points.astype(np.float32),

@@ -182,8 +182,8 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[st
             yield _shifted(lines, first, rest, outer - depth)
             before = body[position - 1]
             inner = getattr(before, "orelse", None) or getattr(before, "body", None)
-            if inner:  # into what stands before it
-                for end in {last, rest}:
+            if inner:  # into what stands before it, with some that follow
+                for end in [one.end_lineno for one in body[position:]]:
                     yield _shifted(lines, first, end, inner[0].col_offset - depth)
             here, there = before.lineno - 1, before.end_lineno
             exchanged = lines[first:last] + lines[there:first] + lines[here:there]

@@ -167,6 +167,8 @@ def follows_the_confidence(iterations_needed: Callable) -> None:
     for confidence, expected in ((0.8, 34), (0.9, 49), (0.999, 145), (0.9999, 193)):
         answer = iterations_needed(0.36, 3, confidence)
         assert_about(answer, expected, 0.36, 3, confidence)
+    # More inliers than confidence.
+    assert_about(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
 
 
 @visible(
