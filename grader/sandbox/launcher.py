@@ -71,7 +71,8 @@ class WorkerProcess:
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
-        self.give_back()
+        if code is not None and code >= 0:  # else somebody may still be there
+            self.give_back()
         return code
 
     def has_ended(self, seconds: float) -> bool:
