@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 
 import nbformat
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from grader.course import minutes
 from grader.course.build import Origin
@@ -24,6 +24,7 @@ FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 STAGE = re.compile(r"^\| (\d+) · ([^|]+?) \|", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
 CARD = 480  # pixels of its longer side
+QUALITY = 80  # of the film
 STILL = 0.45  # of the film, whose picture stands for it where nothing may move
 
 
@@ -44,7 +45,7 @@ def page(origin: Origin, pictures: Pictures) -> str:
     alt, place = FILM.search(README.read_text("utf-8")).groups()
     film = (PROJECT / place).read_bytes()
     return TEMPLATES.get_template("index.md").render(
-        film=pictures.keep(film, ".gif"),
+        film=pictures.keep(_light(film), ".webp"),
         still=pictures.keep(_still(film), ".png"),
         size=Image.open(io.BytesIO(film)).size,
         alt=alt,
@@ -93,6 +94,25 @@ def _small(content: bytes) -> bytes:
         small = picture.convert("RGB")
     small.thumbnail((CARD, CARD))
     return _png(small)
+
+
+def _light(film: bytes) -> bytes:
+    """The same film as WebP, in little more than half the bytes."""
+    with Image.open(io.BytesIO(film)) as picture:
+        pace = picture.info["duration"]
+        first, *others = [frame.convert("RGB") for frame in ImageSequence.Iterator(picture)]
+    buffer = io.BytesIO()
+    first.save(
+        buffer,
+        "WEBP",
+        save_all=True,
+        append_images=others,
+        duration=pace,
+        loop=0,
+        quality=QUALITY,
+        method=2,
+    )
+    return buffer.getvalue()
 
 
 def _still(film: bytes) -> bytes:
