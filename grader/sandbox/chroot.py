@@ -18,11 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.sandbox import jail, users
+from grader.sandbox.boundary import PREFIX, PYTHON, SHOWN
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.launcher import launch
 from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 JAILER = Path(__file__).with_name("jailer.py")
+_OWN = tuple(f"{folder}/" for folder in jail.OPEN)
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,12 @@ def _take(kind: Kind) -> Path:
         return jail.build(*kind)
 
 
+def hidden_by_their_own() -> str:
+    """What a worker is shown that would lie in its own folders; empty where nothing does."""
+    shown = (PYTHON, PREFIX, *SHOWN)
+    return next((str(path) for path in shown if str(path).startswith(_OWN)), "")
+
+
 @functools.cache
 def _complaint() -> str:
     """Why such walls cannot be built here; empty where they can."""
@@ -98,6 +106,11 @@ def _complaint() -> str:
         return f"These walls need Linux on {' or '.join(MACHINES)}."
     if not users.is_root():
         return "These walls need root: only root can shut others in."
+    if hidden := hidden_by_their_own():
+        return (
+            f"{hidden} lies in {' or '.join(jail.OPEN)}, where whoever is shut in has files of "
+            "their own. Move the course elsewhere, with its .venv."
+        )
     try:
         Chroot().start(Limits()).stop()
     except SandboxUnavailable as error:
