@@ -580,8 +580,8 @@ def children():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["threads", "children"])
 def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep(sandbox, name):
-    """Of what has ended nobody tells how long it was kept waiting; 0.6 s of 1.5 are needed."""
-    program, limits = Program((BRIEFLY,), (name,)), Limits(call_seconds=1.5)
+    """Of what has ended nobody tells how long it was kept waiting; 0.6 s of 2.5 are needed."""
+    program, limits = Program((BRIEFLY,), (name,)), Limits(call_seconds=2.5)
     with Student(program, sandbox, limits) as student, crowded(student, 5):
         assert getattr(student, name)() is None
         assert not student.starved
