@@ -127,7 +127,11 @@ def reaches_no_farther(points, rectangle):
 
 
 def fitted(one, other, points, max_iterations, distance_tolerance, rng=None):
-    """A model and its own inliers, and both or neither; which it is depends on the draws."""
+    """A model and its own inliers, and both or neither; which it is depends on the draws.
+
+    So does one that comes of a sample more than was told, as of ``range(max_iterations + 1)``: it
+    is no worse. A sample too few is asked for by checks, and so are many too many.
+    """
     (model, mask), (right, _) = one, other
     if model is None or right is None:
         return model is right and not np.any(mask)
