@@ -100,6 +100,20 @@ def test_what_is_shown_is_asked_first_and_each_about_its_own_exercise(made):
     assert student.closed == 0
 
 
+def test_nobody_looks_at_what_lies_in_the_folders_above(made, monkeypatch):
+    """A home with many folders would be looked at again for each notebook."""
+    lesson, listed, scandir = made(TWO), [], os.scandir
+
+    def noted(path="."):
+        listed.append(os.fspath(path))
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", noted)
+    assert len(run_tests(lesson, Nobody(), SEED)) == 2
+    above = {str(folder) for folder in lesson.tests.parent.parents}
+    assert above.intersection(listed) == set()
+
+
 def test_what_is_not_asked_for_is_left_out(made):
     student = Nobody()
     checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
