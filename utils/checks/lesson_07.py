@@ -84,6 +84,10 @@ _OURS = frozen(np.array([True, False, True, False, False, True, False]))
 _DIAGONAL = frozen(
     np.column_stack([np.arange(6.0), 5 - np.arange(6.0), np.arange(6.0), np.ones(6)])
 )
+# One on the other, through a cube on one side of the sensor: what doubles a corner loses some.
+_STEPS = frozen(np.column_stack([*[np.arange(6.0)] * 3, np.ones(6)]))
+_CUBE = (1.5, 1.5, 1.5), (3.5, 3.5, 3.5)
+_IN_THE_CUBE = frozen(np.array([False, False, True, True, False, False]))
 _LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # of x and of z, lower and upper
 
 
@@ -465,6 +469,8 @@ def takes_any_corners(crop_region: Callable) -> None:
     for kind in (list, np.array):
         answer = crop_region(_ROOM.copy(), kind(_MINIMUM), kind(_MAXIMUM))
         assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
+        answer = crop_region(_STEPS.copy(), *map(kind, _CUBE))
+        assert_boxed(answer, _STEPS, *_CUBE, _IN_THE_CUBE)
 
 
 _CROP = Case(
@@ -586,6 +592,8 @@ def takes_any_ego_box(remove_ego_returns: Callable) -> None:
     for kind in (list, np.array):
         answer = remove_ego_returns(_AROUND.copy(), kind(_EGO[0]), kind(_EGO[1]))
         assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
+        answer = remove_ego_returns(_STEPS.copy(), *map(kind, _CUBE))
+        assert_boxed(answer, _STEPS, *_CUBE, ~_IN_THE_CUBE)
 
 
 _FREE = Case(
