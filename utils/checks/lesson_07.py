@@ -20,6 +20,7 @@ from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
     assert_places,
+    brief,
     frozen,
     needs,
     points_text,
@@ -87,7 +88,6 @@ _DIAGONAL = frozen(
 # One on the other, through a cube on one side of the sensor: what doubles a corner loses some.
 _STEPS = frozen(np.column_stack([*[np.arange(6.0)] * 3, np.ones(6)]))
 _CUBE = (1.5, 1.5, 1.5), (3.5, 3.5, 3.5)
-_IN_THE_CUBE = frozen(np.array([False, False, True, True, False, False]))
 _LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # of x and of z, lower and upper
 
 
@@ -108,6 +108,22 @@ def assert_near(
     outline = _circle if view == "above" else _reach
     settings = f"distance {distance:g}"
     _assert_left(answer, cloud, near, settings, view, lambda axes: outline(axes, distance))
+
+
+def _assert_alike(function: Callable, kind: Callable) -> None:
+    """The same rows are left, right or wrong, whether corners are tuples or something else."""
+    tuples, others = (
+        as_array(function(_STEPS.copy(), *corners), what="the rows")
+        for corners in (_CUBE, map(kind, _CUBE))
+    )
+    if not np.array_equal(tuples, others):
+        raise CheckFailed(
+            "The same corners leave other rows when they are no tuples.",
+            given=f"six points on a line, and corners {brief(kind(_CUBE[0]))} and "
+            f"{brief(kind(_CUBE[1]))}",
+            yours=f"{len(others)} rows",
+            expected=f"{len(tuples)} rows, as your function leaves with tuples",
+        )
 
 
 def assert_boxed(
@@ -469,8 +485,7 @@ def takes_any_corners(crop_region: Callable) -> None:
     for kind in (list, np.array):
         answer = crop_region(_ROOM.copy(), kind(_MINIMUM), kind(_MAXIMUM))
         assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
-        answer = crop_region(_STEPS.copy(), *map(kind, _CUBE))
-        assert_boxed(answer, _STEPS, *_CUBE, _IN_THE_CUBE)
+        _assert_alike(crop_region, kind)
 
 
 _CROP = Case(
@@ -592,8 +607,7 @@ def takes_any_ego_box(remove_ego_returns: Callable) -> None:
     for kind in (list, np.array):
         answer = remove_ego_returns(_AROUND.copy(), kind(_EGO[0]), kind(_EGO[1]))
         assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
-        answer = remove_ego_returns(_STEPS.copy(), *map(kind, _CUBE))
-        assert_boxed(answer, _STEPS, *_CUBE, ~_IN_THE_CUBE)
+        _assert_alike(remove_ego_returns, kind)
 
 
 _FREE = Case(
