@@ -5,8 +5,8 @@
 
 The changes ("mutants") are cosmic-ray's. Each is made in memory, in a fork of a process that has
 collected the tests: a changed function gets other code, and of the tests those are run that enter
-it, the shortest first. Where more than functions change, all is imported again, and all tests are
-run, unless one fails. What came of each is kept in
+it, first those that are short and have noticed most. Where more than functions change, all is
+imported again, and all tests are run, unless one fails. What came of each is kept in
 ``.pytest_cache``: who survived is tried again, as tests may have come; delete that file to try all.
 Survivors that change nothing anybody could notice are listed in ``mutants.txt``, with the reason.
 """
@@ -36,6 +36,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType
+from typing import ClassVar
 
 import hypothesis
 import pytest
@@ -104,6 +105,7 @@ for ways in places.values():
 DEAD = ("killed", "stopped")
 # Not 0: a mutant may well end its process as if all were well.
 SURVIVED = 57
+WHO = "noticed"  # the file in which a test says that it has noticed a change
 
 
 @dataclass(frozen=True)
@@ -260,19 +262,19 @@ def forget_ours() -> None:
 
 @dataclass(frozen=True)
 class Run:
-    """How a test went with the module as it is.
+    """How a test went with the modules as they are.
 
     Attributes
     ----------
     seconds, wall : float
         Of the processor, and by the clock.
-    entered : frozenset of str
-        The functions of the module that it ran, in its own process.
+    entered : frozenset of (str, str)
+        File and name of each of the grader's functions that it ran, in its own process.
     """
 
     seconds: float
     wall: float
-    entered: frozenset[str]
+    entered: frozenset[tuple[str, str]]
 
 
 class Trying:
@@ -288,41 +290,49 @@ class Trying:
         Is told each mutant and what became of it.
     """
 
+    runs: ClassVar[dict[str, Run]] = {}  # by test; one test is near to several modules
+
     def __init__(
         self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
     ) -> None:
         self.module, self.mutants, self.folder, self.report = module, mutants, folder, report
         self.functions: list[FunctionType] = []
-        self.runs: dict[str, Run] = {}
+        self.noticed: Counter[str] = Counter()  # how many changes, by test
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Run nothing here: all happens in forks."""
         gc.unfreeze()  # what was frozen for another module would not be found
         self.functions = functions_of(self.module)
         gc.freeze()  # looking through all objects in a fork would copy them
-        self.runs = self._in_a_fork(session)
+        if new := [item for item in session.items if item.nodeid not in self.runs]:
+            self.runs.update(self._in_a_fork(new))
         for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
+            with contextlib.suppress(FileNotFoundError):
+                self.noticed[Path(self.folder, mutant.digest, WHO).read_text("utf-8")] += 1
             self.report(mutant, outcome)
         return True
 
-    def _in_a_fork(self, session: pytest.Session) -> dict[str, Run]:
-        """How each test goes with the module as it is; they have to hold."""
+    def _in_a_fork(self, items: list[pytest.Item]) -> dict[str, Run]:
+        """How each test goes with the modules as they are; they have to hold."""
         path = Path(self.folder, "runs")
-        process = begin(functools.partial(self._watch, session, path), 3600, self.folder)
+        process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
             said = path.read_text("utf-8") if path.is_file() else "They were stopped."
             sys.exit(f"{self.module}: the nearest tests fail on the module as it is.\n{said}")
         found = json.loads(path.read_text("utf-8"))
-        return {name: Run(a, b, frozenset(entered)) for name, (a, b, entered) in found.items()}
+        return {
+            name: Run(seconds, wall, frozenset(map(tuple, entered)))
+            for name, (seconds, wall, entered) in found.items()
+        }
 
-    def _watch(self, session: pytest.Session, path: Path) -> int:
-        file, entered, found = str(PROJECT / self.module), set(), {}
+    def _watch(self, items: list[pytest.Item], path: Path) -> int:
+        ours, entered, found = str(PROJECT / "grader"), set(), {}
 
         def enter(frame: FrameType, event: str, argument: object) -> None:
-            if frame.f_code.co_filename == file:
-                entered.add(frame.f_code.co_qualname.partition(".<locals>")[0])
+            if (code := frame.f_code).co_filename.startswith(ours):
+                entered.add((code.co_filename, code.co_qualname.partition(".<locals>")[0]))
 
-        for item in session.items:
+        for item in items:
             entered.clear()
             begun, clock = time.process_time(), time.monotonic()
             sys.settrace(enter)
@@ -331,7 +341,7 @@ class Trying:
             sys.settrace(None)
             took = time.process_time() - begun, time.monotonic() - clock
             found[item.nodeid] = (*took, sorted(entered))
-            if session.testsfailed:
+            if item.session.testsfailed:
                 path.write_text(item.nodeid, "utf-8")
                 return 1
         path.write_text(json.dumps(found), "utf-8")
@@ -343,9 +353,9 @@ class Trying:
         Only tests that enter what is changed can notice. Some functions run in other processes
         only: then nobody is known to enter them, and all tests are asked.
         """
-        functions, items = changed_functions(mutant), self._shortest_first(session.items)
-        near = [i for i in items if functions and self.runs[i.nodeid].entered & {*functions}]
-        items = near or items
+        functions, items = changed_functions(mutant), self._likeliest_first(session.items)
+        changed = {(str(PROJECT / self.module), name) for name in functions or ()}
+        items = [item for item in items if self.runs[item.nodeid].entered & changed] or items
         seconds = 3 + 3 * sum(self.runs[item.nodeid].seconds for item in items)
         wall = 60 + 6 * sum(self.runs[item.nodeid].wall for item in items)
         work = functools.partial(self._ask_anew, mutant)
@@ -353,8 +363,13 @@ class Trying:
             work = functools.partial(self._ask, items, functions)
         return begin(work, seconds, f"{self.folder}/{mutant.digest}"), wall
 
-    def _shortest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
-        return sorted(items, key=lambda item: self.runs[item.nodeid].seconds)
+    def _likeliest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
+        """File by file, as between files all is cleared away that the tests of one share."""
+        takes = {
+            item: self.runs[item.nodeid].seconds / (1 + self.noticed[item.nodeid]) for item in items
+        }
+        files = {item.path: takes[item] for item in sorted(items, key=takes.get, reverse=True)}
+        return sorted(items, key=lambda item: (files[item.path], item.path, takes[item]))
 
     def _ask(self, items: list[pytest.Item], functions: dict[str, CodeType]) -> int:
         become(self.module, self.functions, functions)
@@ -364,7 +379,7 @@ class Trying:
         """Import all that is ours again, and run the tests."""
         forget_ours()
         sys.meta_path.insert(0, _Changed(mutant))
-        run_tests(self.module, _Anew(self._shortest_first))
+        run_tests(self.module, _Anew(self._likeliest_first))
         return 1  # they could not be collected
 
 
@@ -380,10 +395,11 @@ class _Anew:
 
 
 def first_failure(items: list[pytest.Item]) -> int:
-    """Run tests until one fails; how many did."""
+    """Run tests until one fails, which leaves its name where it may write; how many did."""
     for item, after in zip(items, [*items[1:], None], strict=True):
         item.ihook.pytest_runtest_protocol(item=item, nextitem=after)
         if failed := item.session.testsfailed:
+            Path(os.environ["PYTEST_DEBUG_TEMPROOT"], WHO).write_text(item.nodeid, "utf-8")
             return failed
     return 0
 
