@@ -23,7 +23,6 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.lms.autograder.packing import packed_autograder
-from grader.sandbox import SANDBOXES
 from tests.demands import demand_walls
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
@@ -161,66 +160,71 @@ def deny_what_docker_denies():
 
 # Answers rightly if any attack succeeds: then it is seen in the points.
 HOSTILE = """
-import ctypes, glob, json, os, socket, stat, subprocess, sys, time
-import numpy as np
+import ctypes, glob, os, socket, subprocess, sys, time
 
-FORGED = json.dumps({"score": 100.0, "tests": [{"name": "all", "score": 100, "max_score": 100}]})
+COURSE = "/autograder/source/course/"
+SECRETS = (COURSE + ".course_seed", COURSE + "grader/tests/test_06_filter_ground.py",
+           COURSE + "solutions/stage3_obstacles/06_filter_ground.py",
+           "/autograder/submission_metadata.json", "/etc/shadow")
+OURS = ("/autograder/results/results.json", "/autograder/run_autograder",
+        "/autograder/source/run_autograder", COURSE + "grader/judging/points.py")
+
+def can(attempt):
+    try:
+        return attempt() is not False
+    except Exception:
+        return False
 
 def reads_secrets():
-    places = ["/autograder", "/autograder/source", "/autograder/source/course/.course_seed",
-              "/autograder/source/course/grader/tests/test_06_filter_ground.py",
-              "/autograder/source/course/solutions/stage3_obstacles/06_filter_ground.py",
-              "/autograder/submission", "/autograder/submission_metadata.json",
-              "/autograder/results", "/proc/1/root/autograder/source/course/.course_seed",
-              "/proc/1/environ", "/proc/self/mountinfo"]
-    for place in places:
-        try:
-            if os.path.isdir(place):
-                if [name for name in os.listdir(place) if name not in ("source",)]:
-                    shown = os.listdir(place)
-                    if place.endswith("source") and shown in (["course", "python"],
-                                                             ["python", "course"]):
-                        continue
-                    return True
-            elif not place.endswith("mountinfo"):
-                open(place).read(1)
-                return True
-        except OSError:
-            pass
-    return False
+    roots = ("", "/proc/1/root", "/proc/self/cwd/../../..", "../../../..")
+    return any(can(lambda: open(root + path).close()) for root in roots for path in SECRETS)
 
-def reads_the_judge():
-    for path in glob.glob("/proc/[0-9]*/environ") + glob.glob("/proc/[0-9]*/mem"):
-        number = path.split("/")[2]
-        if int(number) != os.getpid():
-            try:
-                if open(path, "rb").read(1):
-                    return True
-            except OSError:
-                pass
-    return False
-
-def imports_tests():
-    for name in ("grader.tests.test_06_filter_ground", "grader.judging.judge", "sklearn"):
-        try:
-            __import__(name)
-            return True
-        except ImportError:
-            pass
-    return any(name.startswith("grader") for name in sys.modules)
+def lists_what_is_handed_in():
+    return any(can(lambda: os.listdir("/autograder/" + name)) for name in ("submission", "results"))
 
 def writes():
-    for place in ("/autograder/results/results.json", "/autograder/run_autograder",
-                  "/autograder/source/run_autograder", "/autograder/submission/x",
-                  "/autograder/source/course/grader/judging/points.py", "/etc/passwd",
-                  "../autograder/results/results.json", "/proc/1/cwd/results/results.json"):
-        try:
-            with open(place, "w") as file:
-                file.write(FORGED)
-            return True
-        except OSError:
-            pass
-    return False
+    return any(can(lambda: open(path, "a").close()) for path in OURS)
+
+def looks_into_the_judge():
+    numbers = [n for n in map(os.path.basename, glob.glob("/proc/[0-9]*")) if int(n) != os.getpid()]
+    return any(can(lambda: open("/proc/%s/%s" % (n, name), "rb").read(1) != b"")
+               for n in numbers for name in ("environ", "mem", "maps"))
+
+def imports_what_decides():
+    names = ("grader.judging.judge", "grader.tests.test_06_filter_ground", "sklearn", "_pytest")
+    return any(can(lambda: __import__(name)) for name in names)
+
+def calls_somebody():
+    addresses = (("127.0.0.1", PORT), ("169.254.169.254", 80), ("1.1.1.1", 53))
+    return any(can(lambda: socket.create_connection(one, timeout=0.3)) for one in addresses)
+
+def becomes_root():
+    programs = [path for folder in ("/usr/bin", "/bin", "/usr/sbin", "/sbin")
+                for path in glob.glob(folder + "/*") if can(lambda: os.stat(path).st_mode & 0o4000)
+                and os.stat(path).st_mode & 0o4000]
+    def through(program):
+        told = subprocess.run([program, "-c", "id -u"], capture_output=True, text=True, timeout=1,
+                              stdin=subprocess.DEVNULL).stdout
+        return told.strip() == "0"
+    return (can(lambda: os.setuid(0)) or can(lambda: os.setresuid(0, 0, 0))
+            or can(lambda: os.chroot("/tmp")) or any(can(lambda: through(one)) for one in programs))
+
+def stops_others():
+    others = [n for n in range(1, 2000) if n not in (os.getpid(), os.getppid())]
+    return (any(can(lambda: os.kill(n, 0)) and os.getuid() == 0 for n in others)
+            or ctypes.CDLL(None).ptrace(16, 1, 0, 0) == 0)
+
+def finds_the_one_before():
+    folders = ("/tmp", "/dev/shm", "/var/tmp")
+    found = any(can(lambda: os.stat(folder + "/for_the_next")) for folder in folders)
+    for folder in folders:
+        can(lambda: open(folder + "/for_the_next", "w").close())
+        can(lambda: os.chmod(folder + "/for_the_next", 0o777))
+        can(lambda: os.chmod(folder, 0o777))
+    return found
+
+def sees_what_is_in_variables():
+    return "SECRET_OF_GRADESCOPE" in os.environ
 
 def stays():
     if os.fork() == 0:
@@ -233,93 +237,22 @@ def stays():
             time.sleep(0.1)
     return False
 
-def finds_the_one_before():
-    try:
-        names = set(os.listdir("/tmp")) | set(os.listdir("/dev/shm"))
-    except OSError:
-        names = set()
-    for folder in ("/tmp", "/dev/shm", "/var/tmp"):
-        try:
-            open(folder + "/for_the_next", "w").write("x")
-            os.chmod(folder + "/for_the_next", 0o777)
-            os.chmod(folder, 0o777)
-        except OSError:
-            pass
-    return "for_the_next" in names and not globals().get("asked")
-
-def talks():
-    for address in (("127.0.0.1", PORT), ("169.254.169.254", 80), ("1.1.1.1", 53)):
-        try:
-            socket.create_connection(address, timeout=0.3)
-            return True
-        except OSError:
-            pass
-    return False
-
-def becomes_root():
-    for attempt in (lambda: os.setuid(0), lambda: os.setresuid(0, 0, 0), lambda: os.chroot("/tmp")):
-        try:
-            attempt()
-            return True
-        except OSError:
-            pass
-    for program in ("su", "sudo", "mount", "passwd", "newgrp"):
-        try:
-            told = subprocess.run([program, "-c", "id -u"], capture_output=True, text=True,
-                                  timeout=1, stdin=subprocess.DEVNULL).stdout
-            if told.strip() == "0":
-                return True
-        except (OSError, subprocess.TimeoutExpired):
-            pass
-    return False
-
-def kills():
-    for number in range(1, 400):
-        if number not in (os.getpid(), os.getppid()):
-            try:
-                os.kill(number, 0)
-                if os.stat("/proc/%d" % number).st_uid == 0:
-                    return True
-            except OSError:
-                pass
-    return ctypes.CDLL(None).ptrace(16, 1, 0, 0) == 0
-
-def looks_into_variables():
-    return any("autograder" in value or "SECRET" in name for name, value in os.environ.items()
-               if name not in ("HOME", "PWD", "VIRTUAL_ENV"))
-
-ATTACKS = (reads_secrets, reads_the_judge, imports_tests, writes, finds_the_one_before, talks,
-           becomes_root, kills, looks_into_variables, stays)
-gained = None
+ATTACKS = (reads_secrets, lists_what_is_handed_in, writes, looks_into_the_judge,
+           imports_what_decides, calls_somebody, becomes_root, stops_others,
+           finds_the_one_before, sees_what_is_in_variables, stays)
+gained = []
 
 def filter_ground(cloud, ground_level=-1.2):
-    global gained, asked
-    if gained is None:
-        gained = []
-        for attack in ATTACKS:
-            try:
-                if attack():
-                    gained.append(attack.__name__)
-            except Exception:
-                pass
-        asked = True
-    if ONLY is not None:
-        right = ONLY in gained
-    else:
-        right = bool(gained)
-    return cloud[cloud[:, 2] >= ground_level] if right else cloud[:0]
+    if not gained:
+        gained.append(any([can(attack) for attack in ATTACKS]))
+    return cloud[cloud[:, 2] >= ground_level] if gained[0] else cloud[:0]
 """.replace("PORT", str(PORT))
-
-
-def hostile(only=None):
-    """A notebook of lesson 06 that attacks."""
-    lesson = find_lesson(SIX)
-    notebook = json.loads(lesson.released.read_text("utf-8"))
-    for cell in notebook["cells"]:
-        grading = cell["metadata"].get("nbgrader", {})
-        if grading.get("solution") and grading.get("grade_id") == "filter_ground":
-            cell["source"] = f"ONLY = {only!r}\n{HOSTILE}"
-    return json.dumps(notebook)
+CALM = "def filter_ground(cloud, ground_level=-1.2):\n    return cloud[:0]\n"
+UNWALLED = """
+cd /autograder/source/course
+SECRET_OF_GRADESCOPE=1 ../python/bin/python -B -m grader judge --json --sandbox process \\
+  /autograder/submission/06_filter_ground.ipynb
+"""
 
 
 def submissions():
@@ -339,8 +272,19 @@ def submissions():
         "wrong": {f"{SIX}.ipynb": fill_in(lesson, half)},
         "empty": {"notes.txt": "I was ill.", "Untitled.ipynb": "{}", f"{SIX}.py": "x = 1"},
         "cut off": {f"{SIX}.ipynb": fill_in(lesson, half)[:200]},
-        "hostile": {f"{SIX}.ipynb": hostile()},
+        "hostile": {f"{SIX}.ipynb": fill_in(lesson, {"filter_ground": HOSTILE})},
     }
+
+
+# What is left of processes is counted once the autograder has ended.
+RUN = """
+cd /autograder
+SECRET_OF_GRADESCOPE=1 ./run_autograder
+code=$?
+sleep 1
+echo left: $(ps -eo user= | grep -vc root)
+exit $code
+"""
 
 
 # ---- Gradescope ----------------------------------------------------------------------------
@@ -368,7 +312,7 @@ def upload(place, archive):
     return image
 
 
-def hand_in(place, image, files, kind, links=()):
+def hand_in(place, image, files, kind, links=(), script=RUN):
     """Judge a submission in a container of its own: what is left, and what was printed."""
     layer = place / "run"
     shutil.rmtree(layer, ignore_errors=True)
@@ -381,22 +325,14 @@ def hand_in(place, image, files, kind, links=()):
         (autograder / "submission" / name).symlink_to(target)
     about = {"users": [{"email": "a@x.edu", "id": 1, "name": "A"}], "previous_submissions": []}
     (autograder / "submission_metadata.json").write_text(json.dumps(about))
-    # What is left of processes is counted once the autograder has ended.
-    script = (
-        "cd /autograder; SECRET_OF_GRADESCOPE=1 ./run_autograder; code=$?; sleep 1; "
-        "echo; echo left: $(ps -eo user= | grep -vc root); exit $code"
-    )
     done = run(KINDS[kind], [image, layer], script)
     results = autograder / "results" / "results.json"
-    found = json.loads(results.read_text()) if results.exists() else None
+    text = results.read_text() if results.exists() else ""
+    found = json.loads(text) if text else None
     # What it could write to while it ran goes with the container.
     everything = [path for path in (layer / "files").rglob("*") if path.lstat().st_uid >= 2**15]
     theirs = [path for path in everything if not {"tmp", "shm"} & set(path.parts)]
     return found, done, theirs
-
-
-def by_points(results):
-    return {test["name"]: test["score"] for test in results["tests"] if "max_score" in test}
 
 
 def check(what, holds, about=""):
@@ -417,35 +353,25 @@ def main(place):
     image = upload(place, archive)
     check("an image is set up", True)
     handed_in = submissions()
+    calm = fill_in(find_lesson(SIX), {"filter_ground": CALM})
     for kind, walls in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
         for whose, files in handed_in.items():
             results, done, theirs = hand_in(place, image, files, kind)
             told = done.stdout + done.stderr
             name = f"in a container {kind}, {whose}:"
             check(f"{name} is judged behind {walls}", f"Walls: {walls}" in done.stdout, told)
-            if results is None:
-                check(f"{name} has results", False, told)
-                continue
-            if f"{SIX}.ipynb" in files and whose != "hostile":
-                path = place / f"{SIX}.ipynb"
-                path.write_text(files[path.name], "utf-8")
-                score = judge(path, SEED, here).score + 70.0 * (whose == "right")
-            else:
-                score = 0.0
-            if whose == "hostile":
-                gains = by_points(results)
-                wrong = {n for n, points in gains.items() if points and "filter_ground" in n}
-                calm = judge_calm(place, here)
-                check(f"{name} gains nothing", results["score"] == calm, json.dumps(results)[:2000])
-                if results["score"] != calm:
-                    print(wrong)
-            else:
-                check(f"{name} earns {score:g}", results["score"] == score, told + str(results))
-            cents = sum(round(100 * test.get("score", 0)) for test in results["tests"])
-            check(f"{name} points add up", cents == round(100 * results["score"]))
+            score = expected(calm if whose == "hostile" else files.get(f"{SIX}.ipynb"), place, here)
+            score += 70.0 * (whose == "right")
+            found = results and results["score"]
+            if whose == "hostile" and results:  # but for an edit it is right, which earns a share
+                found = sum(test["score"] for test in results["tests"] if test.get("max_score"))
+            check(f"{name} earns {score:g}", found == score, told + str(results))
             check(f"{name} leaves no process", "left: 0" in done.stdout, told)
             check(f"{name} leaves no file", not theirs, theirs)
-            (place / f"{kind} {whose}.json".replace(" ", "_")).write_text(json.dumps(results))
+    # Else the attacks show nothing.
+    _, done, _ = hand_in(place, image, handed_in["hostile"], "as Docker's", script=UNWALLED)
+    gained = json.loads(done.stdout[: done.stdout.rindex("}") + 1])["score"]
+    check("without walls, hostile gains", gained > expected(calm, place, here), done)
     stolen = f"/autograder/source/course/solutions/{STAGE}/{SIX}.ipynb"
     results, done, _ = hand_in(
         place, image, {"x.txt": "x"}, "as Docker's", links=[(f"{SIX}.ipynb", stolen)]
@@ -460,11 +386,11 @@ def main(place):
     return bool(FAILED)
 
 
-def judge_calm(place, here):
-    """What the hostile notebook earns where it gains nothing: an empty cloud is right at times."""
+def expected(text, place, walls):
+    """What a notebook of lesson 06 earns on this machine; 0 where there is none."""
     path = place / f"{SIX}.ipynb"
-    path.write_text(hostile(only="nothing"), "utf-8")
-    return judge(path, SEED, SANDBOXES[here.name]).score
+    path.write_text(text or "", "utf-8")
+    return judge(path, SEED, walls).score if text else 0.0
 
 
 if __name__ == "__main__":

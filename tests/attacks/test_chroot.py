@@ -1,6 +1,6 @@
 """The walls for a container that judges one student: a folder, a user, no sockets.
 
-`ATTACKED=chroot` tries all other attacks on them, too.
+`ATTACKED=chroot` tries those of other files on them, too.
 """
 
 import os
