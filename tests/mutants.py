@@ -69,7 +69,12 @@ TESTS = {
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
     "grader/lms/copies.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/differences.py": ("test_gradebook.py", "test_dates.py"),
-    "grader/lms/entering.py": ("test_gradebook.py", "test_history.py", "test_enrolment.py"),
+    "grader/lms/entering.py": (
+        "test_gradebook.py",
+        "test_history.py",
+        "test_enrolment.py",
+        "test_rules.py",
+    ),
     "grader/lms/entries.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/gradebook.py": ("test_gradebook.py",),
     "grader/lms/penalties.py": ("test_gradebook.py", "test_dates.py"),

@@ -95,7 +95,6 @@ def _enter_or_say_why_not(
     course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
 ) -> list[str]:
     """Write one submission; a sentence on each thing that is not as it should be then."""
-    trouble = []
     try:
         trouble = _enter_one(course, book, entry, late, deadlines)
     except Replaced as replaced:  # what is there stays, until somebody judges again
