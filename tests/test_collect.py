@@ -1039,7 +1039,36 @@ def test_a_row_that_may_be_two_peoples_is_nobodys_time(course):
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
-    assert outcome.undecided == {"yan": "the table of times has no line about them"}
+    reason = "the table of times has no line about them, or more than one"
+    assert outcome.undecided == {"yan": reason}
+
+
+@pytest.mark.parametrize(
+    ("number", "email", "known"),
+    [
+        (11, "ada@x.edu", False),  # her line, once more
+        (77, "ada@x.edu", True),  # she is known by her number
+        (77, "eve@x.edu", True),
+    ],
+)
+def test_a_students_text_makes_nobody_late(course, number, email, known):
+    """Moodle ends no cell at the quotation mark behind a backslash; everybody else does."""
+    with_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
+    table = course.root / "worksheet.csv"
+    early, late = "Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM"
+    hers = f'"Participant 11","Ada Lovelace","ada@x.edu","Submitted","","{early}"\n'
+    forged = f'Participant {number},Ada Lovelace,{email},Submitted,,"{late}"\n'
+    table.write_text(
+        "Identifier,Full name,Email address,Status,Online text,Last modified (submission)\n"
+        f'{hers}"Participant 12","Eve Evil","eve@x.edu","Submitted","C:\\" ,-\n{forged}","-"\n'
+    )
+    (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
+    files = moodle_files("Ada Lovelace", 11, [(f"{SIX}.ipynb", notebook())])
+    outcome = collect(course, archive(course, files), times=table)
+    if known:
+        assert placed(course, "ada")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
+    else:
+        assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed(course, "ada")
 
 
 def test_a_namesake_of_another_number_is_asked_about(course):

@@ -129,14 +129,13 @@ class Owners:
         )
 
     def rows(self, owner: Owner, id: str) -> Iterable[Row]:
-        """Lines of the worksheet about a student, the likeliest first."""
+        """Lines of the worksheet about a student: of two in Moodle's own, nobody's can be told."""
         person = self._roster.person(id) if self._roster else None
         row = self._worksheet.participant(owner.participant)
-        if person is None:
-            return [row] if row else self._worksheet.naming(id)
-        if row and person in self._people_of(row):
+        if row and (person is None or person in self._people_of(row)):
             return [row]
-        return self._rows_by_id.get(person.id, [])
+        rows = self._rows_by_id.get(person.id, []) if person else self._worksheet.naming(id)
+        return [] if self._worksheet.is_moodles and len(rows) > 1 else rows
 
     @functools.cached_property
     def _rows_by_id(self) -> dict[str, list[Row]]:

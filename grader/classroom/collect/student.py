@@ -224,4 +224,4 @@ def _time(
     # Who marks what is late says of the rest that it is not: a table of the late ones is enough.
     if rows is None or all(one.late is False for _, one in handed):
         return None, ""
-    return None, "the table of times has no line about them"
+    return None, "the table of times has no line about them, or more than one"

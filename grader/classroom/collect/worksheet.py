@@ -11,6 +11,7 @@ import csv
 import functools
 import re
 import unicodedata
+from collections import Counter
 from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from pathlib import Path
@@ -67,9 +68,19 @@ class Row:
 
 @dataclass(frozen=True)
 class Worksheet:
-    """A table of who handed in when."""
+    """A table of who handed in when.
+
+    In Moodle's own each person has one line and a number. Texts of students stand in it, too, and
+    as Moodle doubles no quotation mark behind a backslash, one can end its cell, and go on with
+    lines about somebody else.
+    """
 
     rows: tuple[Row, ...] = ()
+
+    @functools.cached_property
+    def is_moodles(self) -> bool:
+        """Whether its lines have the numbers of Moodle's participants."""
+        return any(row.participant for row in self.rows)
 
     def participant(self, number: str) -> Row | None:
         """The row of one of Moodle's participants."""
@@ -81,7 +92,8 @@ class Worksheet:
 
     @functools.cached_property
     def _by_number(self) -> dict[str, Row]:
-        return {row.participant: row for row in self.rows if row.participant}
+        times = Counter(row.participant for row in self.rows)
+        return {row.participant: row for row in self.rows if times[row.participant] == 1}
 
 
 def read_worksheet(path: Path, zone: tzinfo | None) -> Worksheet:
