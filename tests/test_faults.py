@@ -618,7 +618,7 @@ def test_who_sleeps_is_given_up_as_soon_as_who_works_and_not_called_starved(sand
                 getattr(student, name)(60)
             assert not student.starved
             assert student._budget.seconds == pytest.approx(179.4, abs=0.5)
-            assert name == "f" or time.monotonic() - begin < 20
+            assert name == "f" or time.monotonic() - begin < 60
 
 
 @pytest.mark.slow

@@ -62,5 +62,5 @@ def stopped_by(source, *arguments, calls=3, **limits):
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):
             student.f(*arguments)
-    assert time.monotonic() - begin < 30
+    assert time.monotonic() - begin < 120
     return str(stopped.value)

@@ -185,7 +185,7 @@ def test_memory_of_what_hides_from_its_parent_counts():
         pytest.raises(StudentStopped, match="too much memory"),
     ):
         student.f()
-    assert time.monotonic() - begin < 14
+    assert time.monotonic() - begin < 60
 
 
 TRY = """

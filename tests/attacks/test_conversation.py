@@ -125,7 +125,7 @@ def test_breaks_off_the_conversation(body, sentence):
         for number in range(3):
             student.f(number)
     assert re.search(sentence, str(stopped.value))
-    assert time.monotonic() - begin < 20
+    assert time.monotonic() - begin < 60
 
 
 # An answer comes in pieces from then on: the first at once, the others one by one.

@@ -286,7 +286,7 @@ def test_hands_in_something_strange_as_a_module(make, tmp_path):
     make(tmp_path / "x" / "helper.py", other)
     begin = time.monotonic()
     handed_in = read_handed_in(notebook)
-    assert time.monotonic() - begin < 5
+    assert time.monotonic() - begin < 60
     assert "SECRET" not in "".join(handed_in.modules.values())
     assert handed_in.notebook().code == ("x = 1",)
 

@@ -190,7 +190,7 @@ def test_takes_more_memory_than_all_may_have_together(body):
     begin = time.monotonic()
     sentence = stopped_by(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE)
     assert TOO_MUCH in sentence
-    assert time.monotonic() - begin < 15
+    assert time.monotonic() - begin < 60
 
 
 def test_takes_memory_between_two_calls():
