@@ -114,7 +114,7 @@ A_FEW_OF_MANY = {
     "test_a_full_disk_is_named_and_loses_nothing": ("3",),
     "test_clouds_of_every_size_are_drawn": ("none", "some not finite"),
     "test_exercises_of_solved_lessons_work": ("01", "06"),
-    "test_every_file_that_is_read_while_judging_is_in_the_key": ("12",),
+    "test_every_file_that_is_read_while_judging_is_in_the_key": ("11",),
     "test_what_is_imported_in_the_code_is_in_the_key": ("03", "12"),
     "test_a_right_loop_earns_everything_whatever_it_calls": (),
     "test_the_same_bytes_again": (),
@@ -139,6 +139,9 @@ A_FEW_OF_MANY = {
     ),
     "test_a_verdict_adds_up": ("02", "04", "08"),
     "test_who_shares_the_processor_has_as_much_of_it_as_another": ("3",),
+    "test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep": ("threads",),
+    "test_a_coin_earns_no_more_than_whoever_writes_its_wrong_side_down": ("None",),
+    "test_there_are_at_least_a_hundred_attacks_and_each_says_what_it_tries": (),
     "test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved": (),
     "test_a_search_for_neighbours_earns_everything_in_05": ("scikit-learn's tree]", "SciPy"),
     "test_a_browser_obeys_none_of_them": (),
@@ -183,7 +186,10 @@ A_FEW_OF_MANY = {
 }
 
 
-MADE_ONCE = ("test_standalone", "test_build", "test_scenes", "test_hermetic", "test_markdown")
+MADE_ONCE = (
+    *("test_standalone", "test_build", "test_scenes", "test_hermetic", "test_markdown"),
+    "test_site",
+)
 
 
 @pytest.hookimpl(tryfirst=True)
