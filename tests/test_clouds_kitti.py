@@ -68,7 +68,7 @@ def test_bad_calibration_is_explained(tmp_path):
     assert "no line R0_rect or R_rect" in message_of(read_calibration, path)
     path.write_text(OBJECT_CALIBRATION.replace("-0.27", ""))
     assert "line 3" in message_of(read_calibration, path)
-    for nonsense in ("0", "nan"):
+    for nonsense in ("0", "nan", "inf", "1e9991", "-1e300"):
         path.write_text(OBJECT_CALIBRATION.replace("1 0 0", f"{nonsense} 0 0", 1))
         assert "rotation" in message_of(read_calibration, path)
     assert "calib_velo_to_cam.txt" in message_of(read_calibration, tmp_path)

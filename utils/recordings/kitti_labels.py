@@ -63,9 +63,11 @@ def read_calibration(path: str | os.PathLike) -> Calibration:
         mounting = _matrix(path, ["Tr_velo_to_cam", "Tr_velo_cam"], (3, 4))
         rectification = _matrix(path, ["R0_rect", "R_rect"], (3, 3))
         projection = _matrix(path, ["P2"], (3, 4))
-    camera_from_sensor = np.vstack([rectification @ mounting, [0, 0, 0, 1]])
-    turn = camera_from_sensor[:3, :3]
-    if not np.allclose(turn @ turn.T, np.eye(3), atol=0.01):  # also where it is not-a-number
+    with np.errstate(all="ignore"):  # of what is no rotation, or no number
+        camera_from_sensor = np.vstack([rectification @ mounting, [0, 0, 0, 1]])
+        turn = camera_from_sensor[:3, :3]
+        turns = np.allclose(turn @ turn.T, np.eye(3), atol=0.01)
+    if not turns:
         raise file_error(
             path, "", "the matrices do not describe a rotation", "Get the calibration file again."
         )
