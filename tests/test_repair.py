@@ -100,10 +100,25 @@ def test_a_slip_in_a_helper_of_ones_own_is_a_slip(sandbox):
     assert exercises["line_through"].slip.before in IN_A_HELPER[: IN_A_HELPER.index("def line")]
 
 
-def test_an_endless_loop_costs_seconds(sandbox):
+def test_an_endless_loop_costs_no_process_for_each_edit(sandbox, monkeypatch):
+    """What hangs is interrupted where it is."""
+    started, tried = [], []
+    start, hold_with = type(sandbox).start, repair._Questions.hold_with
+
+    def noted_start(*about, **more):
+        started.append(about)
+        return start(*about, **more)
+
+    def noted_edit(questions, number):
+        tried.append(number)
+        return hold_with(questions, number)
+
+    monkeypatch.setattr(type(sandbox), "start", noted_start)
+    monkeypatch.setattr(repair._Questions, "hold_with", noted_edit)
     limits = Limits(call_seconds=0.4, restarts=1)
     _, exercises = judged(sandbox, limits=limits, line_through=ENDLESS)
-    assert exercises["line_through"].score <= 3.0
+    assert exercises["line_through"].score == 0 and exercises["line_through"].slip is None
+    assert len(tried) > 10 and len(started) < 10 + len(tried) / 4
 
 
 def test_an_edit_is_looked_for_in_what_calls_a_wrong_function(sandbox):

@@ -7,9 +7,11 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
-from grader.judging import repair
+from grader.judging import judge, repair
 from grader.sandbox import Limits
+from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.patience import Budget
 from grader.sandbox.student import ONCE_MORE
 from tests.attacks.attacking import WALLS, attack, function, outcome_of, tried
 from tests.attacks.test_harm import HOLD
@@ -257,12 +259,22 @@ SLEEPY = {
 
 
 @pytest.mark.slow
-def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in):
+def test_a_notebook_that_sleeps_everywhere_has_one_budget(hand_in, monkeypatch):
     """It is judged twice, too: its last exercise calls the others."""
-    verdict = hand_in(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=18.0, restarts=3)
+    budgets = []
+
+    class Noted(Budget):
+        def __init__(self, limits):
+            super().__init__(limits)
+            budgets.append(self)
+
+    for module in (judge, repair, students):
+        monkeypatch.setattr(module, "Budget", Noted)
+    verdict = hand_in(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
     assert verdict.score == 0 and not verdict.starved
     for exercise in verdict.exercises:
         messages = [test.message for test in exercise.tests]
         assert sum("did not answer" in message for message in messages) <= 1
         assert sum("For the same reason" in message for message in messages) == len(messages) - 1
-    assert verdict.seconds < 600
+    [budget] = budgets
+    assert -1.5 < budget.seconds < 0.5, "all of it is slept away, and hardly more"
