@@ -253,10 +253,26 @@ def test_minutes_are_computed(toy):
     cells = jupytext.reads(f"# %% [markdown]\n{long}\n", fmt="py:percent")
     assert minutes.in_all(cells) == 10
     cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(12 + 5 + 16 + 0.2, abs=0.05)
+    assert minutes.sections(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
     pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
     cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(33.2 + 2 * 2, abs=0.05)
+    assert minutes.sections(cells)["Long"] == pytest.approx(33.25 + 2 * 2, abs=0.05)
+    report = '# %% [markdown] nbgrader={"grade": true}\n# Your answer\n'
+    cells.cells += jupytext.reads(report, fmt="py:percent").cells
+    assert minutes.sections(cells)["Long"] == pytest.approx(37.25 + 15, abs=0.05)
+
+
+def test_what_is_for_who_wants_more_is_told_and_not_counted():
+    long, more = (
+        "\n".join([f"# ## {title}", "#", "# " + "word " * 1500])
+        for title in ("Long", "If you want more")
+    )
+    text = f"# %% [markdown]\n# (time)\n#\n{long}\n#\n{more}\n\n# %%\nprint(1)\n"
+    cells = jupytext.reads(text, fmt="py:percent")
+    assert minutes.in_all(cells) == 15 and minutes.sittings(cells) == [pytest.approx(15, abs=0.05)]
+    minutes.tell(cells)
+    assert "about 15 minutes" in cells.cells[0].source
+    assert "<td>If you want more</td><td>15 on top</td>" in cells.cells[0].source
 
 
 def test_no_sitting_is_longer_than_ninety_minutes(lesson):

@@ -649,14 +649,6 @@ print(f"points of this scan with x = 0 that are no lost returns: {((xs == 0) & (
 # scan = scan.remove_non_finite_points(remove_nan=True, remove_infinite=True)
 # ```
 #
-# ## If you want more
-#
-# 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance. The picture at the head of this lesson was made so.
-# 2. Compute the distance beyond which a pedestrian, 0.5 m wide and 1.7 m tall, gets fewer than 10 returns from the 64-beam scanner (steps of 0.18°, beams a third of a degree apart). Compare with `truth["box_returns"]`.
-#    <details><summary>An answer</summary>At the distance d one step is 0.00314 d wide and one beam 0.00582 d high. So 0.5 / (0.00314 d) × 1.7 / (0.00582 d) returns fit, about 46,500 / d²: fewer than 10 beyond 68 m. In the scan it happens much nearer, because others stand in the way.</details>
-# 3. Run `with_a_loop` on `cloud.tolist()` instead of the array, and find out why it is faster.
-#    <details><summary>An answer</summary>A list holds Python's own numbers. Each `row[0]` of an array makes a new NumPy number first, and arithmetic with those is slower than with Python's own.</details>
-#
 # ## Summary
 #
 # - A ray gives a range; range, azimuth and elevation give a point; a turn gives a scan, a list of points.
@@ -667,6 +659,15 @@ print(f"points of this scan with x = 0 that are no lost returns: {((xs == 0) & (
 # **Sources.** How LiDARs work: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).
 #
 # **Next:** 02 · RANSAC: a line through the crowd
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Write `azimuth(cloud)` in degrees with `np.arctan2` and draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance. The picture at the head of this lesson was made so.
+# 2. Compute the distance beyond which a pedestrian, 0.5 m wide and 1.7 m tall, gets fewer than 10 returns from the 64-beam scanner (steps of 0.18°, beams a third of a degree apart). Compare with `truth["box_returns"]`.
+#    <details><summary>An answer</summary>At the distance d one step is 0.00314 d wide and one beam 0.00582 d high. So 0.5 / (0.00314 d) × 1.7 / (0.00582 d) returns fit, about 46,500 / d²: fewer than 10 beyond 68 m. In the scan it happens much nearer, because others stand in the way.</details>
+# 3. Run `with_a_loop` on `cloud.tolist()` instead of the array, and find out why it is faster.
+#    <details><summary>An answer</summary>A list holds Python's own numbers. Each `row[0]` of an array makes a new NumPy number first, and arithmetic with those is slower than with Python's own.</details>
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -693,14 +693,6 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
 # ransac.fit(points[:, :1], points[:, 1])  # then ransac.inlier_mask_ and ransac.estimator_.coef_
 # ```
 #
-# ## If you want more
-#
-# 1. Turn your function into MSAC: keep the line with the smallest sum of min(d², t²). Compare it with the plain one on many sets of twenty points, for thresholds from 0.3 to 3 m.
-#    <details><summary>An answer</summary>On the 300 sets from above, with 40 rounds, it is better from about 0.7 m on, and the more so the wider the band: half of the runs were off by less than 2.2° (plain) and 1.6° (MSAC) at 1 m, by less than 7.1° and 2.6° at 3 m. At 0.3 m the two are alike. So it no longer matters much which threshold you choose.</details>
-# 2. Stop early: after each new best line, compute from its inlier ratio how many rounds suffice for 99 %.
-# 3. Draw the second point of a sample only among the quarter of the points that is nearest to the first, or only among the farthest quarter. Try both on the twenty points with ten rounds and many seeds. How often are fewer than eight of the wall's ten points inliers? Explain the difference.
-#    <details><summary>An answer</summary>Far apart is better: roughness turns a short line more than a long one. Of 1,000 runs, 10 % missed the wall in this way with any second point, 18 % with a near one and 3 % with a far one. On a street with many things it may be the other way round: neighbours more often belong to the same wall.</details>
-#
 # ## Summary
 #
 # - Least squares trusts every point; one bad point can turn its line anywhere.
@@ -712,6 +704,15 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). PROSAC: [Chum and Matas 2005](https://doi.org/10.1109/CVPR.2005.221). LO-RANSAC: [Chum, Matas and Kittler 2003](https://doi.org/10.1007/978-3-540-45243-0_31). A survey in code: [Raguram et al. 2013](https://doi.org/10.1109/TPAMI.2012.257).
 #
 # **Next:** 03 · The road as a plane
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Turn your function into MSAC: keep the line with the smallest sum of min(d², t²). Compare it with the plain one on many sets of twenty points, for thresholds from 0.3 to 3 m.
+#    <details><summary>An answer</summary>On the 300 sets from above, with 40 rounds, it is better from about 0.7 m on, and the more so the wider the band: half of the runs were off by less than 2.2° (plain) and 1.6° (MSAC) at 1 m, by less than 7.1° and 2.6° at 3 m. At 0.3 m the two are alike. So it no longer matters much which threshold you choose.</details>
+# 2. Stop early: after each new best line, compute from its inlier ratio how many rounds suffice for 99 %.
+# 3. Draw the second point of a sample only among the quarter of the points that is nearest to the first, or only among the farthest quarter. Try both on the twenty points with ten rounds and many seeds. How often are fewer than eight of the wall's ten points inliers? Explain the difference.
+#    <details><summary>An answer</summary>Far apart is better: roughness turns a short line more than a long one. Of 1,000 runs, 10 % missed the wall in this way with any second point, 18 % with a near one and 3 % with a far one. On a street with many things it may be the other way round: neighbours more often belong to the same wall.</details>
 
 # %% [markdown] tags=["footer"]
 # (footer)

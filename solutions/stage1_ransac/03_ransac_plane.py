@@ -951,12 +951,6 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # - Samples need not be uniform. Points of the lower beams are ground more often, and three points far apart make a better plane.
 # - Large areas take several planes, one for each piece of road, or a grid of heights: far away a street bends, and the farther you look, the less one plane is enough.
 #
-# ## If you want more
-#
-# 1. Stop early: put `iterations_needed` into `ransac_plane`. How many rounds does the street need on average?
-# 2. Refuse samples whose plane is not nearly level, by its normal, before you count inliers. How much time does it save? Does the lorry still win?
-# 3. MSAC sums up the squared distances, cut off at the threshold, instead of counting. Is its plane better before the refit?
-#
 # ## Summary
 #
 # - A plane is a unit normal and an offset; the sign is free, the length is not.
@@ -967,6 +961,13 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
 #
 # **Next:** 04 · The KD-tree
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Stop early: put `iterations_needed` into `ransac_plane`. How many rounds does the street need on average?
+# 2. Refuse samples whose plane is not nearly level, by its normal, before you count inliers. How much time does it save? Does the lorry still win?
+# 3. MSAC sums up the squared distances, cut off at the threshold, instead of counting. Is its plane better before the refit?
 
 # %% [markdown] tags=["footer"]
 # (footer)

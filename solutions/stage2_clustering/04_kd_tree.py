@@ -22,7 +22,7 @@
 # - search it within a radius, and say for every branch why it was looked at or left out,
 # - balance it, and show by counting what you gain from balance.
 #
-# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **You need** lesson 01 and a little of Python's classes. There is a place to stop in the middle. **Time:** (time)
+# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -282,6 +282,9 @@ plots.kd_tree(by_arrival.root, title="Your tree");
 check(KdTree, exercise="insert")
 
 # %% [markdown]
+# **A good place to stop.** You can grow a tree. The next exercise searches it.
+
+# %% [markdown]
 # ## Searching: what may be left out?
 #
 # *A circle that lies on one side of a cut cannot hold a point from the other side.*
@@ -489,7 +492,8 @@ for metres, axes in zip((2.0, 8.0), panels):
 
 # %% [markdown]
 # **A good place to stop.** You can insert and search: two exercises of three are behind you. The second half asks in which *order* the points should arrive, and counts what you gain.
-#
+
+# %% [markdown]
 # ## Balance: the order of arrival shapes the tree
 #
 # *The first point decides for all that come after it. So let the middle one come first.*
@@ -788,13 +792,6 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # count, near, squared = open3d.geometry.KDTreeFlann(pcd).search_radius_vector_3d(post, 0.5)
 # ```
 #
-# ## If you want more
-#
-# 1. Write `nearest(tree, target)`: the radius shrinks to the best distance so far. Which side should you visit first? (The side of the target: a small radius prunes more of the other.)
-# 2. Cut along the side on which the region is longest instead of by turns. Count visits on a street, which is longer than it is high.
-# 3. Write `remove(tree, index)`. It is harder than `insert`: whatever replaces the node must still part the two branches below it.
-# 4. Let clustering of lesson 05 ask your tree, and find the size at which it overtakes the version that compares with all.
-#
 # ## Summary
 #
 # - A kd-tree cuts space by each axis in turn; inserting is one question per level.
@@ -805,6 +802,14 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # **Sources.** The kd-tree: [Bentley 1975](https://doi.org/10.1145/361002.361007). Splitting by medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). The cut of SciPy's tree: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
 #
 # **Next:** 05 · Euclidean clustering
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Write `nearest(tree, target)`: the radius shrinks to the best distance so far. Which side should you visit first? (The side of the target: a small radius prunes more of the other.)
+# 2. Cut along the side on which the region is longest instead of by turns. Count visits on a street, which is longer than it is high.
+# 3. Write `remove(tree, index)`. It is harder than `insert`: whatever replaces the node must still part the two branches below it.
+# 4. Let clustering of lesson 05 ask your tree, and find the size at which it overtakes the version that compares with all.
 
 # %% [markdown] tags=["footer"]
 # (footer)

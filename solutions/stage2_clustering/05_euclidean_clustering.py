@@ -516,13 +516,6 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 # - [Beams](#Words-of-the-course) spread. Near the horizon ours are a third of a degree apart: 17 cm at 30 m, and 47 cm at 80 m, where the range of our scanner ends. On a roof or a bonnet, which the beams only graze, gaps are wider still. In our scan every car beyond 40 m that has ten returns or more lies in pieces at 0.5 m. So real systems let the threshold grow with distance, or compare neighbours in the image of beams and azimuths by the *angle* of the step between them.
 # - Detectors trained on labelled scans find pedestrians beside cars better. Clustering stays beside them as a safety net: it also finds the sofa that fell off a lorry, which no training set had.
 #
-# ## If you want more
-#
-# 1. Let the threshold grow with the distance from the sensor, `0.3 + 0.01 * r`. Does either of the two errors shrink?
-# 2. Let only points with at least five neighbours pass on their label. That is DBSCAN proper. Does it part the two pedestrians? What becomes of the points that are never reached?
-# 3. Find the neighbours with your `KdTree` from lesson 04 (its tolerance is `<=`, ours `<`). At how many points does it overtake NumPy?
-# 4. Count how often points enter the queue if they are labelled on leaving. Begin with the seven points, and stop at a thousand entries.
-#
 # ## Summary
 #
 # - A cluster is a connected component: all that is reachable from neighbour to neighbour. No first point, no shape, no number is given.
@@ -533,6 +526,14 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 # **Sources.** Euclidean clustering of point clouds: [Rusu 2009](http://mediatum.ub.tum.de/doc/800632/941254.pdf), section 6.2, and the [PCL tutorial](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). The same clusters under other names: DBSCAN with `min_samples=1`, [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf); single linkage cut at the threshold, [Gower and Ross 1969](https://doi.org/10.2307/2346439); friends of friends among galaxies, [Huchra and Geller 1982](https://ui.adsabs.harvard.edu/abs/1982ApJ...257..423H). By angles in the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
 #
 # **Next:** 06 · Filter the ground
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Let the threshold grow with the distance from the sensor, `0.3 + 0.01 * r`. Does either of the two errors shrink?
+# 2. Let only points with at least five neighbours pass on their label. That is DBSCAN proper. Does it part the two pedestrians? What becomes of the points that are never reached?
+# 3. Find the neighbours with your `KdTree` from lesson 04 (its tolerance is `<=`, ours `<`). At how many points does it overtake NumPy?
+# 4. Count how often points enter the queue if they are labelled on leaving. Begin with the seven points, and stop at a thousand entries.
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -549,12 +549,6 @@ for (name, keep), axes in zip(wrong.items(), grid.flat):
 # - Level and margin come from calibration: the sensor's height changes by centimetres with the load of the car.
 # - A voxel grid stands at the start of nearly every pipeline; 0.1 to 0.3 m is usual in a city. The real-time lessons (10 to 12) show when you can do without.
 #
-# ## If you want more
-#
-# 1. Write `filter_ground_sloped(cloud, ground_level, slope)` whose level rises with distance. Which slope leaves the fewest errors in the curve above?
-# 2. Keep, of each cell, the point nearest to the centroid instead of the centroid itself. When is an invented point a problem?
-# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find its ground level from the histogram alone.
-#
 # ## Summary
 #
 # - Coordinates are relative to the sensor; the ground level is a property of the car.
@@ -564,6 +558,13 @@ for (name, keep), axes in zip(wrong.items(), grid.flat):
 # **Sources.** A sensor 1.73 m above the road: set-up of the KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by lines in sectors of azimuth: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059); by planes, piece by piece: [Zermas et al. 2017](https://doi.org/10.1109/ICRA.2017.7989591).
 #
 # **Next:** 07 · Filter by distance
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Write `filter_ground_sloped(cloud, ground_level, slope)` whose level rises with distance. Which slope leaves the fewest errors in the curve above?
+# 2. Keep, of each cell, the point nearest to the centroid instead of the centroid itself. When is an invented point a problem?
+# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find its ground level from the histogram alone.
 
 # %% [markdown] tags=["footer"]
 # (footer)

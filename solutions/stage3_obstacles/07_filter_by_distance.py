@@ -587,12 +587,6 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # outside = point_cloud.crop(box, invert=True)
 # ```
 #
-# ## If you want more
-#
-# 1. Write `crop_lane(cloud, width, curvature)`, a region that bends with the road: $|y - \tfrac{1}{2} \kappa x^2| \le w / 2$.
-# 2. A beam that looks down by the angle $\alpha$ from the height $h$ draws a ring of radius $h / \tan\alpha$ on a flat road, and each ring holds equally many returns. Which share of the road's returns should lie within 10 m? Compare with `filter_by_distance` on the returns of the class `ground`. (`utils.simulator.hdl64().elevations` holds the angles, `origin[2]` the height.)
-# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find the box of its car: which points stay in the same place over ten frames of a drive?
-#
 # ## Summary
 #
 # - Distance on a road is horizontal: x and y count, height and intensity do not.
@@ -602,6 +596,13 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Boxes and intervals as filters: PCL's [CropBox](https://pointclouds.org/documentation/classpcl_1_1_crop_box.html) and [PassThrough](https://pointclouds.org/documentation/classpcl_1_1_pass_through.html). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).
 #
 # **Next:** 08 · Bounding boxes
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Write `crop_lane(cloud, width, curvature)`, a region that bends with the road: $|y - \tfrac{1}{2} \kappa x^2| \le w / 2$.
+# 2. A beam that looks down by the angle $\alpha$ from the height $h$ draws a ring of radius $h / \tan\alpha$ on a flat road, and each ring holds equally many returns. Which share of the road's returns should lie within 10 m? Compare with `filter_by_distance` on the returns of the class `ground`. (`utils.simulator.hdl64().elevations` holds the angles, `origin[2]` the height.)
+# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find the box of its car: which points stay in the same place over ten frames of a drive?
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -454,12 +454,6 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30))
 # corners = np.asarray(box.get_box_points())
 # ```
 #
-# ## If you want more
-#
-# 1. Get rid of the loop: sort the points by label and use `np.minimum.reduceat`. How much faster is it with a thousand clusters?
-# 2. Give every box a margin of 0.2 m and count which of them now overlap. What does that say about the free gaps in this street?
-# 3. Replace minimum and maximum by percentiles. How many points of the street leave their boxes?
-#
 # ## Summary
 #
 # - A box is a minimum and a maximum for each axis; its corners are the eight ways to combine them.
@@ -470,6 +464,13 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30))
 # **Sources.** Boxes as collision volumes: [Ericson, Real-Time Collision Detection, chapter 4](https://realtimecollisiondetection.net/). Boxes in a benchmark: [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). NumPy reductions: [numpy.min](https://numpy.org/doc/stable/reference/generated/numpy.min.html).
 #
 # **Next:** 09 · Filter clusters
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Get rid of the loop: sort the points by label and use `np.minimum.reduceat`. How much faster is it with a thousand clusters?
+# 2. Give every box a margin of 0.2 m and count which of them now overlap. What does that say about the free gaps in this street?
+# 3. Replace minimum and maximum by percentiles. How many points of the street leave their boxes?
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -499,12 +499,6 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # - Time tells more than size. Spray is somewhere else in the next frame, a person is not. Trackers therefore keep even small clusters for a few frames and drop those that do not come back (lesson 12).
 # - Real scanners report several returns for one flash of light. A drop lets part of the light pass, so where there are two returns, the first came from something thin.
 #
-# ## If you want more
-#
-# 1. Write `filter_clusters_by_distance(cloud, cluster_labels, points_at_10m)` with the minimum $m(r)$ from above, and add its curves to the last figure. How many of the distant people come back, and how many ghosts?
-# 2. Filter by extent: drop clusters that are longer than 8 m or less than 0.3 m high. What is still wrong then?
-# 3. Add a parameter `max_num_points`. Find a value on `cloud.txt` that removes more walls than cars.
-#
 # ## Summary
 #
 # - A label of 0 means "belongs to no cluster"; the other labels keep their value, so that nothing shifts.
@@ -514,6 +508,13 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and fog in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
 #
 # **Next:** 10 · Clustering in real time
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Write `filter_clusters_by_distance(cloud, cluster_labels, points_at_10m)` with the minimum $m(r)$ from above, and add its curves to the last figure. How many of the distant people come back, and how many ghosts?
+# 2. Filter by extent: drop clusters that are longer than 8 m or less than 0.3 m high. What is still wrong then?
+# 3. Add a parameter `max_num_points`. Find a value on `cloud.txt` that removes more walls than cars.
 
 # %% [markdown] tags=["footer"]
 # (footer)

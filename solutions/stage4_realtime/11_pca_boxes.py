@@ -839,12 +839,6 @@ crooked.legend(lines, ["z-score: 45°", "not centred"], loc="upper left", frameo
 # box = point_cloud.get_oriented_bounding_box()                               # Open3D: by PCA, leans in space
 # ```
 #
-# ## If you want more
-#
-# 1. **Smallest rectangle, exactly.** One side of it always lies on an edge of the convex hull ([rotating calipers](https://en.wikipedia.org/wiki/Rotating_calipers)). Use `scipy.spatial.ConvexHull` and try only those headings. Mind clusters on a line: they have no hull.
-# 2. **L-shape fitting.** Instead of the area, score a heading by how close the points lie to the two nearest sides: sum of 1 / max(distance, 0.05 m) over all points, the larger the better ([Zhang et al. 2017](https://doi.org/10.1109/IVS.2017.7995698)). Try it on the thin L, and draw it into the last curve.
-# 3. Use your favourite yaw in `get_oriented_boxes`. Boxes by any of them earn full points: the judge asks that they are upright, contain all points and are not much larger than needed.
-#
 # ## Summary
 #
 # - Principal axes are the eigenvectors of the covariance: order them, mind that signs are free, and make the triple right-handed.
@@ -855,6 +849,13 @@ crooked.legend(lines, ["z-score: 45°", "not centred"], loc="upper left", frameo
 # **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). How bad PCA boxes can be: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
 #
 # **Next:** 12 · Streaming obstacles
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. **Smallest rectangle, exactly.** One side of it always lies on an edge of the convex hull ([rotating calipers](https://en.wikipedia.org/wiki/Rotating_calipers)). Use `scipy.spatial.ConvexHull` and try only those headings. Mind clusters on a line: they have no hull.
+# 2. **L-shape fitting.** Instead of the area, score a heading by how close the points lie to the two nearest sides: sum of 1 / max(distance, 0.05 m) over all points, the larger the better ([Zhang et al. 2017](https://doi.org/10.1109/IVS.2017.7995698)). Try it on the thin L, and draw it into the last curve.
+# 3. Use your favourite yaw in `get_oriented_boxes`. Boxes by any of them earn full points: the judge asks that they are upright, contain all points and are not much larger than needed.
 
 # %% [markdown] tags=["footer"]
 # (footer)
