@@ -389,6 +389,13 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
             [3.0, 3.0, 0.0, 0.1],
             [-3.0, -3.0, 0.0, 0.1],
             [2.0, -3.0, 1.0, 0.1],
+            # All zeros once they are rounded down, or up.
+            [0.9, 0.0, 0.0, 0.1],
+            [-0.9, 0.0, 0.0, 0.1],
+            [0.0, 0.8, 0.0, 0.1],
+            [0.0, -0.8, 0.0, 0.1],
+            [0.0, 0.0, 0.7, 0.1],
+            [0.0, 0.0, -0.7, 0.1],
         ]
     )
     answer = drop_invalid(crossing.copy())
