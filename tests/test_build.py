@@ -254,9 +254,14 @@ def test_minutes_are_computed(toy):
     assert minutes.in_all(cells) == 10
     cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
     assert minutes.sections(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
+    unread = (
+        "# %% [markdown]\n# ![what it shows](a.png) [one](https://ab.cd/ef) <details>x</details>\n"
+    )
+    cells.cells += jupytext.reads(unread, fmt="py:percent").cells
+    assert minutes.sections(cells)["Long"] == pytest.approx(33.25 + 1 / 100, abs=1e-6)
     pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
     cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(33.25 + 2 * 2, abs=0.05)
+    assert minutes.sections(cells)["Long"] == pytest.approx(33.26 + 2 * 2, abs=0.05)
     report = '# %% [markdown] nbgrader={"grade": true}\n# Your answer\n'
     cells.cells += jupytext.reads(report, fmt="py:percent").cells
     assert minutes.sections(cells)["Long"] == pytest.approx(37.25 + 15, abs=0.05)

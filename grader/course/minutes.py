@@ -22,6 +22,8 @@ MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that is to be written
 MINUTES_A_NOTEBOOK = 2  # to find one's functions in it, with all they call, and paste them
 MINUTES_A_REPORT = 15  # to write what a person reads
 WITHOUT_A_STOP = 90  # minutes
+# Hints are for who opens them; nobody reads what a picture shows, and where a link goes.
+UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
 STOP = "**A good place to stop.**"
 OPTIONAL = "If you want more"
 
@@ -37,8 +39,7 @@ def sections(notebook: NotebookNode) -> dict[str, float]:
     minutes, title = {}, "Before you start"
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
-            # Hints and reasons are for who opens them.
-            text = re.sub(r"<details>.*?</details>", "", cell.source, flags=re.S)
+            text = UNREAD.sub("", cell.source)
             for part in re.split(r"^(?=## )", text, flags=re.M):
                 if part.startswith("## "):
                     title = part.partition("\n")[0].removeprefix("## ").strip()
