@@ -446,29 +446,10 @@ plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -
 #
 # - look only where ground can be (the region of interest of lesson 07),
 # - refuse every plane of a sample whose normal is far from vertical, before you count its inliers,
-# - take the largest plane away and search the rest. That finds wall after wall, and then the ground.
-#
-# The last one needs no change to your function. After ten planes it gives up: a loop that waits for luck needs an end.
-
-# %%
-def ground_plane(points, rounds=100, threshold=0.2, seed=1):
-    """The largest plane whose normal points up or down, and the rows of its inliers."""
-    left = np.arange(len(points))
-    for _ in range(10):
-        plane, near = ransac_plane(points[left], rounds, threshold, seed)
-        if plane is None or abs(plane[2]) > 0.9:
-            return plane, left[near]
-        left = left[~near]  # not ground: take it away, and search the rest
-    return None, left[:0]
-
-
-ground, found = ground_plane(beside)
-near = np.isin(np.arange(len(beside)), found)
-plots.plane_model(beside, ground, near, 0.2, limits=((-2, 14), (-2.6, 1.2)),
-                  title="From the side: the largest plane whose normal points up");
+# - take the largest plane away and search the rest: that finds wall after wall, and then the ground.
 
 # %% [markdown]
-# **A good place to stop.** You can find the ground, and you know how the search is fooled. The second half sharpens the plane, asks how often the search succeeds, and goes for a drive. If you come back to it later, run all cells above this one first: in JupyterLab with *Run*, *Run All Above Selected Cell*, in Colab with *Runtime*, *Run before*.
+# **A good place to stop.** You can find the ground, and you know how the search is fooled. The second half sharpens the plane and asks how often the search succeeds. If you come back to it later, run all cells above this one first: in JupyterLab with *Run*, *Run All Above Selected Cell*, in Colab with *Runtime*, *Run before*.
 
 # %% [markdown]
 # ## Refit: let all inliers speak
@@ -525,13 +506,7 @@ plots.curves({"sum of squares along this direction": (angles, spread)},
              title="The sum of squares in every direction");
 
 # %% [markdown]
-# **How to find it in space.** The *singular value decomposition* gives three directions $v_1, v_2, v_3$, perpendicular to each other, sorted from the most to the least spread, and for each a singular value $s_k$ with $S(v_k) = s_k^2$. They are chosen so that the points' positions along any two of them do not go up and down together: $\sum (v_1 \cdot q)(v_2 \cdot q) = 0$, and so on.
-#
-# Why can no direction between them be better than the last one? Every unit normal is a mixture, $n = \alpha v_1 + \beta v_2 + \gamma v_3$ with $\alpha^2 + \beta^2 + \gamma^2 = 1$. Put it into $S$. All products of two different directions are zero, and what remains is
-#
-# $$S(n) = \alpha^2 s_1^2 + \beta^2 s_2^2 + \gamma^2 s_3^2 :$$
-#
-# an average of the three spreads, with weights that add up to 1. An average is never smaller than its smallest number, and it gets there by giving all the weight to it: $\gamma = 1$, so $n = v_3$. The last direction wins.
+# **How to find it in space.** The *singular value decomposition* gives three directions $v_1, v_2, v_3$, perpendicular to each other, sorted from the most to the least spread, and for each a singular value $s_k$ with $S(v_k) = s_k^2$. No direction between them is better than the last one: so $n = v_3$. (*If you want more* has the proof, in five lines.)
 #
 # Four points of a rough floor, 4 m long and 2 m wide, up to 10 cm too high or too low:
 
@@ -762,7 +737,80 @@ axes.set_xscale("log", base=2)
 axes.set_xticks(numbers, numbers);
 
 # %% [markdown]
-# With house fronts every measurement falls short of the formula, and on the street some do. To see why, look at single samples. Are all three points on the ground? And does their plane hold nine tenths of it? Then the same for a street that is not real: its ground is pressed flat, and nothing is left but 2 cm of noise.
+# With house fronts every measurement falls short of the formula, and on the street some do. The formula counts samples without outliers. It does not ask whether their planes are any good, and for two reasons some are not.
+#
+# - **Noise.** Where three points lie close together or nearly in a line, a little noise tilts their plane so much that it loses the far ground.
+# - **The model.** A real ground is not one plane: it has a crown, kerbs and pavements. Three good points, one of them on a pavement, make a plane that fits nothing.
+#
+# Between the house fronts two good samples in three fail, most of them for the second reason. *If you want more* presses the ground flat and counts. More rounds help against both: in practice one plays two or three times as many as the formula says. That is still few, and they would be as few for a million points.
+
+# %% [markdown]
+# ## Common mistakes
+#
+# *Most of them give a plane, only not this one.*
+#
+# | what was written | what you see |
+# |---|---|
+# | the normal is not divided by its length | the band is far too thin: a large triangle has a long normal |
+# | no `np.abs` | everything on one side of the plane counts as an inlier, however far |
+# | `d` with the wrong sign | a plane as far above the sensor as the ground is below |
+# | the last sample wins, not the best | another plane in each run |
+# | no test for `None` | an error, once in many runs |
+# | `points @ plane` with four columns | inliers that depend on brightness |
+
+# %% tags=["folded"]
+# @title Draws the first three mistakes (you need not read this)
+_, near = ransac_plane(street, 50, 0.2, 1)
+refitted = np.array(fit_plane(street[near]))
+upward = refitted * np.sign(refitted[2])  # its normal points up
+height = street[:, :3] @ upward[:3] + upward[3]
+mirrored = upward * [1, 1, 1, -1]
+wrong = {"not divided by its length, from a triangle of 4 m²": (upward, np.abs(8 * height) < 0.2),
+         "no abs, and a normal that points down": (upward, -height < 0.2),
+         "d with the wrong sign": (mirrored, np.abs(height + 2 * mirrored[3]) < 0.2)}
+figure, panels = plt.subplots(3, 1, figsize=(8.5, 8), layout="compressed")
+for (name, (plane, mask)), axes in zip(wrong.items(), panels):
+    plots.plane_model(street, plane, mask, 0.2, limits=((-10, 30), (-2.6, 2.4)),
+                      title=name, axes=axes)
+
+# %% [markdown]
+# ## In practice
+#
+# Open3D has the search in one call. Its parameters are yours; it gives back the four numbers and the rows of the inliers:
+#
+# ```python
+# points = open3d.utility.Vector3dVector(street[:, :3])
+# plane, rows = open3d.geometry.PointCloud(points).segment_plane(
+#     distance_threshold=0.2, ransac_n=3, num_iterations=50)
+# ```
+#
+# - The frame before is the best guess for this one: a car tries its last ground plane first. *Ten frames of a drive*, below, shows how much of the ground that already holds.
+# - Libraries stop as soon as the inliers found so far make more rounds pointless: they call `iterations_needed` in the loop, with the best share so far.
+# - Samples need not be uniform. Points of the lower beams are ground more often, and three points far apart make a better plane.
+# - Large areas take several planes, one for each piece of road, or a grid of heights: far away a street bends, and the farther you look, the less one plane is enough.
+#
+# ## Summary
+#
+# - A plane is a unit normal and an offset; the sign is free, the length is not.
+# - RANSAC finds the largest agreement. The share of inliers decides how many rounds it takes, the number of points does not.
+# - Look at the normal: the largest plane may be a wall.
+# - Refit with all inliers. That removes scatter, but not all of the bias: what is wrongly inside the threshold stays wrong.
+#
+# **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
+#
+# **Next:** 04 · The KD-tree
+
+# %% [markdown]
+# ## If you want more
+#
+# 1. Stop early: put `iterations_needed` into `ransac_plane`. How many rounds does the street need on average?
+# 2. Refuse samples whose plane is not nearly level, by its normal, before you count inliers. How much time does it save? Does the lorry still win?
+# 3. MSAC sums up the squared distances, cut off at the threshold, instead of counting. Is its plane better before the refit?
+
+# %% [markdown]
+# ### Noise, or the model?
+#
+# Why do good samples fail? Look at them one by one. Are all three points on the ground? And does their plane hold nine tenths of it? Then the same for a street that is not real: its ground is pressed flat, and nothing is left but 2 cm of noise.
 
 # %%
 def good_samples(points, ground):
@@ -796,27 +844,21 @@ for label, (points, on_ground) in searched.items():
           f"{iterations_needed(chance, 1, 0.99)} with the measured chance of a sample")
 
 # %% [markdown]
-# The formula counts samples without outliers. It does not ask whether their planes are any good, and for two reasons some are not.
-#
-# - **Noise.** Where three points lie close together or nearly in a line, a little noise tilts their plane so much that it loses the far ground. That happens on a flat ground, too: there one sample in four or five fails.
-# - **The model.** A real ground is not one plane. Around us nine tenths of it lie between 9 cm below the best plane and 13 cm above: crown, kerbs, pavements. Three good points, one of them on a pavement, make a plane that fits nothing. Between the house fronts two samples in three fail, and pressing the ground flat saves most of them. On the street alone, which has hardly any pavement, it saves few.
-#
-# More rounds help against both: in practice one plays two or three times as many as the formula says. That is still few, and they would be as few for a million points. Against the second a better model helps more, such as a plane for each piece of road.
-#
-# ## Plane or level?
+# - **Noise.** It tilts small triangles on a flat ground, too: there one sample in four or five fails.
+# - **The model.** Around us nine tenths of the ground lie between 9 cm below the best plane and 13 cm above. Between the house fronts two samples in three fail, and pressing the ground flat saves most of them. On the street alone, which has hardly any pavement, it saves few. A better model helps more than rounds do, such as a plane for each piece of road.
+
+# %% [markdown]
+# ### Plane or level?
 #
 # *A level is one number for the whole street; a plane climbs with it.*
 #
-# The simplest way to remove ground is to cut the cloud at one height, as lesson 06 does: everything below $z = -1.2$ m goes. Compare that with your plane, for every possible height of the cut. For a *height above the plane* the sign matters, so we turn the normal upwards first.
+# The simplest way to remove ground is to cut the cloud at one height, as lesson 06 does: everything below $z = -1.2$ m goes. Compare that with your plane, for every possible height of the cut.
 #
 # There are two errors: ground that stays becomes a ghost obstacle, and obstacle that goes becomes a blind spot.
 
 # %%
 is_obstacle = ~np.isin(kinds, [names.index(name) for name in ("ground", "invalid", "ego")])
-_, near = ransac_plane(street, 50, 0.2, 1)
-refitted = np.array(fit_plane(street[near]))
-upward = refitted * np.sign(refitted[2])
-heights = {"one level": street[:, 2], "your plane": street[:, :3] @ upward[:3] + upward[3]}
+heights = {"one level": street[:, 2], "your plane": height}
 errors = {}
 for name, height in heights.items():
     cuts = np.linspace(np.median(height[is_ground]), height[is_ground].max() + 0.3, 80)
@@ -836,11 +878,32 @@ axes.legend();
 
 # %% [markdown]
 # Both get rid of the ground. But the street climbs: the level must lie above the highest ground in sight, and so it cuts deep into everything downhill, behind us. The plane can cut close everywhere. The price is work, 50 rounds with about eight operations for each point, and a new way to fail: a level never mistakes a wall for the ground.
-#
-# ## Ten frames of a drive
+
+# %% [markdown]
+# ### Ten frames of a drive
 #
 # *A single scan can be lucky. A drive shows when the method fails.*
 #
+# In a drive a wall may win at any time. The third cure needs no change to your function: take the largest plane away and search the rest. After ten planes it gives up: a loop that waits for luck needs an end.
+
+# %%
+def ground_plane(points, rounds=100, threshold=0.2, seed=1):
+    """The largest plane whose normal points up or down, and the rows of its inliers."""
+    left = np.arange(len(points))
+    for _ in range(10):
+        plane, near = ransac_plane(points[left], rounds, threshold, seed)
+        if plane is None or abs(plane[2]) > 0.9:
+            return plane, left[near]
+        left = left[~near]  # not ground: take it away, and search the rest
+    return None, left[:0]
+
+
+ground, found = ground_plane(beside)
+near = np.isin(np.arange(len(beside)), found)
+plots.plane_model(beside, ground, near, 0.2, limits=((-2, 14), (-2.6, 1.2)),
+                  title="From the side: the largest plane whose normal points up");
+
+# %% [markdown]
 # Until now you had one scan. A car has ten [frames](#Words-of-the-course) a second. We drive for three seconds at 5 m/s through another street, which climbs by 2.2 %, too, and take every third frame: the same piece of street around the car, the number of rounds from your formula for a share of 0.3, a search, a refit. Making the frames takes some seconds.
 
 # %%
@@ -909,65 +972,15 @@ plots.ring(aside, middle[0], middle[2], radius=0.6 * (high - low)[0]);
 # In the ring is the side of a lorry, which comes towards us and passes. It is so close that it fills more of the view than the ground does, and it hides the ground behind it. No number of rounds helps here: the search did what it was told. Looking at the normal helps.
 #
 # **A real street.** With a connection you can put `"udacity_city"` in the place of `"simulated"` and run the last cells again. That fetches 22 frames, about 40 MB, that the [KITTI project](https://www.cvlibs.net/datasets/kitti) recorded, under its own licence, which is shown first. Nobody knows the true slope there, but the height of the sensor is stated: 1.73 m. Do you find it?
-#
-# ## Common mistakes
-#
-# *Most of them give a plane, only not this one.*
-#
-# | what was written | what you see |
-# |---|---|
-# | the normal is not divided by its length | the band is far too thin: a large triangle has a long normal |
-# | no `np.abs` | everything on one side of the plane counts as an inlier, however far |
-# | `d` with the wrong sign | a plane as far above the sensor as the ground is below |
-# | the last sample wins, not the best | another plane in each run |
-# | no test for `None` | an error, once in many runs |
-# | `points @ plane` with four columns | inliers that depend on brightness |
-
-# %% tags=["folded"]
-# @title Draws the first three mistakes (you need not read this)
-height = heights["your plane"]
-mirrored = upward * [1, 1, 1, -1]
-wrong = {"not divided by its length, from a triangle of 4 m²": (upward, np.abs(8 * height) < 0.2),
-         "no abs, and a normal that points down": (upward, -height < 0.2),
-         "d with the wrong sign": (mirrored, np.abs(height + 2 * mirrored[3]) < 0.2)}
-figure, panels = plt.subplots(3, 1, figsize=(8.5, 8), layout="compressed")
-for (name, (plane, mask)), axes in zip(wrong.items(), panels):
-    plots.plane_model(street, plane, mask, 0.2, limits=((-10, 30), (-2.6, 2.4)),
-                      title=name, axes=axes)
 
 # %% [markdown]
-# ## In practice
+# ### Why the last direction wins
 #
-# Open3D has the search in one call. Its parameters are yours; it gives back the four numbers and the rows of the inliers:
+# The three directions of a singular value decomposition are chosen so that the points' positions along any two of them do not go up and down together: $\sum (v_1 \cdot q)(v_2 \cdot q) = 0$, and so on. Every unit normal is a mixture, $n = \alpha v_1 + \beta v_2 + \gamma v_3$ with $\alpha^2 + \beta^2 + \gamma^2 = 1$. Put it into $S$. All products of two different directions are zero, and what remains is
 #
-# ```python
-# points = open3d.utility.Vector3dVector(street[:, :3])
-# plane, rows = open3d.geometry.PointCloud(points).segment_plane(
-#     distance_threshold=0.2, ransac_n=3, num_iterations=50)
-# ```
+# $$S(n) = \alpha^2 s_1^2 + \beta^2 s_2^2 + \gamma^2 s_3^2 :$$
 #
-# - The frame before is the best guess for this one: a car tries its last ground plane first. You saw in the last column of the drive how much of the ground that already holds.
-# - Libraries stop as soon as the inliers found so far make more rounds pointless: they call `iterations_needed` in the loop, with the best share so far.
-# - Samples need not be uniform. Points of the lower beams are ground more often, and three points far apart make a better plane.
-# - Large areas take several planes, one for each piece of road, or a grid of heights: far away a street bends, and the farther you look, the less one plane is enough.
-#
-# ## Summary
-#
-# - A plane is a unit normal and an offset; the sign is free, the length is not.
-# - RANSAC finds the largest agreement. The share of inliers decides how many rounds it takes, the number of points does not.
-# - Look at the normal: the largest plane may be a wall.
-# - Refit with all inliers. That removes scatter, but not all of the bias: what is wrongly inside the threshold stays wrong.
-#
-# **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
-#
-# **Next:** 04 · The KD-tree
-
-# %% [markdown]
-# ## If you want more
-#
-# 1. Stop early: put `iterations_needed` into `ransac_plane`. How many rounds does the street need on average?
-# 2. Refuse samples whose plane is not nearly level, by its normal, before you count inliers. How much time does it save? Does the lorry still win?
-# 3. MSAC sums up the squared distances, cut off at the threshold, instead of counting. Is its plane better before the refit?
+# an average of the three spreads, with weights that add up to 1. An average is never smaller than its smallest number, and it gets there by giving all the weight to it: $\gamma = 1$, so $n = v_3$. The last direction wins.
 
 # %% [markdown] tags=["footer"]
 # (footer)
