@@ -79,9 +79,8 @@ share.compare(100 * np.mean(kinds == "ground"), "Most beams point downwards, but
               "of the returns come from what stands in their way, most of them from walls and cars.")
 
 # %% [markdown]
-# The tall peak is road and pavement. It has a width because the street slopes, and because the scanner is never quite exact. The long shoulder to its right is everything else: cars, people, walls, trees. A good ground level lies at the foot of the peak, where the shoulder begins.
-
-# %% [markdown]
+# The tall peak is road and pavement; it is wide because the street slopes. The long shoulder to its right is everything else: cars, people, walls, trees. A good ground level lies at the foot of the peak, where the shoulder begins.
+#
 # ## The naive idea: ground is where z is 0
 #
 # *Heights are relative to the sensor, and nothing in the data says how high the sensor is.*
@@ -96,9 +95,8 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
 # %% [markdown]
 # Whole cars lie below the line: their roofs are lower than our sensor. The zero of this cloud is on *our* roof.
 #
-# Some teaching sheets say "remove everything below 1 metre, for example". For a sensor 1.73 m above the road that is as wrong as 0. The level depends on how the sensor is mounted, so it must be a parameter.
-
-# %% [markdown]
+# The level depends on how the sensor is mounted, so it must be a parameter.
+#
 # ## The idea: one level, a little above the road
 #
 # *Half a metre of margin forgives bumps, slopes and noise, and costs the wheels of the cars.*
@@ -109,20 +107,9 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
 #
 # With the road at about $-1.7$ m, $g = -1.2$ m leaves half a metre for kerbs, potholes and range noise. We lose wheels and feet, but nearly all of a car without wheels still makes one cluster. (Of nine cars within 25 m, six do at half a metre; three lose some points, and lesson 05 shows why.)
 #
-# In NumPy a condition on a column gives one `True` or `False` per row, and indexing with it keeps the rows that are `True`, in order. For example, the bright returns of a scan:
-
-# %%
-sample = np.array([[5.0, 0.2, -1.7, 0.1],
-                   [7.1, 1.4, -0.3, 0.9],
-                   [9.8, -2.0, 0.4, 0.7]])
-is_bright = sample[:, 3] > 0.5
-print(is_bright)
-print(sample[is_bright])
-
-# %% [markdown]
 # ## Exercise 1 · `filter_ground` (10 points)
 #
-# Keep the rows at or above `ground_level`. The cloud may have three columns or four, and it may be empty.
+# A mask of lesson 01, with the level as a parameter. Keep the rows at or above `ground_level`. The cloud may have three columns or four, and it may be empty.
 
 # %% nbgrader={"grade": false, "grade_id": "filter_ground", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def filter_ground(cloud, ground_level=-1.2):
@@ -155,7 +142,7 @@ def filter_ground(cloud, ground_level=-1.2):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# The comparison gives a mask, as `is_bright` above. Index rows with it: `cloud[mask]`, not `cloud[:, mask]`.
+# The comparison gives a mask: one `True` or `False` per row. Index rows with it: `cloud[mask]`, not `cloud[:, mask]`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
@@ -194,10 +181,6 @@ check(filter_ground)
 # *Too low and the ground comes back; too high and obstacles go.*
 
 # %%
-first = predict("Raise the level step by step. Of which kind does one vanish first?",
-                choices=["a car", "a pedestrian", "a wall"])
-
-# %%
 thin = cloud[::12]  # every twelfth point is enough to look at
 
 
@@ -220,29 +203,6 @@ for level, axes in zip((-1.6, -1.2, -0.5), rows):
                      title=f"ground_level = {level} m keeps {len(kept) / len(thin):.0%}")
 plots.ring(rows[1], -11.7, -2.7, radius=2.5, text="a car")
 plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");
-
-# %% [markdown]
-# Which kind loses one first? Your function can tell, with the truth at hand. We ask for the objects that have a hundred returns or more and stand within 15 m.
-
-# %%
-def vanishes_at(kind, levels):
-    """The first of some rising levels at which an object of this kind has no return left."""
-    mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
-    numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
-    for level in levels:
-        for number in numbers[sizes >= 100]:
-            if len(filter_ground(cloud[mine & (truth["objects"] == number)], level)) == 0:
-                return level
-    return np.inf
-
-# %%
-rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
-gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
-for name, level in gone.items():
-    print(f"{name} vanishes at {level:4.1f} m")
-first.compare(min(gone, key=gone.get), "A car is lower than a person. What a level loses first is "
-              "not what is small, but what is low. (The wall is that of a garden, 1.3 m high. Of "
-              "the house fronts the top beam sees 0.5 m above the sensor, and no more.)")
 
 # %% [markdown]
 # ## Theory against practice: what does the best level cost?
@@ -321,7 +281,7 @@ def by_skipping(rows):
 print_what_is_left({"every fifth": by_skipping})
 
 # %% [markdown]
-# Skipping rows thins everything by the same factor. The wall still has far more points than its shape needs, and the last car, 29 m away, is down to a few dozen. We want the opposite: the same density everywhere.
+# Skipping rows thins everything by the same factor. The wall still has far more points than its shape needs, and the last car, 29 m away, is down to a few dozen. We want the same density everywhere.
 #
 # ## The idea: one point per box of space
 #
@@ -526,7 +486,8 @@ fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes: four times
 # | `sums[which] += cloud` | centroids are pulled towards the sensor |
 # | `0.2` written into the function | the slider does nothing |
 
-# %%
+# %% tags=["folded"]
+# @title Four masks, three of them wrong (you need not read this)
 wrong = {"as it should be": thin[:, 2] > -1.2, "< instead of >=": ~(thin[:, 2] > -1.2),
          "column 1 instead of 2": thin[:, 1] > -1.2, "abs(z)": np.abs(thin[:, 2]) > -1.2}
 figure, grid = plt.subplots(2, 2, figsize=(8.5, 7.8), layout="compressed")
@@ -565,6 +526,35 @@ for (name, keep), axes in zip(wrong.items(), grid.flat):
 # 1. Write `filter_ground_sloped(cloud, ground_level, slope)` whose level rises with distance. Which slope leaves the fewest errors in the curve above?
 # 2. Keep, of each cell, the point nearest to the centroid instead of the centroid itself. When is an invented point a problem?
 # 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find its ground level from the histogram alone.
+
+# %% [markdown]
+# ### Who vanishes first?
+#
+# Your function can tell, with the truth at hand. We ask for the objects that have a hundred returns or more and stand within 15 m.
+
+# %%
+first = predict("Raise the level step by step. Of which kind does one vanish first?",
+                choices=["a car", "a pedestrian", "a wall"])
+
+# %%
+def vanishes_at(kind, levels):
+    """The first of some rising levels at which an object of this kind has no return left."""
+    mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
+    numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
+    for level in levels:
+        for number in numbers[sizes >= 100]:
+            if len(filter_ground(cloud[mine & (truth["objects"] == number)], level)) == 0:
+                return level
+    return np.inf
+
+# %%
+rising = np.round(np.arange(-1.2, 1.01, 0.1), 1)
+gone = {f"a {kind}": vanishes_at(kind, rising) for kind in ("car", "pedestrian", "wall")}
+for name, level in gone.items():
+    print(f"{name} vanishes at {level:4.1f} m")
+first.compare(min(gone, key=gone.get), "A car is lower than a person. What a level loses first is "
+              "not what is small, but what is low. (The wall is that of a garden, 1.3 m high. Of "
+              "the house fronts the top beam sees 0.5 m above the sensor, and no more.)")
 
 # %% [markdown] tags=["footer"]
 # (footer)
