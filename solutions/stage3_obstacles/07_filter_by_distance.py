@@ -54,22 +54,11 @@ within_10 = predict("What share of all returns lies within 10 m of the sensor?",
                     between=(0, 100), unit="%")
 
 # %% [markdown]
-# ## The naive idea: the length of the row
+# ## The naive idea: a ball around the sensor
 #
-# *A row is not a place: it holds a height and a brightness, too.*
+# *A straight line to the sensor is not the way that is left to drive.*
 #
-# `np.linalg.norm` gives the length of a vector, so `np.linalg.norm(cloud, axis=1)` looks like the distance of each point. It adds up the squares of *all* columns, intensity included. In our file the intensity runs from 0 to 1 and hardly shows. But many drivers report it from 0 to 255. The same street, from such a driver:
-
-# %%
-street = ((-15, 35), (-14, 14))
-other_driver = cloud * [1, 1, 1, 255]
-short_rows = np.linalg.norm(other_driver, axis=1) <= 10
-print(f"{short_rows.sum()} of {len(cloud):,} returns are left")
-plots.kept_and_removed(other_driver, short_rows, limits=street,
-                       title="Length of the row up to 10: the street is empty");
-
-# %% [markdown]
-# All the cars are gone, and nothing raised an error. Three columns, then: `np.linalg.norm(cloud[:, :3], axis=1)`, the straight line from the sensor to the point? Think of a lorry that carries its sensor 3.4 m up and brakes for everything within 6 m. A child stands 5.7 m in front of it. Here is the yard from the side, to scale:
+# Lesson 01 threw the intensity out of the distance. So three columns, `np.linalg.norm(cloud[:, :3], axis=1)`: the straight line from the sensor to the point? Think of a lorry that carries its sensor 3.4 m up and brakes for everything within 6 m. A child stands 5.7 m in front of it. Here is the yard from the side, to scale:
 
 # %% tags=["folded"]
 # @title Scan a lorry's yard (you need not read this)
@@ -105,28 +94,15 @@ print(f"of {is_child.sum()} returns of the child, {(slanted[is_child] <= 6).sum(
 # %% [markdown]
 # The straight line to the child starts 3.4 m above the road: even to the top of its head it is longer than 6 m, though along the road only 5.7 m are left. A ball around the sensor is the wrong shape: it gets narrower towards the road, where people stand.
 #
-# ## The idea: distance along the road
+# ## Exercise 1 · `filter_by_distance` (20 points)
 #
 # *What counts is how far we can still drive, and cars do not drive upwards.*
 #
-# The horizontal distance of a point $p$ forgets its height:
+# The horizontal distance of lesson 01 forgets the height:
 #
 # $$d(p) = \sqrt{x_p^2 + y_p^2}, \qquad \text{keep } \{\, p : d(p) \le r \,\}.$$
 #
-# All points with $d \le r$ form an upright cylinder around the sensor. NumPy computes with whole columns at once:
-
-# %%
-sample = np.array([[3.0, 1.0, 2.5, 0.1],
-                   [5.0, 2.0, -0.3, 0.9],
-                   [-1.0, 4.0, 9.9, 0.7]])
-print("x times y:    ", sample[:, 0] * sample[:, 1])
-print("square root:  ", np.sqrt(sample[:, 3]))
-print("rows with z<3:", sample[sample[:, 2] < 3].tolist())
-
-# %% [markdown]
-# ## Exercise 1 · `filter_by_distance` (20 points)
-#
-# Keep the rows whose horizontal distance is at most `distance`. The cloud may have three columns or four, and it may be empty.
+# All points with $d \le r$ form an upright cylinder around the sensor. Keep the rows whose horizontal distance is at most `distance`. The cloud may have three columns or four, and it may be empty.
 
 # %% nbgrader={"grade": false, "grade_id": "filter_by_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def filter_by_distance(cloud, distance=10.0):
@@ -249,7 +225,7 @@ print("share of the obstacles' returns:",
 #
 # The next step of the pipeline looks for neighbours, and the plainest way compares each point with all others: twice the points, four times the work. So we count what a radius leaves of the points above the ground, and square it.
 #
-# And what is lost? We count the cars, lorries, cyclists and pedestrians of which your filter leaves at least 20 returns. The dotted lines say how far a car must see: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, measured from its bumper: 2.5 s from 50 km/h. That holds for what stands. What drives towards us takes part of the way itself: in these 2.5 s the car 55 m ahead comes 13 m nearer. The line is the theory for points that are spread evenly over the area; the markers are what your function finds.
+# And what is lost? We count the cars, lorries, cyclists and pedestrians of which your filter leaves at least 20 returns. The dotted lines say how far a car must see what stands: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$ from its bumper, and 2.5 s from 50 km/h. (What drives towards us takes part of the way itself: in these 2.5 s the car 55 m ahead comes 13 m nearer.) The line is the theory for points that are spread evenly over the area; the markers are what your function finds.
 
 # %% tags=["folded"]
 # @title What a radius saves and what it loses (you need not read this)
@@ -306,8 +282,8 @@ for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]
 # NumPy compares a table of points with one corner column by column, and `.all(axis=1)` asks of each row whether it is `True` throughout:
 
 # %%
-limit = np.array([4.0, 2.0, 3.0])
-table = sample[:, :3] <= limit
+sample = np.array([[3.0, 1.0, 2.5], [5.0, 2.0, -0.3], [-1.0, 4.0, 9.9]])
+table = sample <= (4.0, 2.0, 3.0)
 print(table)
 print("all of the row:", table.all(axis=1), "  any of the row:", table.any(axis=1))
 
@@ -378,6 +354,7 @@ def outline(axes, minimum, maximum):
     axes.add_patch(plt.Rectangle(minimum[:2], length, width, fill=False, linestyle="--"))
 
 
+street = ((-15, 35), (-14, 14))  # x from, to; y from, to
 lane = crop_region(cloud, *region)
 axes = plots.from_above(lane, limits=street, title=f"{len(lane):,} points in the region")
 outline(axes, *region)
@@ -460,11 +437,13 @@ axes.text(1.05, -2.3, "a child here?", va="center");
 # %% [markdown]
 # Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; whoever builds a car measures it to the centimetre.
 #
-# Mind your logic there. "Not (inside in x and y and z)" is "outside in x **or** y **or** z". Someone who asks for outside in x *and* y *and* z throws away all that shares a single coordinate with our car: the car ahead of us, too.
-#
 # ## Exercise 3 · `remove_ego_returns` (5 points)
 #
-# Keep the rows that are not inside the box. A point on a face counts as inside, as in `crop_region`.
+# Keep the rows that `crop_region` would throw away. A point on a face is inside. You have the mask already: this exercise is one thought, and no new mask. What is the opposite of "inside in x and y and z"?
+
+# %%
+kept_ahead = predict("Somebody keeps what is outside in x AND in y AND in z. And the car ahead of us?",
+                     choices=["it stays", "it goes, too"])
 
 # %% nbgrader={"grade": false, "grade_id": "remove_ego_returns", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def remove_ego_returns(cloud, minimum, maximum):
@@ -523,6 +502,12 @@ free = remove_ego_returns(close, *ego_box)
 axes = plots.from_above(free, limits=close_up,
                         title=f"{len(close) - len(free)} returns of our own car removed")
 outline(axes, *ego_box)
+
+outside = (cloud[:, :3] < ego_box[0]) | (cloud[:, :3] > ego_box[1])  # column by column
+is_ahead = truth["objects"] == 11
+kept_ahead.compare("it stays" if outside.all(axis=1)[is_ahead].any() else "it goes, too",
+                   "It is outside in x, but inside in y: it drives in our lane. What is not inside "
+                   "is outside in x OR in y OR in z.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_remove_ego_returns", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(remove_ego_returns)
