@@ -83,7 +83,8 @@ def neighbours_by_tree(points, asked):
     tree = cKDTree(points)
     return [tree.query_ball_point(point, 0.5) for point in asked]
 
-
+# %% tags=["folded"]
+# @title A stopwatch (you need not read this)
 def timed(work, *arguments):
     """An answer, and the seconds of processor time that it took; what is short is repeated."""
     begin, rounds, spent = process_time(), 0, 0.0
@@ -95,7 +96,7 @@ def timed(work, *arguments):
 def seconds_of(work, *arguments):
     return timed(work, *arguments)[1]
 
-
+# %%
 for find, share in ((neighbours_by_tree, 5), (neighbours_by_comparing, 300)):
     seconds = share * seconds_of(find, xyz, xyz[::share])
     print(f"{find.__name__:>23}: about {seconds:6.1f} s, {seconds / 0.1:5.0f} turns of the scanner")
@@ -624,7 +625,8 @@ print("without the exact step:",
 #
 # We thin the scan to different sizes, cluster it in four ways, compare the clusters, and time them. A thinned scan grows denser with n, so that the number of pairs grows as n².
 
-# %%
+# %% tags=["folded"]
+# @title Four ways, and their times at growing sizes (you need not read this)
 def clusters_by(find):
     """A way to cluster: find the neighbours point by point, then join all that were found."""
     def way(points):
@@ -668,7 +670,8 @@ axes.axhline(0.1, color="black", linestyle=":")
 axes.text(0.99, 0.09, "one turn of the scanner", ha="right", va="top",
           transform=axes.get_yaxis_transform());
 
-# %%
+# %% tags=["folded"]
+# @title Print the times for all obstacles (you need not read this)
 print(f"{'all obstacles':>22}{'time':>14}{'turns':>6}")
 for name, (n, seconds) in series.items():
     if n[-1] >= len(xyz):
@@ -679,37 +682,12 @@ for name, (n, seconds) in series.items():
     print(f"{name:>22}{note:>6}{scaled:>6.1f} s{scaled / 0.1:>6.0f}")
 
 # %% [markdown]
-# The legend gives the exponents. Comparing with all heads for n². Asking a tree bends upwards, because each answer grows longer as the cloud grows denser: a tree saves *searching*, but not *listing*. The list of all pairs finds and joins in compiled code: several times as fast as asking and joining point by point, with the same end. Your line is the flattest, since a denser cloud puts more points into the same cells, and pairs inside a cell are not even looked at. For a few thousand points the list of all pairs wins: a short cut has costs of its own.
-#
-# And for the whole scan you are still later than the next turn of the scanner. Where does the time go? **Measure, then improve:**
-
-# %%
-def time_steps(points, threshold=0.5):
-    """Print how long each step takes."""
-    (grid, stand_ins, where), one = timed(points_in_cells, points, threshold)
-    (near, piece), two = timed(join_cheaply, points, grid, stand_ins, threshold)
-    _, three = timed(join_exactly, points, where, near, piece, threshold)
-    for step, seconds in zip(("1 cells", "2 cheap", "3 exact"), (one, two, three)):
-        print(f"step {step}: {1000 * seconds:4.0f} ms, {seconds / (one + two + three):4.0%}")
-
-# %%
-if all(map(is_written, (points_in_cells, join_cheaply, join_exactly))):
-    time_steps(xyz)
-else:
-    print("There is nothing of yours to measure yet: write the three steps first.")
-
-# %% [markdown]
-# Sorting rows of three numbers (step 1) and a Python loop over one pair of cells in fifty (step 3) take about nine tenths of the time. The tens of thousands of distances of step 2, which are computed by compiled code, hardly count. "If you want more" shows what can be done about both.
+# The legend gives the exponents. Comparing with all heads for n². Asking a tree bends upwards, because each answer grows longer as the cloud grows denser: a tree saves *searching*, but not *listing*. The list of all pairs finds and joins in compiled code: several times as fast as asking and joining point by point, with the same end. Your line is the flattest, since a denser cloud puts more points into the same cells, and pairs inside a cell are not even looked at. For a few thousand points the list of all pairs wins: a short cut has costs of its own. And for the whole scan you are still later than the next turn of the scanner: *If you want more* says where the time goes, and what helps.
 #
 # ## Play: another threshold
 #
 # *The threshold decides what counts as one object, and also how long it takes.*
-
-# %%
-wider = predict("With a threshold of 1.0 m instead of 0.5 m, how long will your clustering take?",
-                choices=["longer", "about as long", "less long"])
-
-# %% [markdown]
+#
 # Every third point is enough to play with. Move the slider and watch the time, and where cars begin to merge with walls.
 
 # %%
@@ -723,36 +701,6 @@ def show_threshold(threshold):
     time = f" in {1000 * seconds:.0f} ms" if is_written(euclidean_clustering_accelerated) else ""
     plots.clusters(third, found, limits=street, title=f"threshold {threshold:.1f} m{time}")
     plt.show()
-
-# %%
-# The same without a slider: time against threshold, yours and all pairs.
-thresholds = np.array([0.2, 0.3, 0.5, 0.7, 1.0])
-to_time = {"all pairs": join_all_pairs}
-if is_written(euclidean_clustering_accelerated):
-    to_time["yours"] = euclidean_clustering_accelerated
-times = {}
-
-
-def measure_thresholds():
-    """Time each way at each threshold, in milliseconds."""
-    for name, way in to_time.items():
-        times[name] = np.array([1000 * seconds_of(way, third[:, :3], t) for t in thresholds])
-
-# %%
-measure_thresholds()
-axes = plots.curves({}, {name: (thresholds, spent) for name, spent in times.items()},
-                    across="threshold (m)", up="time (ms)",
-                    title=f"{len(third):,} points at different thresholds")
-axes.set_yscale("log")
-axes.yaxis.set_major_locator(plt.LogLocator(subs=(1, 2, 5)))
-axes.yaxis.set_major_formatter("{x:g}")
-axes.minorticks_off()
-if "yours" in times:
-    change = times["yours"][4] / times["yours"][2]
-    wider.compare("longer" if change > 1.1 else "less long" if change < 0.9 else "about as long",
-                  "For cells and for pairs the threshold means opposite things. Larger cells are "
-                  "fewer cells, and fewer pairs of them are open; a list of all pairs of points "
-                  "grows.")
 
 # %% [markdown]
 # ## The trap: two heaps
@@ -769,7 +717,8 @@ def two_heaps(n, gap):
     heap = np.random.default_rng(11).uniform(0, 0.2, (n, 3))
     return np.vstack([heap, heap[:, [1, 2, 0]] + [0.2 + gap, 0, 0]])
 
-
+# %% tags=["folded"]
+# @title Small heaps first, large ones if that promises to end (you need not read this)
 def spring_the_trap(way, most=20_000):
     """Time a way of clustering with small heaps; with large ones only if that promises to end."""
     times = []
@@ -857,7 +806,41 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
 # - Many scanners deliver their rows and columns along with the points. There, neighbours are neighbours in the image, and clustering takes a single pass.
 # - Libraries trade exactness without always saying so: approximate neighbour searches miss some, and what calls itself exact need not be. The package `dbscan` 1.0.0 leaves two of the points (0.042, 1.027, −0.947), (0.645, 0.226, −0.078), (0.288, 0.269, −0.423) and (0.055, 0.609, −0.429) apart that are 0.498 from each other, at a threshold of 0.5. Keep a slow, sure version at hand and compare *partitions*, as above.
 #
+# ## Summary
+#
+# - Measure first: time was spent on pairs that told nothing new.
+# - Points in a cell of side $r/\sqrt3$ belong together without measuring; cells more than two steps apart have nothing to do with each other.
+# - Sure, then cheap, then exact, and exact only for what is still open: fast *and* right.
+# - Try the case that your short cut does not cover, and estimate before you run it.
+#
+# **Sources.** Cells of side $r/\sqrt{d}$ for DBSCAN: [Gunawan 2013](https://research.tue.nl/en/studentTheses/a-faster-algorithm-for-dbscan) (in the plane), [Gan and Tao 2015](https://doi.org/10.1145/2723372.2737792). Parallel and exact, the `dbscan` package: [Wang, Gu and Shun 2020](https://doi.org/10.1145/3318464.3380582). Connected components: [SciPy](https://docs.scipy.org/doc/scipy/reference/generated/scipy.sparse.csgraph.connected_components.html). In the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
+#
+# **Next:** 11 · Boxes that turn
+
+# %% [markdown]
 # ## If you want more
+#
+# You are later than the next turn of the scanner. Where does the time go? **Measure, then improve:**
+
+# %%
+def time_steps(points, threshold=0.5):
+    """Print how long each step takes."""
+    (grid, stand_ins, where), one = timed(points_in_cells, points, threshold)
+    (near, piece), two = timed(join_cheaply, points, grid, stand_ins, threshold)
+    _, three = timed(join_exactly, points, where, near, piece, threshold)
+    for step, seconds in zip(("1 cells", "2 cheap", "3 exact"), (one, two, three)):
+        print(f"step {step}: {1000 * seconds:4.0f} ms, {seconds / (one + two + three):4.0%}")
+
+# %%
+if all(map(is_written, (points_in_cells, join_cheaply, join_exactly))):
+    time_steps(xyz)
+else:
+    print("There is nothing of yours to measure yet: write the three steps first.")
+
+# %% [markdown]
+# Sorting rows of three numbers (step 1) and a Python loop over one pair of cells in fifty (step 3) take about nine tenths of the time. The tens of thousands of distances of step 2, which are computed by compiled code, hardly count.
+#
+# What can be done about both:
 #
 # 1. **Sorted keys instead of rows.** Pack the three numbers of a cell into one, `(x * Y + y) * Z + z`, and sort that instead of rows. The cells of a column then lie side by side in memory, and a few binary searches in one array find the neighbours of all cells. How much of step 1 is left?
 # 2. **Boxes first.** Between the cheap and the exact step, discard pairs of cells whose bounding boxes are too far apart. How many pairs are left?
@@ -1016,17 +999,42 @@ else:
 
 # %% [markdown]
 # With compiled code one can go further still: [Numba](https://numba.pydata.org) compiles such loops from Python. It is not among the course's packages, and the judge has none: keep it out of the graded function. `make bench` compares the course's own versions with libraries on your machine.
-#
-# ## Summary
-#
-# - Measure first: time was spent on pairs that told nothing new.
-# - Points in a cell of side $r/\sqrt3$ belong together without measuring; cells more than two steps apart have nothing to do with each other.
-# - Sure, then cheap, then exact, and exact only for what is still open: fast *and* right.
-# - Try the case that your short cut does not cover, and estimate before you run it.
-#
-# **Sources.** Cells of side $r/\sqrt{d}$ for DBSCAN: [Gunawan 2013](https://research.tue.nl/en/studentTheses/a-faster-algorithm-for-dbscan) (in the plane), [Gan and Tao 2015](https://doi.org/10.1145/2723372.2737792). Parallel and exact, the `dbscan` package: [Wang, Gu and Shun 2020](https://doi.org/10.1145/3318464.3380582). Connected components: [SciPy](https://docs.scipy.org/doc/scipy/reference/generated/scipy.sparse.csgraph.connected_components.html). In the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
-#
-# **Next:** 11 · Boxes that turn
+
+# %% [markdown]
+# ### What a threshold costs
+
+# %%
+wider = predict("With a threshold of 1.0 m instead of 0.5 m, how long will your clustering take?",
+                choices=["longer", "about as long", "less long"])
+
+# %%
+thresholds = np.array([0.2, 0.3, 0.5, 0.7, 1.0])
+to_time = {"all pairs": join_all_pairs}
+if is_written(euclidean_clustering_accelerated):
+    to_time["yours"] = euclidean_clustering_accelerated
+times = {}
+
+
+def measure_thresholds():
+    """Time each way at each threshold, in milliseconds."""
+    for name, way in to_time.items():
+        times[name] = np.array([1000 * seconds_of(way, third[:, :3], t) for t in thresholds])
+
+# %%
+measure_thresholds()
+axes = plots.curves({}, {name: (thresholds, spent) for name, spent in times.items()},
+                    across="threshold (m)", up="time (ms)",
+                    title=f"{len(third):,} points at different thresholds")
+axes.set_yscale("log")
+axes.yaxis.set_major_locator(plt.LogLocator(subs=(1, 2, 5)))
+axes.yaxis.set_major_formatter("{x:g}")
+axes.minorticks_off()
+if "yours" in times:
+    change = times["yours"][4] / times["yours"][2]
+    wider.compare("longer" if change > 1.1 else "less long" if change < 0.9 else "about as long",
+                  "For cells and for pairs the threshold means opposite things. Larger cells are "
+                  "fewer cells, and fewer pairs of them are open; a list of all pairs of points "
+                  "grows.")
 
 # %% [markdown] tags=["footer"]
 # (footer)
