@@ -29,11 +29,11 @@
 # (setup)
 
 # %% [markdown]
-# ## One pulse
+# ## Your first line of code
 #
-# *A LiDAR measures one thing: how long light takes to come back.*
+# *A cloud is a table: one row for each return, its columns x, y, z and intensity.*
 #
-# LiDAR stands for *light detection and ranging*. A laser sends a pulse of a few nanoseconds; a detector beside it waits for the echo. Before the formula, a guess. You will find a few such questions in every lesson: answer first, and the answer will stand beside your guess.
+# A scanner has turned around once, on a straight road with three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course): light came back from there. The sensor is the origin; x points forward, y to the left, z up, all in metres. That never changes in this course.
 
 # %%
 import matplotlib.pyplot as plt
@@ -41,7 +41,53 @@ import numpy as np
 from ipywidgets import FloatSlider, IntSlider, interact
 
 from utils import check, is_written, load_cloud, plots, predict
+from utils.scenes import simple_highway
 
+frame = simple_highway()
+highway = frame.cloud
+figure, axes = plt.subplots(figsize=(8.5, 5.2), layout="compressed")
+plots.from_above(highway, values=highway[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
+                 limits=((-25, 35), (-16, 16)), title="Rings on the road, and where the cars tear them")
+for x, y in ((15, 0), (8, -4), (-12, 4)):
+    plots.ring(axes, x, y, radius=2.8, text="car")
+
+# %% [markdown]
+# `highway[:, 0]` is the column of all x. `highway[:, 0] > 0` asks of each row whether it lies ahead, and `highway[...]` with the answers in its brackets keeps the rows where they are `True`. Now you: change the comparison, run the cell again, and look. Only the three cars shall be left. What tells them from the road? No check waits here, and an answer stands below.
+
+# %%
+mine = highway[highway[:, 0] > 0]
+plots.from_above(mine, values=mine[:, 2], span=(-2.6, 0), label="height z (m)",
+                 limits=((-25, 35), (-16, 16)), title=f"Your mask keeps {len(mine)} returns");
+
+# %% [markdown]
+# <details><summary>An answer</summary>
+#
+# The road is low, so ask for height: `highway[highway[:, 2] > -2.5]`. That drops a few returns low on the cars, too; lesson 06 makes a filter of this one line, and looks at what it costs.
+# </details>
+#
+# These four bits of NumPy are enough to work with a cloud:
+
+# %%
+heights = highway[:, 2]                     # a column: one number per return
+is_left = highway[:, 1] > 0                 # a comparison: one True or False per return
+left = highway[is_left]                     # a mask picks the rows that are True
+left_ahead = highway[is_left & (highway[:, 0] > 0)]  # & for "and"; put comparisons in parentheses
+
+print("heights:   ", heights.shape, heights[:3].round(2))
+print("is_left:   ", is_left.shape, is_left[:3], "holds", is_left.sum(), "times")
+print("left:      ", left.shape)
+print("left_ahead:", left_ahead.shape)
+
+# %% [markdown]
+# No loop anywhere: each line treats every return at once. That is called *vectorised*, and you will measure further down what it gains.
+#
+# ## One pulse
+#
+# *A LiDAR measures one thing: how long light takes to come back.*
+#
+# LiDAR stands for *light detection and ranging*. A laser sends a pulse of a few nanoseconds; a detector beside it waits for the echo. Before the formula, a guess. You will find a few such questions in every lesson: answer first, and the answer will stand beside your guess.
+
+# %%
 echo = predict("A car drives 30 m ahead. How long after the pulse does its echo arrive?",
                choices=["0.2 seconds", "0.2 milliseconds", "0.2 microseconds", "0.2 nanoseconds"])
 
@@ -58,13 +104,11 @@ echo.compare(f"{2 * 30 / SPEED_OF_LIGHT * 1e6:.1f} microseconds",
 print(f"if the car were 2 cm farther away: {2 * 0.02 / SPEED_OF_LIGHT * 1e12:.0f} picoseconds later")
 
 # %% [markdown]
-# So a scanner hardly waits: between two pulses a microsecond apart, light fetches an echo from up to 150 m. But its clock must be good. To tell 30.00 m from 30.02 m it has to tell times apart that differ by the last number above; a picosecond is a millionth of a microsecond.
+# So a scanner hardly waits. But its clock must be good: to tell 30.00 m from 30.02 m it has to tell times apart that differ by the last number above; a picosecond is a millionth of a microsecond.
 #
 # A range alone is not a point. But the scanner knows where it aimed: the *azimuth* $\alpha$ is the angle around the vertical, from straight ahead towards the left, and the *elevation* $\varepsilon$ is the angle above the horizon. Range and two angles make a point:
 #
 # $$x = r\cos\varepsilon\cos\alpha, \qquad y = r\cos\varepsilon\sin\alpha, \qquad z = r\sin\varepsilon.$$
-#
-# The sensor itself is the origin. x points forward, y to the left, z up, all in metres. That never changes in this course.
 
 # %%
 def point_of(range_, azimuth, elevation):
@@ -82,58 +126,17 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # *A beam that turns around draws a ring on the road, and an obstacle tears the ring.*
 #
-# Stack several lasers at different elevations, let the stack turn, and fire all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot a *ray*, and each echo that comes back a [return](#Words-of-the-course). All returns of one turn are a *scan*. A small sensor first: 8 beams, 128 steps, on a straight road with three box-shaped cars. The sensor is simulated, as everything in this course, so later we can ask what is true.
+# Stack several lasers at different elevations, let the stack turn, and fire all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot a *ray*, and all returns of one turn are a *scan*. The cloud above is one of a small sensor: 8 beams, 128 steps. It is simulated, as everything in this course, so later we can ask what is true.
 
 # %%
-from utils.scenes import simple_highway
-
-frame = simple_highway()
-highway = frame.cloud
 print(f"8 x 128 = {8 * 128} rays, {len(highway)} returns")
 counts = np.bincount(frame.scan.beams)  # how often each number occurs: 0, 1, 2 and so on
 print("returns of each beam, the steepest first:", counts)
 
-figure, axes = plt.subplots(figsize=(8.5, 5.2), layout="compressed")
-plots.from_above(highway, values=highway[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
-                 limits=((-25, 35), (-16, 16)), title="Rings on the road, and where the cars tear them")
-for x, y in ((15, 0), (8, -4), (-12, 4)):
-    plots.ring(axes, x, y, radius=2.8, text="car")
-
 # %% [markdown]
-# All missing rays belong to the two steepest beams. They hit the roof of our own car, at its four corners. This scanner reports nothing that is nearer than 5 m along the ray. The outermost ring is torn behind the car ahead of us: that car casts a *shadow*. A scanner sees fronts, never backs.
+# All missing rays belong to the two steepest beams. They hit the roof of our own car, at its four corners. This scanner reports nothing that is nearer than 5 m along the ray.
 #
-# ## Your first line of code
-#
-# *A cloud is a table: one row for each return, its columns x, y, z and intensity. Four bits of NumPy are enough to work with it.*
-
-# %%
-heights = highway[:, 2]                     # a column: one number per return
-is_left = highway[:, 1] > 0                 # a comparison: one True or False per return
-left = highway[is_left]                     # a mask picks the rows that are True
-left_ahead = highway[is_left & (highway[:, 0] > 0)]  # & for "and"; put comparisons in parentheses
-
-print("heights:   ", heights.shape, heights[:3].round(2))
-print("is_left:   ", is_left.shape, is_left[:3], "holds", is_left.sum(), "times")
-print("left:      ", left.shape)
-print("left_ahead:", left_ahead.shape)
-
-# %% [markdown]
-# No loop anywhere: each line treats every return at once. That is called *vectorised*, and you will measure further down what it gains.
-#
-# Now you. The mask in the next cell keeps all that lies ahead. Change it, run the cell again, and look: only the three cars shall be left. What tells them from the road? No check waits here, and an answer stands below.
-
-# %%
-mine = highway[highway[:, 0] > 0]
-plots.from_above(mine, values=mine[:, 2], span=(-2.6, 0), label="height z (m)",
-                 limits=((-25, 35), (-16, 16)), title=f"Your mask keeps {len(mine)} returns");
-
-# %% [markdown]
-# <details><summary>An answer</summary>
-#
-# The road is low, so ask for height: `highway[highway[:, 2] > -2.5]`. That drops a few returns low on the cars, too; lesson 06 makes a filter of this one line, and looks at what it costs.
-# </details>
-#
-# Here are the rays that go straight ahead, from the side.
+# Look at the first picture again. The outermost ring is torn behind the car ahead of us: that car casts a *shadow*. A scanner sees fronts, never backs. Here are the rays that go straight ahead, from the side.
 
 # %%
 ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
