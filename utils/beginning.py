@@ -8,11 +8,15 @@ from utils.showing import shell, show
 from utils.still_widgets import stand_in
 
 # A figure is dark on white, and so is a scene in space. In a dark notebook they are turned round,
-# and turned back in hue: blue stays blue. JupyterLab, then VS Code.
-DARK = """<style>
+# and turned back in hue: blue stays blue. JupyterLab, then VS Code. Last, what a notebook folds
+# stands open on a page that it is exported to: one line of it is enough, and can be dragged open.
+STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
 [data-jp-theme-light="false"] .jp-RenderedHTML iframe[srcdoc],
 .vscode-dark .output :is(img, iframe[srcdoc]) { filter: invert(0.9) hue-rotate(180deg); }
+body.jp-Notebook .celltag_folded .jp-InputArea-editor {
+  height: 2.2em; overflow: auto; resize: vertical;
+}
 </style>"""
 
 
@@ -27,5 +31,5 @@ def begin(number: str) -> None:
     print(health())
     stand_in()
     if shell() is not None:
-        show(DARK, "")
+        show(STYLE, "")
     lend_answers(number)
