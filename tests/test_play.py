@@ -136,9 +136,13 @@ def test_boxes_carry_the_names_that_matching_gives(notebook):
     partners = iter([[-1, -1], [1], [-1, 0]])
     notebook.detect_obstacles = lambda cloud: boxes[int(cloud[0, 0])]
     notebook.match_boxes = lambda previous, current, limit: next(partners)
-    detect, match = play.load_detector("mine.ipynb")
-    sights = list(play.watch(frames, detect, match))
-    assert [sight.names for sight in sights] == [(0, 1), (1,), (2, 1)]
+    detect, tracker = play.load_detector("mine.ipynb")
+    sights = list(play.watch(frames, detect, tracker))
+    assert [sight.names for sight in sights] == [(1, 2), (2,), (3, 2)]
+    # Nobody waits for what has no box, as nobody wrote `coast`.
+    assert [sorted(len(trail) for trail in sight.trails) for sight in sights] == [
+        [1, 1], [2], [1, 3]
+    ]  # fmt: skip
 
 
 def test_what_is_not_there_is_told_in_a_sentence(capsys):

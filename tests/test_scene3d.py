@@ -59,6 +59,7 @@ def everything(cloud):
         .add_ego_car()
         .add_boxes(BOX[None], names=True)
         .add_oriented_boxes(BOX[None] - (9, 0, 0))
+        .add_trails([BOX[:3], BOX[:1]])
     )
 
 
@@ -162,6 +163,13 @@ def test_every_switch_takes_its_part_away(street):
         assert name not in {part.layer for part in scene.switch(**{name: False}).parts}
         scene.switch(**{name: True})
     assert {part.layer for part in scene.only("boxes", "clusters").parts} == {"boxes", "clusters"}
+
+
+def test_a_trail_goes_from_place_to_place():
+    (part,) = Scene().add_trails([BOX[:3], BOX[4:5], np.empty((0, 3))]).parts
+    np.testing.assert_array_equal(part.ends, [BOX[:2], BOX[1:3]])
+    assert part.name == "1 trail"
+    assert not len(Scene().add_trails([]).parts[0].ends)
 
 
 def test_an_unknown_layer_is_refused_with_their_names():

@@ -44,6 +44,7 @@ _MODULES = _RENAMED | {
         "scenes",
         "scoring",
         "simulator",
+        "tracking",
     )
 }
 

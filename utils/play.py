@@ -7,7 +7,8 @@
     python -m utils.play city --frames 1 --record city.png
     python -m utils.play my_recording.bag
 
-Without a detector the true boxes of simulated streams are shown, and none for recordings.
+Without a detector the true boxes of simulated streams are shown, and none for recordings. Where
+the notebook has `match_boxes`, boxes have names and trails; `--hide trails` leaves these out.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from utils.films.writers import suffix_of_films
 from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
+from utils.tracking import Tracker, tracker_of
 
 DETECTOR = "detect_obstacles"
 SIMULATED = {"highway": "Simple highway", "city": "City block", "cyclist": "Behind a cyclist"}
@@ -120,8 +122,8 @@ def _recorded(name: str, topic: str | None) -> Sequence:
 
 def load_detector(
     notebook: str, settings: dict[str, object] | None = None
-) -> tuple[Callable, Callable | None]:
-    """The functions `detect_obstacles` and, where it is written, `match_boxes` of a notebook.
+) -> tuple[Callable, Tracker | None]:
+    """The detector of a notebook and, where `match_boxes` is written, a tracker.
 
     Parameters
     ----------
@@ -143,7 +145,7 @@ def load_detector(
             f"{Path(notebook).name} has no function {DETECTOR}(cloud), which a detector is. "
             f"Lesson 12 is where it is written. The functions in it are: {names}."
         )
-    detect, match = getattr(functions, DETECTOR), getattr(functions, "match_boxes", None)
+    detect = getattr(functions, DETECTOR)
     if getattr(detect, "is_stub", False):
         raise ValueError(
             f"{DETECTOR} in {Path(notebook).name} is not written yet. Write it and save the "
@@ -158,8 +160,7 @@ def load_detector(
             f"{DETECTOR} has no parameter {unknown[0]}. "
             + (f"It has {', '.join(known)}." if known else "It has none but the cloud.")
         )
-    match = None if getattr(match, "is_stub", False) else match
-    return functools.partial(detect, **(settings or {})), match
+    return functools.partial(detect, **(settings or {})), tracker_of(functions)
 
 
 def play(
@@ -167,7 +168,7 @@ def play(
     detect: Callable | None,
     camera: str,
     size: tuple[int, int] = SIZE,
-    match: Callable | None = None,
+    tracker: Tracker | None = None,
 ) -> None:
     """Play in a window, at the speed of the recording where the machine keeps up."""
     from utils.scene3d.with_pyvista import Window
@@ -175,7 +176,7 @@ def play(
     window = Window(size, CAMERAS[camera])
     print("F1 to F4: cameras · space: halt · q: leave")
     start, halted_for = time.monotonic(), 0.0
-    for sight in watch(programme.frames, detect, match):
+    for sight in watch(programme.frames, detect, tracker):
         if not window.open:
             break
         window.put(programme.compose(sight))
@@ -202,9 +203,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> None:
-    detect = match = None
+    detect = tracker = None
     if options.detector:
-        detect, match = load_detector(options.detector, dict(options.set))
+        detect, tracker = load_detector(options.detector, dict(options.set))
     programme = open_programme(
         options.what, frames=options.frames, seed=options.seed, topic=options.topic
     )
@@ -221,7 +222,7 @@ def _run(options: argparse.Namespace) -> None:
             "Give your notebook: --detector 12_streaming_obstacles.ipynb"
         )
     if options.record is None and has_screen():
-        play(programme, detect, options.camera, options.size, match)
+        play(programme, detect, options.camera, options.size, tracker)
         return
     path = options.record or Path(Path(options.what).stem + suffix_of_films())
     if options.record is None:
@@ -230,7 +231,7 @@ def _run(options: argparse.Namespace) -> None:
         programme.frames,
         path,
         detect,
-        match=match,
+        tracker=tracker,
         camera=options.camera,
         compose=programme.compose,
         size=options.size,

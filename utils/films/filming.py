@@ -17,12 +17,13 @@ from utils.progress import progress
 from utils.scene3d import Scene
 from utils.scene3d.cameras import Camera, as_camera
 from utils.scene3d.output import picture_of, renderer_for
+from utils.tracking import Tracker
 
 SIZE = (960, 540)
 ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 """Kinds whose true boxes are shown; houses and trees would hide the rest."""
-FOLLOWED = 1.5
-"""Metres between two frames up to which a box is followed, as in lesson 12."""
+TRAIL = 30
+"""Places in a trail: three seconds of a scanner that turns ten times a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +47,9 @@ class Sight:
         Why it failed, if it did.
     names : tuple of int or None
         The same for a box as long as it is followed; None where nobody follows.
+    trails : tuple of ndarray, shape (m, 3)
+        The latest places of all that is followed, as they were seen, oldest first; where a thing
+        has no box by now, on to where it should be.
     """
 
     number: int
@@ -57,6 +61,7 @@ class Sight:
     seconds: float = 0.0
     problem: str = ""
     names: tuple[int, ...] | None = None
+    trails: tuple[np.ndarray, ...] = ()
 
     @property
     def caption(self) -> str:
@@ -71,7 +76,7 @@ class Sight:
 
 
 def watch(
-    frames: Sequence, detect: Callable | None = None, match: Callable | None = None
+    frames: Sequence, detect: Callable | None = None, tracker: Tracker | None = None
 ) -> Iterator[Sight]:
     """Run a detector over frames, one at a time.
 
@@ -83,9 +88,8 @@ def watch(
         Frames with `cloud` and, where known, `boxes` and `time`; or bare clouds.
     detect : callable, optional
         From a cloud to boxes (N, 8, 3).
-    match : callable, optional
-        From the boxes before, the boxes now and a distance in metres to the partner of each box
-        now, -1 for none: `match_boxes` of lesson 12. It gives the boxes their names.
+    tracker : utils.tracking.Tracker, optional
+        Gives the boxes their names.
 
     Raises
     ------
@@ -94,12 +98,12 @@ def watch(
         one odd scan should not cost the whole film.
     """
     times = getattr(frames, "times", np.arange(len(frames)) / 10)  # a bag knows, 10 Hz is usual
-    follower = _Follower(match) if match else None
+    follower, before = _Follower(tracker) if tracker else None, None
     for number, frame in enumerate(frames, start=1):
         cloud = np.asarray(getattr(frame, "cloud", frame))
         moment = float(getattr(frame, "time", times[number - 1]))
         boxes = tuple(box for box in getattr(frame, "boxes", ()) if box.kind in ROAD_USERS)
-        found, seconds, problem, names = None, 0.0, "", None
+        found, seconds, problem, names, trails = None, 0.0, "", None, ()
         if detect is not None:
             try:
                 if number == 1:
@@ -108,30 +112,37 @@ def watch(
                 found = detect(cloud)
                 seconds = time.perf_counter() - start
                 found = _checked(found)
-                names = follower and follower.names_of(found)
+                if follower:
+                    since = moment - before if before is not None else 0.1
+                    names, trails = follower.follow(found, since)
             except Exception as error:
                 if number == 1:
                     raise
                 found, problem = None, f"{type(error).__name__}: {error}"
-        yield Sight(number, len(frames), moment, cloud, boxes, found, seconds, problem, names)
+        before = moment
+        yield Sight(
+            number, len(frames), moment, cloud, boxes, found, seconds, problem, names, trails
+        )
 
 
 class _Follower:
-    """Gives boxes names that last as long as they are matched from frame to frame."""
+    """What a tracker says of each frame, with the way that each thing came."""
 
-    def __init__(self, match: Callable) -> None:
-        self._match, self._unused = match, 0
-        self._boxes, self._names = np.empty((0, 8, 3)), ()
+    def __init__(self, tracker: Tracker) -> None:
+        self._tracker = tracker
+        self._ways: dict[int, list[np.ndarray]] = {}
 
-    def names_of(self, boxes: np.ndarray) -> tuple[int, ...]:
-        """The names of the boxes (N, 8, 3) of the next frame."""
-        names = []
-        for partner in np.asarray(self._match(self._boxes, boxes, FOLLOWED), dtype=int):
-            known = 0 <= partner < len(self._names)
-            names.append(self._names[partner] if known else self._unused)
-            self._unused += not known
-        self._boxes, self._names = boxes, tuple(names)
-        return self._names
+    def follow(
+        self, boxes: np.ndarray, seconds: float
+    ) -> tuple[tuple[int, ...], tuple[np.ndarray, ...]]:
+        """The names of the boxes (N, 8, 3) of the next frame, and all trails."""
+        names = self._tracker.update(boxes, seconds)
+        tracks = self._tracker.tracks
+        self._ways = {
+            name: [*self._ways.get(name, ()), box.mean(axis=0)][-TRAIL:]
+            for name, box in zip(tracks.names.tolist(), tracks.boxes, strict=True)
+        }
+        return tuple(names.tolist()), tuple(map(np.array, self._ways.values()))
 
 
 def scene_of(sight: Sight, title: str = "") -> Scene:
@@ -144,6 +155,8 @@ def scene_of(sight: Sight, title: str = "") -> Scene:
     if sight.found is not None:
         names = True if sight.names is None else sight.names
         scene.add_oriented_boxes(sight.found, names=names, name="detected boxes")
+    if sight.trails:
+        scene.add_trails(sight.trails)
     scene.caption = sight.caption
     return scene
 
@@ -153,7 +166,7 @@ def record(
     path: str | os.PathLike,
     detect: Callable | None = None,
     *,
-    match: Callable | None = None,
+    tracker: Tracker | None = None,
     camera: str | Camera = "XY",
     compose: Callable[[Sight], Scene] = scene_of,
     size: tuple[int, int] = SIZE,
@@ -170,6 +183,8 @@ def record(
         Ends in .mp4 or .gif; or in .png for a picture of the first frame.
     detect : callable, optional
         From a cloud to boxes (N, 8, 3), such as ``detect_obstacles``. It is timed.
+    tracker : utils.tracking.Tracker, optional
+        Gives the boxes their names, and trails.
     camera : {"XY", "TopDown", "Side", "FPS"} or Camera
     compose : callable, optional
         From a `Sight` to the `Scene` to film, for more than points and boxes.
@@ -198,7 +213,7 @@ def record(
     def images() -> Iterator[np.ndarray]:
         with _camera_team(size, camera, renderer) as take:
             bar = progress(range(len(frames)), f"Recording {path.name}")
-            for sight, _ in zip(watch(frames, detect, match), bar, strict=False):
+            for sight, _ in zip(watch(frames, detect, tracker), bar, strict=False):
                 yield take(compose(sight))
                 sights.append(sight)
             next(bar, None)  # lets the bar show its last step

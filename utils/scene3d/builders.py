@@ -159,6 +159,16 @@ def box_parts(
     return [*parts, Segments(edges, colour, width, layer, name), faces]
 
 
+def trail_parts(trails: Iterable[ArrayLike]) -> list[Part]:
+    """Where things came from: a line from place to place for each."""
+    lines = [np.asarray(trail, dtype=float).reshape(-1, 3) for trail in trails]
+    lines = [line[np.isfinite(line).all(axis=1)] for line in lines]
+    lines = [line for line in lines if len(line) > 1]
+    ends = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
+    ends = np.concatenate(ends) if ends else np.empty((0, 2, 3))
+    return [Segments(ends, INK, 1.5, "trails", counted(len(lines), "trail"))]
+
+
 def ego_parts(minimum: Iterable[float], maximum: Iterable[float]) -> list[Part]:
     """The box of the ego car in magenta."""
     corners = solids.upright_box(minimum, maximum)[None]

@@ -26,6 +26,7 @@ LAYERS: dict[str, str] = {
     "ego_car_box": "ego car",
     "boxes": "boxes",
     "oriented_boxes": "oriented boxes",
+    "trails": "trails",
 }
 """Everything that can be switched on and off, with its name for the reader."""
 

@@ -209,6 +209,10 @@ class Scene:
         """Add boxes turned about z, with thicker lines; see `add_boxes`."""
         return self._add(builders.box_parts(corners, names, reference, name, "oriented_boxes"))
 
+    def add_trails(self, trails: Iterable[ArrayLike]) -> Scene:
+        """Add the way that each thing came: for each its places (m, 3), oldest first, in metres."""
+        return self._add(builders.trail_parts(trails))
+
     def add_ego_car(
         self, minimum: Iterable[float] = EGO_MINIMUM, maximum: Iterable[float] = EGO_MAXIMUM
     ) -> Scene:

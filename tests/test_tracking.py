@@ -1,0 +1,120 @@
+"""The tracker calls what somebody else wrote, and keeps the books."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from utils.tracking import Tracker, tracker_of
+
+
+def boxes_at(*centres):
+    corners = [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    unit = np.array(corners, dtype=float) - 0.5
+    return np.array([unit + np.append(centre, 0.0) for centre in centres]).reshape(-1, 8, 3)
+
+
+def nearest(previous, current, limit):
+    """Which previous box is nearest; good enough where things stand apart."""
+    partners = []
+    for box in current:
+        away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]
+        partners.append(int(np.argmin(away)) if away and min(away) <= limit else -1)
+    return partners
+
+
+def moved(boxes, velocities, seconds):
+    return [[corner + seconds * way for corner in box] for box, way in zip(boxes, velocities)]  # noqa: B905
+
+
+def halfway(expected, velocities, found, gain, seconds):
+    return expected + gain * (found - expected), velocities + 1.0
+
+
+def waiting(missed, partners, patience):
+    counted = [0 if row in partners else before + 1 for row, before in enumerate(missed)]
+    return counted, [count <= patience for count in counted]
+
+
+def test_a_name_stays_and_is_never_used_again():
+    tracker = Tracker(nearest)
+    assert tracker.update(boxes_at((0, 0), (9, 0))).tolist() == [1, 2]
+    assert tracker.update(boxes_at((9, 1), (30, 0), (0, 1))).tolist() == [2, 3, 1]
+    assert tracker.update(boxes_at()).tolist() == []
+    assert tracker.update(boxes_at((9, 1))).tolist() == [4]
+    assert tracker.tracks.age.tolist() == [1]
+
+
+def test_without_prediction_a_box_is_looked_for_where_it_was():
+    ways = {
+        "stands": Tracker(nearest),
+        "comes": Tracker(nearest, predict=moved, newcomer=(-9, 0, 0)),
+    }
+    for way, tracker in ways.items():
+        names = [tracker.update(boxes_at((x, 0)), 0.2).tolist() for x in (20, 18.2, 16.4)]
+        assert names == ([[1], [2], [3]] if way == "stands" else [[1], [1], [1]])
+
+
+def test_what_was_corrected_is_what_is_believed():
+    tracker = Tracker(nearest, predict=moved, correct=halfway, gain=0.25, newcomer=(-2, 0, 0))
+    tracker.update(boxes_at((10, 0)), 0.5)
+    tracker.update(boxes_at((9.4, 0), (40, 0)), 0.5)  # expected at 9
+    centres = tracker.tracks.boxes.mean(axis=1)[:, 0]
+    np.testing.assert_allclose(centres, [9.1, 40])
+    np.testing.assert_allclose(tracker.tracks.velocities, [(-1, 1, 1), (-2, 0, 0)])
+    assert tracker.tracks.names.tolist() == [1, 2]
+
+
+@pytest.mark.parametrize(
+    ("patience", "names"), [(0, [3, 2]), (1, [3, 2]), (2, [1, 2]), (5, [1, 2])]
+)
+def test_what_has_no_box_is_waited_for_where_it_should_be(patience, names):
+    tracker = Tracker(
+        nearest, predict=moved, coast=waiting, patience=patience, newcomer=(-10, 0, 0)
+    )
+    tracker.update(boxes_at((20, 0), (50, 0)))
+    for x in (49, 48):
+        tracker.update(boxes_at((x, 0)))
+    kept = patience >= 2
+    assert tracker.tracks.missed.tolist() == ([0, 2] if kept else [0])
+    if kept:
+        assert tracker.tracks.boxes[1].mean(axis=0)[0] == pytest.approx(18)
+    assert tracker.update(boxes_at((17, 0), (47, 0))).tolist() == names
+    assert tracker.tracks.missed.tolist() == [0, 0]
+
+
+def test_newcomers_do_what_most_do():
+    tracker = Tracker(nearest, correct=lambda expected, velocities, found, *_: (
+        found, np.array([[-5.0, 0, 0], [-5, 0, 0], [7, 1, 0]])))  # fmt: skip
+    for _ in range(2):
+        tracker.update(boxes_at((0, 0), (9, 0), (18, 0)))
+    tracker.update(boxes_at((40, 0)))
+    assert tracker.tracks.velocities.tolist() == [[-5, 0, 0]]
+
+
+def test_what_it_is_given_stays_as_it_is():
+    tracker, found = Tracker(nearest, correct=halfway), boxes_at((0, 0))
+    before = found.copy()
+    tracker.update(found)
+    tracker.update(found + 0.1)
+    assert np.array_equal(found, before)
+
+
+def test_a_partner_that_nobody_is_makes_a_new_name():
+    tracker = Tracker(lambda previous, current, limit: [7] * len(current), coast=waiting)
+    tracker.update(boxes_at((0, 0)))
+    assert tracker.update(boxes_at((0, 0))).tolist() == [2]
+
+
+def test_what_is_not_written_is_left_out():
+    def coast(missed, partners, patience):
+        raise NotImplementedError
+
+    coast.is_stub = True
+    functions = SimpleNamespace(match_boxes=nearest, predict_boxes=moved, coast=coast)
+    tracker = tracker_of(functions, newcomer=(-10, 0, 0))
+    tracker.update(boxes_at((20, 0)))
+    assert tracker.update(boxes_at((18, 0)), 0.2).tolist() == [1]
+    tracker.update(boxes_at())
+    assert len(tracker.tracks.names) == 0
+    assert tracker_of(SimpleNamespace(detect_obstacles=len)) is None
