@@ -314,6 +314,11 @@ def test_own_inliers(student, seed):
         rng = np.random.default_rng(run)
         answer = student.ransac_line(rough.copy(), 40, tolerance, rng)
         assert_own_inliers(answer, rough, tolerance)
+    # Of few samples, where the best of many hides nothing.
+    for run in range(40):
+        points, _ = wall_and_clutter((seed, run, 4), 14, 26)
+        answer = student.ransac_line(points.copy(), 2 + run % 2, 0.4, np.random.default_rng(run))
+        assert_own_inliers(answer, points, 0.4)
 
 
 @hidden(
