@@ -321,9 +321,13 @@ def _collected_sentences(outcome: Outcome) -> Iterator[str]:
             "who is on it is found by name or number."
         )
     else:
-        nobody = [person.id for person in outcome.roster.people if person.id not in outcome.states]
+        without = [one.id for one in outcome.roster.people if one.id not in outcome.states]
+        excused = [one for one in without if one in outcome.excused]
+        nobody = [one for one in without if one not in outcome.excused]
         if nobody:
             yield f"Nothing from {len(nobody)} on the roster: {', '.join(nobody)}."
+        if excused:
+            yield f"Excused, and nothing from them: {', '.join(excused)}."
     if outcome.left:
         some = ", ".join(list(outcome.left)[:5]) + (", …" if len(outcome.left) > 5 else "")
         yield f"Left, as no lesson needs it: {some}."

@@ -83,6 +83,9 @@ def test_the_table_has_everybody_on_the_roster_and_tells_four_things_apart(cours
     assert cells(said.out, "ghost")[1:3] == ["3", "-"]
     assert "not on the roster, so not entered" in said.out
     assert "- handed in nothing · ex excused" in said.out and "a person has" not in said.out
+    page = (course.report / "index.html").read_text("utf-8")
+    on_it = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1
+    assert f"{on_it} students and 1 who is not on the roster, " in page
 
 
 def test_a_zero_and_what_waits_are_no_dash(course, capsys, monkeypatch):

@@ -924,9 +924,20 @@ def test_what_waits_for_an_answer_is_the_exit_status(course, command, capsys):
     assert command(path) == 1
     said = capsys.readouterr().out
     assert "waiting for an answer" in said and "--who eve=ID" in said
-    assert "Nothing from 2 on the roster: bjorn, cy." in said
+    assert "Nothing from 2 on the roster: bjorn, cy." in said and "xcused" not in said
     assert command(path, "--who", "eve=cy") == 0
     assert "waiting" not in capsys.readouterr().out
+
+
+def test_from_who_is_excused_nothing_is_missing(course, command, capsys):
+    (course.root / "deadlines.toml").write_text(
+        f'[{STAGE}]\ndue = 2026-11-20 18:00:00\n[{STAGE}.students]\ncy = "excused"\n'
+        '[stage1_ransac.students]\nbjorn = "excused"\n'
+    )
+    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "Nothing from 1 on the roster: bjorn." in said
+    assert "Excused, and nothing from them: cy." in said
 
 
 @pytest.mark.parametrize(

@@ -116,7 +116,8 @@ def test_who_is_not_on_the_roster_is_named_beside_the_class(tmp_path):
     assert page.count("not in the gradebook") == 1 and "not on the roster" not in page
     (tmp_path / "roster.csv").write_text("id\nyan\n")
     page = report(tmp_path, verdicts, results)
-    assert page.count("not on the roster") == 1
+    assert "1 student and 1 who is not on the roster, " in page
+    assert page.count(">not on the roster<") == 1
     assert "2 students" in page
 
 

@@ -15,10 +15,10 @@ from grader.classroom.collect.protocol import Handed, Owner
 from grader.classroom.collect.student import Student
 from grader.classroom.collect.worksheet import Row, Worksheet, read_worksheet
 from grader.classroom.submissions import Submission, find_submissions
-from grader.course.deadlines import read_deadlines
+from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.roster import read_roster
+from grader.course.roster import Roster, read_roster
 
 Place = tuple[Path, Handed]
 """What somebody handed in, and the archive that it is in."""
@@ -63,6 +63,7 @@ def collect(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
         [(path, kind, len(handed)) for path, kind, handed in opened],
         roster,
+        excused=_excused(roster, deadlines, stages),
     )
     places = [(path, one) for path, _, handed in opened for one in handed]
     remember(course, stages, answers, {one.owner.label for _, one in places})
@@ -77,6 +78,18 @@ def collect(
         Student(course, id, there.get(id, {}), answers, outcome).collect(mine, rows)
     progress(len(students), len(students), None)
     return outcome
+
+
+def _excused(
+    roster: Roster | None, deadlines: Deadlines | None, stages: Sequence[str]
+) -> list[str]:
+    if roster is None or deadlines is None:
+        return []
+    return [
+        person.id
+        for person in roster.people
+        if all(deadlines.excused(person.id, stage) for stage in stages)
+    ]
 
 
 def _of_one(path: Path, handed: list[Handed], owners: Owners) -> list[Handed]:

@@ -49,6 +49,8 @@ class Outcome:
         Students whose work the learning platform marks late, and of whom no time is known.
     undecided : dict of str to str
         By student, why nobody knows when the work was handed in.
+    excused : list of str
+        Who is on the roster, and excused from all that could be handed in.
     """
 
     lessons: list[Lesson]
@@ -60,6 +62,7 @@ class Outcome:
     left: Counter = field(default_factory=Counter)
     late: list[str] = field(default_factory=list)
     undecided: dict[str, str] = field(default_factory=dict)
+    excused: list[str] = field(default_factory=list)
 
     def ask(self, name: str, text: str) -> None:
         """Ask something; of a team's file only once."""
