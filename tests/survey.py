@@ -8,8 +8,13 @@ loses when it is judged behind the walls, slips included.
 import ast
 import contextlib
 import copy
+import functools
+import math
+import multiprocessing
 import os
 import random
+import reprlib
+import resource
 import signal
 import statistics
 import sys
@@ -48,6 +53,9 @@ MOST = 0.6  # of an exercise's points, for one edit
 EXERCISES = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
 ANSWER = "<answer>"  # the file that tracebacks name
+NO_FUNCTION, NEVER_ENDS = "no function", "never ends"
+MEMORY = 4 * 2**30
+FORK = multiprocessing.get_context("fork")
 
 
 # ---- answers, and what one edit makes of them ---------------------------------------------------
@@ -264,8 +272,8 @@ class Asker:
                 question()
             self.cost[number] = max(self.cost[number], time.process_time() - begin)
 
-    def loses(self, function):
-        """Whether a function loses a point."""
+    def loses_at(self, function):
+        """The number of a question at which a function loses; None where it loses nothing."""
         questions = self.questions_to(function)
         # What is cheap, or tells many apart, comes first.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
@@ -275,9 +283,8 @@ class Asker:
             except BaseException as failure:
                 if is_ours(failure):
                     raise
-                self.lost[number] += 1
-                return True
-        return False
+                return number
+        return None
 
     def calls(self):
         """What the checks call the function with on other streets, and in other draws."""
@@ -311,8 +318,10 @@ class Oracle:
         self.answer = answer.function(answer.code())
         self.right = asker.right[self.exercise]
         self.calls = asker.calls()
+        begin = time.process_time()
         self.expected = [outcome_of(self.right, call) for call in self.calls]
-        self.answers = {}
+        self.answered = [outcome_of(self.answer, call) for call in self.calls]
+        self.cost = time.process_time() - begin
 
     def tells(self, function):
         """A call to which the function answers otherwise, and is wrong; None where there is none.
@@ -325,19 +334,11 @@ class Oracle:
                 if failed:
                     return failed[0].check.name
             return None
-        for number, call in enumerate(self.calls):
+        for call, *right in zip(self.calls, self.expected, self.answered, strict=True):
             outcome = outcome_of(function, call)
-            if not self.agree(call, outcome, self.expected[number]) and not self.agree(
-                call, outcome, self.answered(number)
-            ):
+            if not any(self.agree(call, outcome, one) for one in right):
                 return call
         return None
-
-    def answered(self, number):
-        """What the answer itself makes of a call; asked once for all mutants of it."""
-        if number not in self.answers:
-            self.answers[number] = outcome_of(self.answer, self.calls[number])
-        return self.answers[number]
 
     def agree(self, call, outcome, right):
         """Whether what was returned is as good, and what was given is left the same."""
@@ -370,24 +371,74 @@ def survey(exercise, answers):
             oracle = None
             asker.believe(answer.function(answer.code()))
             for mutant in mutants_of(answer):
-                try:
-                    with within(SECONDS):
-                        function = answer.function(mutant.code)
-                except BaseException:  # what stands outside of a function may fail here
+                lost = apart(functools.partial(lost_by, asker, mutant), sum(asker.cost.values()))
+                if lost == NO_FUNCTION:
                     continue
                 found.mutants += 1
-                if asker.loses(function):
+                if lost is not None:
+                    asker.lost[lost] += 1
                     found.wrong.append(mutant)
                     continue
                 oracle = oracle or Oracle(asker, answer)
-                call = oracle.tells(function)
+                call = apart(functools.partial(told_by, oracle, mutant), oracle.cost)
                 if call is None:
                     found.alike += 1
                 else:
                     found.escaped.append((mutant, call))
-            # Or the edits would have changed more than themselves, and each lost by another's harm.
-            assert not asker.loses(answer.function(answer.code()))
     return found
+
+
+def lost_by(asker, mutant):
+    """The question at which a mutant loses; None where it loses nothing."""
+    try:
+        with within(SECONDS):
+            function = mutant.answer.function(mutant.code)
+    except BaseException:  # what stands outside of a function may fail here
+        return NO_FUNCTION
+    return asker.loses_at(function)
+
+
+def told_by(oracle, mutant):
+    """A call to which a mutant answers otherwise, in short; None where there is none."""
+    call = oracle.tells(mutant.answer.function(mutant.code))
+    return None if call is None else reprlib.repr(call)
+
+
+def apart(work, usual):
+    """What comes of some work in a process of its own; `NEVER_ENDS` where it does not end.
+
+    A mutant may change what a process shares, ask for more memory than there is, or send LAPACK
+    into a loop that no signal of Python's reaches.
+
+    Parameters
+    ----------
+    work : callable
+    usual : float
+        Seconds of the processor that it takes with a right answer.
+    """
+    reading, writing = FORK.Pipe(duplex=False)
+    process = FORK.Process(target=_work, args=(work, writing, math.ceil(30 + 6 * usual)))
+    process.start()
+    writing.close()
+    try:
+        outcome, fault = reading.recv()
+    except EOFError:
+        return NEVER_ENDS
+    finally:
+        process.join()
+        reading.close()
+    assert not fault, fault
+    return outcome
+
+
+def _work(work, writing, seconds):
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    try:
+        answer = work(), ""
+    except BaseException:
+        answer = None, traceback.format_exc()
+    writing.send(answer)
 
 
 # ---- judged behind the walls --------------------------------------------------------------------
