@@ -36,6 +36,7 @@ _MODULES = _RENAMED | {
         "checks",
         "clouds",
         "datasets",
+        "drive",
         "films",
         "play",
         "plots",

@@ -149,7 +149,7 @@ def load_detector(
     if getattr(detect, "is_stub", False):
         raise ValueError(
             f"{DETECTOR} in {Path(notebook).name} is not written yet. Write it and save the "
-            "notebook; or leave out --detector to see the true boxes."
+            "notebook; or leave the notebook out to see the true boxes."
         )
     parameters = inspect.signature(detect).parameters.values()
     known = [parameter.name for parameter in parameters][1:]

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.films.writers import WRITERS, Film
+from utils.films.writers import Film, write_film
 from utils.progress import progress
 from utils.scene3d import Scene
 from utils.scene3d.cameras import Camera, as_camera
@@ -111,7 +111,7 @@ def watch(
                 start = time.perf_counter()
                 found = detect(cloud)
                 seconds = time.perf_counter() - start
-                found = _checked(found)
+                found = checked_boxes(found)
                 if follower:
                     since = moment - before if before is not None else 0.1
                     names, trails = follower.follow(found, since)
@@ -200,8 +200,6 @@ def record(
         The path has another ending, or there are no frames.
     """
     path, camera = Path(path), as_camera(camera)
-    if path.suffix not in WRITERS:
-        raise ValueError(f"{path.name}: films end in {', '.join(WRITERS)}.")
     frames = frames if hasattr(frames, "__len__") else list(frames)
     if path.suffix == ".png":
         frames = frames[:1]
@@ -211,19 +209,14 @@ def record(
     sights = []
 
     def images() -> Iterator[np.ndarray]:
-        with _camera_team(size, camera, renderer) as take:
+        with camera_team(size, camera, renderer) as take:
             bar = progress(range(len(frames)), f"Recording {path.name}")
             for sight, _ in zip(watch(frames, detect, tracker), bar, strict=False):
                 yield take(compose(sight))
                 sights.append(sight)
             next(bar, None)  # lets the bar show its last step
 
-    unfinished = path.with_name(f".{path.name}.part{path.suffix}")
-    try:
-        WRITERS[path.suffix](unfinished, images(), frames_per_second)
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    write_film(path, images(), frames_per_second)
     found = [sight for sight in sights if sight.found is not None]
     return Film(
         path,
@@ -236,7 +229,7 @@ def record(
 
 
 @contextmanager
-def _camera_team(
+def camera_team(
     size: tuple[int, int], camera: Camera, renderer: str | None
 ) -> Iterator[Callable[[Scene], np.ndarray]]:
     """A function that takes pictures; with PyVista they share what is costly to set up."""
@@ -249,7 +242,7 @@ def _camera_team(
         yield lambda scene: studio.picture(scene, camera)
 
 
-def _checked(found: ArrayLike) -> np.ndarray:
+def checked_boxes(found: ArrayLike) -> np.ndarray:
     """Boxes as a float array (N, 8, 3); a sentence for anything else."""
     boxes = np.asarray(found, dtype=float)
     if boxes.size == 0:

@@ -118,3 +118,21 @@ def write_png(path: Path, images: Iterator[np.ndarray], frames_per_second: float
 
 WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".png": write_png}
 """What writes a film, by the suffix of its file."""
+
+
+def write_film(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
+    """Write images into a file, wholly or not at all.
+
+    Raises
+    ------
+    ValueError
+        The path has an ending that no writer knows.
+    """
+    if path.suffix not in WRITERS:
+        raise ValueError(f"{path.name}: films end in {', '.join(WRITERS)}.")
+    unfinished = path.with_name(f".{path.name}.part{path.suffix}")
+    try:
+        WRITERS[path.suffix](unfinished, images, frames_per_second)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)

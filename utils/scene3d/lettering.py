@@ -18,7 +18,7 @@ MARGIN = 10
 
 
 @lru_cache(maxsize=16)
-def _font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
+def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
     """The font of matplotlib's figures, which every installation has."""
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name, size)
@@ -56,13 +56,13 @@ def write(
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture, "RGBA")
     letter = max(11, round(height / 38))
-    _write_labels(draw, parts, camera, (width, height), _font(letter, bold=True))
+    _write_labels(draw, parts, camera, (width, height), font(letter, bold=True))
     down = MARGIN
     if title:
-        down = _write_line(draw, (MARGIN, down), title, _font(letter + 2, bold=True))
-    _write_legend(draw, down, width, legend_of(parts), _font(letter))
+        down = _write_line(draw, (MARGIN, down), title, font(letter + 2, bold=True))
+    _write_legend(draw, down, width, legend_of(parts), font(letter))
     if caption:
-        _write_line(draw, (MARGIN, height - MARGIN - letter - 4), caption, _font(letter))
+        _write_line(draw, (MARGIN, height - MARGIN - letter - 4), caption, font(letter))
     return np.asarray(picture)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from utils.plots.style import BLUE
 from utils.scene3d import builders, output
 from utils.scene3d.cameras import Camera
-from utils.scene3d.parts import LAYERS, Part, Points
+from utils.scene3d.parts import LAYERS, Part, Points, Segments
 
 if TYPE_CHECKING:
     from utils.visits import Node
@@ -226,6 +226,11 @@ class Scene:
     def add_cars(self, corners: ArrayLike, *, colour: str = BLUE) -> Scene:
         """Add a block car into each box (N, 8, 3), its length along the longer side."""
         return self._add(builders.car_parts(corners, colour))
+
+    def add_lines(self, ends: ArrayLike, *, colour: str, width: float = 2.0, name: str) -> Scene:
+        """Add straight lines (m, 2, 3) in metres, `width` pixels wide."""
+        ends = np.asarray(ends, dtype=float)
+        return self._add([Segments(ends, colour, width, "scene", name)])
 
     # How it is shown -----------------------------------------------------------------------
 

@@ -1,0 +1,462 @@
+"""A car that drives on what a detector boxes: the rules, one by one, and whole drives."""
+
+import re
+
+import numpy as np
+import pytest
+
+from utils.drive import STREETS, drive_street, occupied_squares, on_time
+from utils.drive import __main__ as command
+from utils.drive.actors import Actor, car_ahead, child
+from utils.drive.clock import Clock, ticks
+from utils.drive.driving import drive
+from utils.drive.motion import Motion, closest_pairs
+from utils.drive.planner import Thing, needed_room, plan, room
+from utils.drive.rules import stopping_distance
+from utils.drive.streets import Street
+from utils.drive.truth import distances
+from utils.simulator.scanner import CLASSES
+from utils.simulator.sensor import Sensor, layers
+from utils.simulator.streets import Plan, placed
+from utils.simulator.traffic import pedestrian
+
+COARSE = Sensor(layers(12, 1.0, -12.0), np.radians(1.5), maximum_range=40.0)
+NOTHING = Plan(parked=np.inf, furniture=np.inf, walkers=np.inf)
+
+
+def box(x, y, length=1.0, width=1.0):
+    """Corners (8, 3) of a box whose nearest face is at x, and whose middle is at y."""
+    floor = [(x, y - width / 2), (x + length, y - width / 2)]
+    floor += [(x + length, y + width / 2), (x, y + width / 2)]
+    return np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor])
+
+
+def thing(x, y=0.0, forward=0.0, left=0.0, **size):
+    return Thing(box(x, y, **size), (forward, left))
+
+
+def straight(**settings):
+    """A street with nothing in it."""
+    return Street(99, "A made-up street", plan=NOTHING, **settings)
+
+
+def blind(cloud):
+    return np.empty((0, 8, 3))
+
+
+# The planner -------------------------------------------------------------------------------
+
+
+# 0.5 s at that speed, and its square over 14 m/s²: by hand.
+@pytest.mark.parametrize(
+    ("speed", "metres"), [(0, 0.0), (7, 3.5 + 3.5), (14, 7.0 + 14.0), (2.8, 1.4 + 0.56)]
+)
+def test_the_stopping_distance_is_that_of_lesson_07(speed, metres):
+    assert stopping_distance(speed) == pytest.approx(metres)
+
+
+def test_a_free_road_is_driven_as_fast_as_is_allowed():
+    assert plan(5.0, 8.0, []).acceleration == 2.0
+    assert plan(7.9, 8.0, []).acceleration == pytest.approx(0.2)
+    assert plan(8.0, 8.0, []).acceleration == 0.0
+    assert plan(9.0, 8.0, []).acceleration < 0
+
+
+# At 7 m/s it needs 7 m, and 2 m are left over; the bumper is at 2.6 m.
+@pytest.mark.parametrize(("x", "brakes"), [(2.6 + 8.9, True), (2.6 + 9.1, False)])
+def test_it_brakes_for_what_stands_within_the_stopping_distance(x, brakes):
+    decision = plan(7.0, 7.0, [thing(x)])
+    assert (decision.acceleration <= -1) == brakes
+    assert (decision.cause is not None) == brakes
+    if brakes:
+        # v² / 2a over the 6.9 m that are left: 3.55 m/s².
+        assert decision.acceleration == pytest.approx(-49 / (2 * 6.9))
+        assert decision.gap == pytest.approx(8.9)
+
+
+def test_it_brakes_as_hard_as_it_can_for_what_is_too_near():
+    assert plan(7.0, 7.0, [thing(2.6 + 4.0)]).acceleration == -7.0
+
+
+# Half of the car and 0.4 m: 1.3 m to either side; the box is 1 m wide.
+@pytest.mark.parametrize("y", [1.79, -1.79])
+def test_what_reaches_into_the_corridor_counts(y):
+    assert room(thing(10.0, y), 7.0) == pytest.approx(7.4)
+
+
+@pytest.mark.parametrize("y", [1.81, -1.81])
+def test_what_stands_beside_the_corridor_does_not(y):
+    assert room(thing(10.0, y), 7.0) == np.inf
+    assert plan(7.0, 7.0, [thing(5.0, y)]).cause is None
+
+
+def test_what_will_be_in_the_corridor_counts_as_if_it_were():
+    # At 7 m/s we would stand after 1.5 s; from 4 m aside to within 1.8 m it is 2.2 m.
+    assert room(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
+    assert room(thing(10.0, 4.0, left=-1.4), 7.0) == np.inf
+    assert room(thing(10.0, 4.0, left=1.5), 7.0) == np.inf
+
+
+def test_what_is_behind_the_bumper_stops_nobody():
+    assert plan(7.0, 7.0, [thing(-3.0), thing(0.0, length=2.5)]).cause is None
+
+
+def test_a_car_ahead_gets_less_room_as_it_rolls_on_itself():
+    # Both at 7 m/s: half a second of 7 m/s, and 2 m.
+    assert needed_room(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
+    assert needed_room(thing(10.0), 7.0) == pytest.approx(9.0)
+    assert plan(7.0, 7.0, [thing(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
+
+
+def test_behind_somebody_slow_it_grows_as_slow_as_they_are():
+    decision = plan(7.0, 7.0, [thing(2.6 + 14.0, forward=4.0)])
+    assert -1.01 < decision.acceleration < 0
+
+
+def test_the_worst_of_several_decides():
+    near, far = thing(2.6 + 6.0), thing(2.6 + 8.0)
+    assert plan(7.0, 7.0, [far, near]).cause is near
+
+
+def test_who_stands_starts_when_there_is_room_again():
+    assert plan(0.0, 7.0, [thing(2.6 + 2.5)]).acceleration == 0.0
+    assert plan(0.0, 7.0, [thing(2.6 + 3.5)]).acceleration == 2.0
+
+
+# What moves how ----------------------------------------------------------------------------
+
+
+def test_speeds_over_the_ground_come_of_boxes_seen_from_a_moving_car():
+    motion = Motion()
+    for scan in range(30):
+        time = scan / 10
+        # We drive 6 m/s: a parked box comes nearer, and a walker crosses at 1.4 m/s.
+        boxes = np.stack([box(30 - 6 * time, 5), box(25 - 6 * time, -4 + 1.4 * time)])
+        things = motion.update(boxes, 0.6 if scan else 0.0, 0.1)
+    parked, walker = (np.array(one.velocity) for one in things)
+    assert np.allclose(parked, 0.0, atol=0.1)
+    assert np.allclose(walker, (0.0, 1.4), atol=0.1)
+
+
+def test_a_newcomer_stands_until_it_was_seen_a_few_times():
+    motion = Motion()
+    for scan in range(3):
+        (newcomer,) = motion.update(box(20, 5 - scan)[None], 0.0, 0.1)
+        assert newcomer.velocity == (0.0, 0.0)
+
+
+def test_a_box_that_flickers_is_kept_for_three_scans():
+    motion, none = Motion(), np.empty((0, 8, 3))
+    for _ in range(2):
+        motion.update(box(20, 0)[None], 0.0, 0.1)
+    assert [len(motion.update(none, 0.5, 0.1)) for _ in range(4)] == [1, 1, 1, 0]
+    motion.update(box(20, 0)[None], 0.0, 0.1)
+    assert motion.update(none, 0.0, 0.1) == [], "seen once only"
+
+
+def test_a_coasting_thing_comes_nearer_as_we_drive():
+    motion = Motion()
+    for _ in range(2):
+        motion.update(box(20, 0)[None], 0.0, 0.1)
+    (coasting,) = motion.update(np.empty((0, 8, 3)), 0.5, 0.1)
+    assert coasting.corners[:, 0].min() == pytest.approx(19.5)
+
+
+def test_the_students_matching_is_asked():
+    asked = []
+
+    def match_boxes(previous, current, max_distance):
+        asked.append((len(previous), len(current), max_distance))
+        return closest_pairs(previous, current, max_distance)
+
+    motion = Motion(match_boxes)
+    motion.update(np.stack([box(10, 0), box(20, 0)]), 0.0, 0.1)
+    motion.update(box(10, 0)[None], 0.0, 0.1)
+    assert asked == [(0, 2, 1.5), (2, 1, 1.5)]
+
+
+def test_pairs_are_near_and_one_to_one():
+    before, now = np.stack([box(0, 0), box(10, 0)]), np.stack([box(0.8, 0), box(0.3, 0), box(9, 0)])
+    assert closest_pairs(before, now, 1.2).tolist() == [-1, 0, 1]
+    assert closest_pairs(before, now, 0.9).tolist() == [-1, 0, -1]
+    assert closest_pairs(before[:0], now, 1.0).tolist() == [-1, -1, -1]
+
+
+# Who does something ------------------------------------------------------------------------
+
+
+def test_an_actor_waits_until_it_begins_and_goes_as_it_is_told():
+    actor = Actor(placed(pedestrian(), 50.0, -5.0, np.pi / 2), 20.0, ((0, 2.0), (2, 0.0)))
+    assert actor.at(7.0, None).pose.y == -5.0
+    slowing = actor.at(7.0 + 1.0, 7.0)
+    # From 2 m/s evenly to 1 m/s in a second: 1.5 m.
+    assert slowing.pose.y == pytest.approx(-3.5) and slowing.speed == pytest.approx(1.0)
+    assert actor.at(30.0, 7.0).pose.y == pytest.approx(-3.0)
+
+
+def test_a_car_ahead_drives_until_it_begins():
+    actor = car_ahead(20.0, 5.0, 30.0, (0, 5.0), (1, 0.0))
+    assert actor.at(4.0, None).pose.x == pytest.approx(40.0)
+    assert actor.at(6.0, 4.0).pose.x == pytest.approx(42.5)
+
+
+def test_who_crosses_is_in_the_middle_of_our_lane_when_we_come():
+    actor, speed = child(70.0, 8.0), 8.0
+    arrives = (70.0 - 2.6) / speed
+    thing = actor.at(arrives, actor.begins / speed)
+    assert thing.pose.y == pytest.approx(-1.2, abs=0.01)
+
+
+def test_actors_begin_where_the_car_is_and_not_when():
+    street = straight(actors=(child(60.0, 30 / 3.6),))
+    begun = [
+        moment.position
+        for moment in drive(street, blind, seconds=6.0, clock=on_time, sensor=COARSE).moments
+        if moment.began
+    ]
+    assert street.actors[0].begins <= begun[0] < street.actors[0].begins + 1.0
+
+
+# The loop ----------------------------------------------------------------------------------
+
+
+def test_the_same_street_is_the_same_drive():
+    trips = [drive(STREETS[8], occupied_squares, seconds=1.0, clock=on_time, sensor=COARSE)] * 2
+    one, two = (drive(STREETS[8], occupied_squares, seconds=1.0, clock=on_time, sensor=COARSE)
+                for _ in trips)  # fmt: skip
+    assert [m.position for m in one.moments] == [m.position for m in two.moments]
+    assert np.array_equal(one.frame(5).cloud, two.frame(5).cloud)
+    assert not np.array_equal(one.frame(5).cloud, one.frame(6).cloud)
+
+
+def test_the_detector_sees_the_scan_and_nothing_else():
+    seen = []
+
+    def detect(cloud):
+        seen.append(cloud)
+        cloud[:] = 0.0  # what it does to its copy is its own affair
+        return blind(cloud)
+
+    trip = drive(straight(), detect, seconds=0.5, clock=on_time, sensor=COARSE)
+    assert {type(cloud) for cloud in seen} == {np.ndarray}
+    assert {cloud.shape[1] for cloud in seen} == {4}
+    assert np.abs(trip.frame(2).cloud).sum() > 0
+
+
+def test_a_car_that_sees_nothing_drives_on_and_into_who_crosses():
+    street = straight(actors=(child(40.0, 30 / 3.6),))
+    trip = drive_street(street, blind, clock=on_time)
+    trip = type(trip)(drive(street, blind, seconds=8.0, clock=on_time, sensor=COARSE))
+    assert trip.drive.hit is not None
+    assert street.kind_of(trip.drive.hit) == "pedestrian"
+    assert "The drive ends at a person, at 30 km/h." in trip.report.collision
+    assert re.search(r"had a box in none of them", trip.report.collision)
+    assert trip.drive.metres < 45
+
+
+def test_true_boxes_stop_for_who_crosses_and_go_on():
+    street = straight(actors=(child(40.0, 30 / 3.6),))
+    trip = drive_street(street, seconds=12.0)
+    assert trip.drive.hit is None and trip.report.collision == ""
+    (braking,) = [one for one in trip.report.brakings if not one.needless]
+    assert "a person" in braking.reason
+    assert trip.report.needless == 0
+    assert trip.drive.metres > 42, "it went on behind the child"
+
+
+def test_braking_for_a_box_where_nothing_is_was_needless():
+    ghost = box(9.0, 0.0)[None]
+    trip = drive(straight(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE)
+    from utils.drive.measuring import measure
+
+    (braking,) = measure(trip).brakings
+    assert braking.needless and braking.reason == "a box with nothing in it"
+    assert trip.moments[-1].speed < 3
+
+
+@pytest.mark.parametrize(
+    ("settings", "corners", "reason"),
+    [
+        ({}, box(9.0, 0.0, 4.0, 3.0) - (0, 0, 0.3), "road taken for an obstacle"),
+        ({"dirt": True}, box(0.5, 0.0, 2.2, 2.0) + (0, 0, 0.1), "our own car"),
+        ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain taken for an obstacle"),
+    ],
+)
+def test_what_was_mistaken_for_an_obstacle_is_named(settings, corners, reason):
+    from utils.drive.measuring import measure
+
+    if settings.get("dirt"):  # the bumper is in front of it
+        corners = corners + (0.8, 0, 0)
+    trip = drive(
+        straight(**settings), lambda cloud: corners[None], seconds=0.5, clock=on_time, sensor=COARSE
+    )
+    (braking,) = measure(trip).brakings
+    assert braking.needless and reason in braking.reason
+
+
+def test_a_failing_scan_costs_that_scan():
+    calls = []
+
+    def detect(cloud):
+        calls.append(1)
+        if len(calls) == 4:
+            raise ValueError("odd scan")
+        return blind(cloud)
+
+    trip = drive(straight(), detect, seconds=1.0, clock=on_time, sensor=COARSE)
+    assert len(trip.moments) == 10
+    assert trip.problems == ("scan 2: ValueError: odd scan",)
+    with pytest.raises(ZeroDivisionError):
+        drive(straight(), lambda cloud: 1 / 0, seconds=1.0, clock=on_time, sensor=COARSE)
+
+
+@pytest.mark.parametrize("found", [[], np.full((2, 8, 3), np.nan), box(50, 20)[None].tolist()])
+def test_odd_answers_are_boxes_too(found):
+    trip = drive(straight(), lambda cloud: found, seconds=0.5, clock=on_time, sensor=COARSE)
+    assert trip.problems == () and len(trip.moments) == 5
+
+
+# How late it is ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seconds", "scans"), [(0.0, 1), (0.1, 1), (0.11, 2), (0.2, 2), (0.95, 10)]
+)
+def test_an_answer_arrives_with_a_scan(seconds, scans):
+    assert ticks(seconds) == scans
+
+
+def test_a_late_detector_sees_fewer_scans_and_the_world_later():
+    seen = []
+
+    def taking_a_third(call):
+        return call(), 0.34
+
+    def detect(cloud):
+        seen.append(1)
+        return blind(cloud)
+
+    trip = drive(straight(), detect, seconds=2.0, clock=taking_a_third, sensor=COARSE)
+    assert len(seen) == 1 + 5, "every fourth scan, and the first one to load libraries"
+    assert [moment.seen for moment in trip.moments[:9]] == [None] * 4 + [0] * 4 + [4]
+    assert sum(moment.busy for moment in trip.moments) == 15
+
+
+def test_a_late_detector_stops_later():
+    street = straight(actors=(Actor(placed(pedestrian(), 30.0, -1.2), np.inf, ((0, 0.0),)),))
+
+    def detect(cloud):
+        near = np.hypot(cloud[:, 0], cloud[:, 1]) < 14
+        person = cloud[near & (cloud[:, 2] > -1.2) & (np.abs(cloud[:, 1]) < 1) & (cloud[:, 0] > 3)]
+        return box(person[:, 0].min(), 0.0)[None] if len(person) else blind(cloud)
+
+    quick, late = (
+        drive(street, detect, seconds=6.0, clock=lambda call, s=s: (call(), s), sensor=COARSE)
+        for s in (0.05, 0.9)
+    )
+    assert quick.hit is None
+    assert late.hit is not None or late.metres > quick.metres + 0.5
+
+
+def test_the_clock_counts_work_and_no_hiccup():
+    clock = Clock()
+    answer, idle = clock(lambda: 7)
+    assert answer == 7 and idle < 0.01
+
+    def work():
+        return sum(range(300_000))
+
+    times = [clock(call)[1] for call in (work, work, work, lambda: 0, work)]
+    assert times[-1] > 0, "the middle one of the last five"
+
+
+# What it is judged by ----------------------------------------------------------------------
+
+
+def test_distances_are_those_between_footprints():
+    from dataclasses import replace
+
+    from utils.simulator.pose import Pose
+    from utils.simulator.world import World
+
+    person = replace(pedestrian(), pose=Pose(5.0, 3.0), identity=1)  # 0.6 m by 0.6 m
+    far = replace(pedestrian(), pose=Pose(0.0, 40.0), identity=2)
+    gaps = distances(World(obstacles=(person, far)))
+    # From the corner (2.6, 0.9) to the corner (4.7, 2.7).
+    assert gaps == {1: pytest.approx(np.hypot(2.1, 1.8))}
+
+
+def test_twenty_streets_are_numbered_and_told_apart():
+    assert [street.number for street in STREETS] == list(range(1, 21))
+    assert len({street.title for street in STREETS}) == 20
+
+
+@pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
+def test_nothing_stands_in_our_lane_but_actors(street):
+    for thing_ in street.still.obstacles:
+        across = abs(thing_.pose.y + 1.2)
+        assert across - thing_.size[1] / 2 > 1.3 or abs(thing_.pose.y) > 5
+    assert all(kind in CLASSES for kind in street.road_users.values())
+
+
+# How it is shown ---------------------------------------------------------------------------
+
+
+def test_in_a_notebook_each_braking_opens_its_frame():
+    trip = drive_street(STREETS[0], occupied_squares, seconds=1.0, clock=on_time)
+    page = trip._repr_html_()
+    assert page.count("<details>") == len(trip.report.brakings) > 0
+    assert page.count("data:image/png;base64,") == len(trip.report.brakings)
+    assert "<script" not in page and "needless" in page and "aria-label" in page
+
+
+def test_films_and_pages_are_written(tmp_path):
+    from PIL import Image
+
+    trip = drive_street(STREETS[0], blind, seconds=0.5, clock=on_time)
+    said = trip.save(tmp_path / "film.gif")
+    assert Image.open(tmp_path / "film.gif").n_frames == 3 and "street 1" in said
+    trip.save(tmp_path / "strip.html")
+    assert "<svg" in (tmp_path / "strip.html").read_text("utf-8")
+    with pytest.raises(ValueError, match="films end in"):
+        trip.save(tmp_path / "film.avi")
+
+
+def test_the_command_drives_and_compares(capsys, monkeypatch):
+    assert command.main(["--street", "1", "--seconds", "1"]) == 0
+    written = capsys.readouterr().out
+    assert "Street 1 · A quiet street: 8 m in 1 s." in written and "yours" in written
+
+
+def test_the_command_says_what_is_wrong(tmp_path, capsys):
+    import json
+
+    cell = {"cell_type": "code", "source": "def filter_ground(cloud):\n    return cloud",
+            "metadata": {}, "outputs": [], "execution_count": None}  # fmt: skip
+    notebook = {"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 4}
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_text(json.dumps(notebook))
+    assert command.main([str(path), "--street", "1"]) == 2
+    assert "has no function detect_obstacles(cloud)" in capsys.readouterr().out
+    assert command.main([str(tmp_path / "none.ipynb")]) == 2
+    assert "There is no notebook" in capsys.readouterr().out
+    assert command.main(["--to", "film.mp4"]) == 2
+    assert "A film is of one street" in capsys.readouterr().out
+    for wrong in (["--street", "21"], ["--to", "film.avi"], ["--seconds", "no"]):
+        with pytest.raises(SystemExit):
+            command.main(wrong)
+
+
+def test_ctrl_c_keeps_what_was_driven(capsys, monkeypatch):
+    driven = []
+
+    def stopped(street, *arguments, **options):
+        if driven:
+            raise KeyboardInterrupt
+        driven.append(street)
+        return drive_street(street, seconds=1.0)
+
+    monkeypatch.setattr(command, "drive_street", stopped)
+    assert command.main(["--seconds", "1"]) == 130
+    written = capsys.readouterr().out
+    assert "Stopped." in written and "yours" in written

@@ -1,0 +1,122 @@
+"""Drive through the simulator's streets on the detector of a notebook of yours.
+
+    python -m utils.drive 12_streaming_obstacles.ipynb
+    python -m utils.drive 12_streaming_obstacles.ipynb --street 3
+    python -m utils.drive 12_streaming_obstacles.ipynb --street 3 --to film.mp4
+    python -m utils.drive 12_streaming_obstacles.ipynb --street 3 --to strip.html
+
+Without a notebook the car sees the true boxes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from utils.drive import STREETS, drive_street
+from utils.drive.standards import Result, result_of, standards
+
+SUFFIXES = (".mp4", ".gif", ".png", ".html")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return 0, 2 when something is not there, 130 when stopped."""
+    options = _parser().parse_args(arguments)
+    try:
+        detect = match = None
+        if options.notebook:
+            from utils.play import load_detector
+
+            detect, match = load_detector(options.notebook)
+        return _drive(options, detect, match)
+    except (ValueError, OSError) as problem:
+        print(problem)
+        return 2
+    except NotImplementedError as problem:
+        print(f"The detector calls a function that is not written yet: {problem}")
+        return 2
+
+
+def _drive(options: argparse.Namespace, detect: object, match: object) -> int:
+    streets = [STREETS[number - 1] for number in options.street or range(1, len(STREETS) + 1)]
+    if options.to and len(streets) != 1:
+        print("A film is of one street: name it, such as --street 3.")
+        return 2
+    done: dict[int, Result] = {}
+    stopped = False
+    for street in streets:
+        try:
+            trip = drive_street(street, detect, match, seconds=options.seconds)
+            done[street.number] = result_of(trip.report)
+            print(trip)
+            if options.to:
+                print(f"{options.to}: {trip.save(options.to)}")
+        except KeyboardInterrupt:
+            print("\nStopped.")
+            stopped = True
+            break
+    _compare(done, options.seconds)
+    return 130 if stopped else 0
+
+
+def _compare(done: dict[int, Result], seconds: float) -> None:
+    """All that was driven, beside what others did in the same streets."""
+    if not done:
+        return
+    print(f"\n{'yours':28} {sum(done.values(), start=Result())}")
+    if seconds == 20.0:
+        for name, result in standards(done).items():
+            print(f"{name:28} {result}")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m utils.drive",
+        description=__doc__.split("\n\n")[0],
+        epilog="Streets: " + " · ".join(f"{one.number} {one.title}" for one in STREETS),
+    )
+    parser.add_argument(
+        "notebook", nargs="?", metavar="NOTEBOOK", help="with detect_obstacles(cloud)"
+    )
+    parser.add_argument(
+        "--street",
+        type=int,
+        nargs="+",
+        choices=range(1, len(STREETS) + 1),
+        metavar="N",
+        help=f"1 to {len(STREETS)}; all of them by default",
+    )
+    parser.add_argument(
+        "--to",
+        type=_file,
+        metavar="FILE",
+        help="a film (.mp4, .gif), its last picture (.png), or a page with the frame of each "
+        "braking (.html)",
+    )
+    parser.add_argument(
+        "--seconds", type=_seconds, default=20.0, help="how long to drive in each street (20)"
+    )
+    return parser
+
+
+def _file(text: str) -> Path:
+    path = Path(text)
+    if path.suffix not in SUFFIXES:
+        raise argparse.ArgumentTypeError(f"{path.name} ends in none of {', '.join(SUFFIXES)}")
+    return path
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 1.0 <= seconds <= 60.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to 60")
+    return seconds
+
+
+if __name__ == "__main__":
+    sys.exit(main())

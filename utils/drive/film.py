@@ -1,0 +1,155 @@
+"""A drive as a film: from behind and above, with boxes, corridor, speed and brake."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from utils.drive.driving import Drive, Moment
+from utils.drive.measuring import Report
+from utils.drive.rules import BUMPER, CORRIDOR, HALF_WIDTH, STANDSTILL, TAIL, stopping_distance
+from utils.films.filming import SIZE, camera_team
+from utils.films.writers import Film, write_film
+from utils.plots.style import GREEN, INK, PAPER, VERMILION
+from utils.progress import progress
+from utils.scene3d import Scene
+from utils.scene3d.cameras import Camera
+from utils.scene3d.lettering import font
+
+BEHIND = Camera((-13.0, 0.0, 8.0), (9.0, 0.0, -1.5), seen_from="from behind and above")
+STEP = 2
+"""Every so many moments is filmed."""
+
+ROAD = -1.73
+STILL = 10
+"""Pictures for which a collision is held."""
+
+
+def film(
+    drive: Drive,
+    report: Report,
+    path: str | os.PathLike,
+    *,
+    size: tuple[int, int] = SIZE,
+    renderer: str | None = None,
+) -> Film:
+    """Make a film of a drive, with a bar that shows how far it has come.
+
+    Parameters
+    ----------
+    drive : Drive
+    report : Report
+        Of this drive.
+    path : str or path
+        Ends in .mp4 or .gif; or in .png for a picture of the last moment.
+    size : (int, int)
+    renderer : {"pyvista", "matplotlib"}, optional
+    """
+    path = Path(path)
+    size = tuple(int(length) // 2 * 2 for length in size)
+    numbers = list(range(0, len(drive.moments), STEP))
+    if path.suffix == ".png" or numbers[-1] != len(drive.moments) - 1:
+        numbers = (numbers if path.suffix != ".png" else []) + [len(drive.moments) - 1]
+
+    def images() -> Iterator[np.ndarray]:
+        with camera_team(size, BEHIND, renderer) as take:
+            for number in progress(numbers, f"Recording {path.name}"):
+                picture = dashboard(take(scene_of(drive, report, number)), drive.moments[number])
+                yield picture
+            if report.collision and path.suffix != ".png":
+                yield from [framed(picture)] * STILL
+
+    write_film(path, images(), 10.0 / STEP)
+    return Film(path, len(numbers), seen=summary(drive, report))
+
+
+def summary(drive: Drive, report: Report) -> str:
+    """The film in words, for those who cannot see it."""
+    words = [
+        f"A drive through street {drive.street.number}, {drive.street.title[0].lower()}"
+        f"{drive.street.title[1:]}, seen from behind and above: {report.metres:.0f} m."
+    ]
+    words += [f"The car brakes: {braking}." for braking in report.brakings]
+    return " ".join([*words, report.collision]).strip()
+
+
+def scene_of(drive: Drive, report: Report, number: int) -> Scene:
+    """The scan of a moment with the boxes, the corridor, and what the car brakes for."""
+    moment, street = drive.moments[number], drive.street
+    scene = Scene(f"Street {street.number} · {street.title}")
+    scene.add_cloud(drive.frame(number).cloud)
+    boxes = moment.boxes if not moment.busy else known(drive, moment)
+    scene.add_oriented_boxes(boxes, name="boxes of the detector")
+    scene.add_ego_car((TAIL, -HALF_WIDTH, ROAD + 0.2), (BUMPER, HALF_WIDTH, -0.3))
+    reach = BUMPER + STANDSTILL + stopping_distance(moment.speed)
+    colour, width = (VERMILION, 5.0) if moment.brakes else (GREEN, 3.0)
+    name = "corridor: braking" if moment.brakes else "corridor: free"
+    scene.add_lines(_corridor(reach, street.slope), colour=colour, width=width, name=name)
+    scene.caption = caption(report, moment)
+    return scene
+
+
+def known(drive: Drive, moment: Moment) -> np.ndarray:
+    """The boxes of the last answer, where they are by now."""
+    if moment.seen is None:
+        return moment.boxes
+    before = drive.moments[moment.seen]
+    return before.boxes - (moment.position - before.position, 0.0, 0.0)
+
+
+def caption(report: Report, moment: Moment) -> str:
+    """Where in the drive, how fast, and what the car brakes for."""
+    words = [f"frame {moment.number}", f"{moment.time:.1f} s", f"{3.6 * moment.speed:.0f} km/h"]
+    now = [one for one in report.brakings if one.first <= moment.number <= one.last]
+    words += [f"{'needless: ' if one.needless else ''}{one.reason}" for one in now]
+    return " · ".join(words)
+
+
+def _corridor(reach: float, slope: float) -> np.ndarray:
+    """Edges (3, 2, 3) of the corridor on the road, as far as the car needs to stop."""
+    corners = np.array(
+        [(x, y, ROAD + slope * x + 0.05) for x in (BUMPER, reach) for y in (-CORRIDOR, CORRIDOR)]
+    )
+    return corners[[[0, 2], [1, 3], [2, 3]]]
+
+
+def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
+    """The picture with the speed as a bar, and the brake as a word."""
+    height, width = image.shape[:2]
+    picture = Image.fromarray(image)
+    draw = ImageDraw.Draw(picture, "RGBA")
+    letter = max(12, height // 26)
+    write: ImageFont.FreeTypeFont = font(letter, bold=True)
+    right, bottom = width - 12, height - 12
+    text = f"{3.6 * moment.speed:.0f} km/h"
+    draw.text((right, bottom), text, INK, write, "rs", stroke_width=3, stroke_fill=PAPER)
+    top, left = bottom - 1.6 * letter, right - 8 * letter
+    share = min(moment.speed / (50 / 3.6), 1.0)
+    draw.rectangle((left, top - 0.5 * letter, right, top), outline=INK, fill=PAPER)
+    draw.rectangle((left, top - 0.5 * letter, left + share * (right - left), top), fill=INK)
+    if moment.acceleration < -1.0:
+        spot = (left, top - 2.3 * letter, right, top - 0.8 * letter)
+        draw.rectangle(spot, fill=VERMILION, outline=INK)
+        middle = ((left + right) / 2, top - 1.55 * letter)
+        words = f"BRAKE {-moment.acceleration:.0f} m/s²"
+        draw.text(middle, words, PAPER, write, "mm")
+    return np.asarray(picture)
+
+
+def framed(image: np.ndarray) -> np.ndarray:
+    """The picture in a red frame, with the word for it: the drive ends here."""
+    picture = Image.fromarray(image)
+    draw = ImageDraw.Draw(picture)
+    width, height = picture.size
+    draw.rectangle((0, 0, width - 1, height - 1), outline=VERMILION, width=max(6, height // 45))
+    letter = height // 16
+    middle = (width / 2, height / 6)
+    draw.text(
+        middle, "The drive ends here", VERMILION, font(letter, True), "mm",
+        stroke_width=4, stroke_fill=PAPER,
+    )  # fmt: skip
+    return np.asarray(picture)

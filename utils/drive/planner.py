@@ -1,0 +1,114 @@
+"""The given planner: how hard to brake, and for what. It steers nothing; the lane is straight.
+
+It sees what the detector boxed and how these boxes move, and nothing else. So a box where nothing
+is stops the car, and what has no box is driven into.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from utils.drive.rules import (
+    ACCELERATION,
+    BUMPER,
+    COMFORTABLE,
+    CORRIDOR,
+    DECELERATION,
+    REACTION,
+    STANDSTILL,
+    stopping_distance,
+)
+
+LOOKS = 5
+"""At so many moments until we would stand the planner asks where a thing will be."""
+
+
+@dataclass(frozen=True, eq=False)
+class Thing:
+    """A box as the planner sees it.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (8, 3)
+        In metres, the scanner at the origin, now.
+    velocity : tuple of float
+        Metres per second over the ground, forward and to the left.
+    """
+
+    corners: np.ndarray
+    velocity: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """What to do in the next tenth of a second.
+
+    Parameters
+    ----------
+    acceleration : float
+        In m/s²; negative brakes.
+    cause : Thing or None
+        For what the car brakes or waits.
+    gap : float
+        Metres from the bumper to where the cause is, or will be.
+    """
+
+    acceleration: float
+    cause: Thing | None = None
+    gap: float = np.inf
+
+
+def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
+    """Drive on as fast as is allowed; brake for what stands, or will stand, in the corridor.
+
+    Parameters
+    ----------
+    speed, limit : float
+        Ours, and that of the street, in m/s.
+    things : iterable of Thing
+    """
+    free = min(ACCELERATION, (limit - speed) / 0.5)
+    decisions = [Decision(free)]
+    for thing in things:
+        gap, ahead = room(thing, speed), max(thing.velocity[0], 0.0)
+        needed = needed_room(thing, speed)
+        if gap <= needed + (speed == 0):  # who stands waits for a metre more
+            ours_to_lose = max(speed**2 - ahead**2, 0.0)
+            brake = ours_to_lose / (2 * max(gap - STANDSTILL, 0.1))
+            gentle = COMFORTABLE if speed > ahead else 0.0
+            decisions.append(Decision(-min(max(brake, gentle), DECELERATION), thing, gap))
+        elif ahead > 1 and gap <= needed + speed:  # behind somebody: grow as slow as they are
+            follow = min(free, max(ahead - speed, -2.0) / 2)
+            decisions.append(Decision(follow, thing if follow < free else None, gap))
+    return min(decisions, key=lambda decision: decision.acceleration)
+
+
+def needed_room(thing: Thing, speed: float) -> float:
+    """Metres from our bumper within which a thing in the corridor has us brake."""
+    rolls = max(thing.velocity[0], 0.0) ** 2 / (2 * DECELERATION)
+    return STANDSTILL + max(stopping_distance(speed) - rolls, 0.0)
+
+
+def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
+    """Metres from our bumper to a thing in the corridor; infinite where it stays outside.
+
+    Parameters
+    ----------
+    thing : Thing
+    speed : float
+        Ours. The faster we are, the longer we look ahead: until we would stand.
+    wider : float
+        Metres by which the corridor is wider than usual, to either side.
+    """
+    (x, y), (forward, left) = thing.corners[:, :2].T, thing.velocity
+    if x.max() < BUMPER:
+        return np.inf  # beside or behind us
+    for later in np.linspace(0.0, REACTION + speed / DECELERATION, LOOKS):
+        low, high = y.min() + left * later, y.max() + left * later
+        if low < CORRIDOR + wider and high > -CORRIDOR - wider:
+            # What drives away has its own room; what comes towards us takes some of ours.
+            return float(x.min() + min(forward, 0.0) * later) - BUMPER
+    return np.inf

@@ -1,0 +1,91 @@
+"""How others did in the twenty streets: the true boxes, the course's detector, the naive one.
+
+`standards.json` holds their results, and no code; `python -m grader.course.driving` drives them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from utils.drive.measuring import Report
+
+STORED = Path(__file__).with_name("standards.json")
+
+DRIVERS = ("true boxes", "the course's detector", "the naive one of lesson 12")
+
+
+@dataclass(frozen=True)
+class Result:
+    """Of a drive, what can be added up.
+
+    Attributes
+    ----------
+    metres : float
+    needless : int
+    collisions : int
+    near_misses : int
+    """
+
+    metres: float = 0.0
+    needless: int = 0
+    collisions: int = 0
+    near_misses: int = 0
+
+    def __add__(self, other: Result) -> Result:
+        pairs = zip(asdict(self).values(), asdict(other).values(), strict=True)
+        return Result(*(one + two for one, two in pairs))
+
+    def __str__(self) -> str:
+        return (
+            f"{self.metres:5.0f} m, {_times(self.needless, 'needless braking')}, "
+            f"{_times(self.collisions, 'collision')}"
+        )
+
+
+def _times(count: int, what: str) -> str:
+    return f"{count or 'no'} {what}{'' if count == 1 else 's'}"
+
+
+def result_of(report: Report) -> Result:
+    """The part of a report that can be added up."""
+    return Result(
+        round(report.metres, 1), report.needless, int(bool(report.collision)), report.near_misses
+    )
+
+
+def standards(streets: Iterable[int]) -> dict[str, Result]:
+    """What each of `DRIVERS` did in some streets together.
+
+    Parameters
+    ----------
+    streets : iterable of int
+        Their numbers.
+    """
+    numbers = list(streets)
+    return {
+        name: sum((Result(*drives[str(number)]) for number in numbers), start=Result())
+        for name, drives in _stored().items()
+    }
+
+
+@lru_cache(maxsize=1)
+def _stored() -> dict[str, dict[str, list]]:
+    return json.loads(STORED.read_text("utf-8"))
+
+
+def store(results: dict[str, dict[int, Result]]) -> None:
+    """Write down what the drivers did, by name and street."""
+    lines = [
+        f" {json.dumps(name)}: {{\n"
+        + ",\n".join(
+            f'  "{number}": {json.dumps(list(asdict(result).values()))}'
+            for number, result in drives.items()
+        )
+        + "\n }"
+        for name, drives in results.items()
+    ]
+    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")

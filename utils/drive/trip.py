@@ -1,0 +1,132 @@
+"""A drive with its report: shown in a notebook, printed elsewhere, saved as a film or a page."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from utils.drive.driving import Drive, drive
+from utils.drive.measuring import Report, measure
+from utils.drive.streets import STREETS, Street
+
+
+@dataclass(frozen=True, eq=False)
+class Trip:
+    """A drive; in a notebook it shows itself.
+
+    Attributes
+    ----------
+    drive : Drive
+    """
+
+    drive: Drive
+
+    @cached_property
+    def report(self) -> Report:
+        """The drive in numbers and words."""
+        return measure(self.drive)
+
+    def save(self, path: str | os.PathLike) -> str:
+        """Write a film (.mp4, .gif), its last picture (.png) or a page (.html); say what it shows.
+
+        Raises
+        ------
+        ValueError
+            The path has another ending.
+        """
+        if Path(path).suffix == ".html":
+            from utils.drive.strip import write_page
+
+            write_page(self.drive, self.report, path)
+            return "speed over time, and the frame of each braking."
+        from utils.drive.film import film
+
+        return film(self.drive, self.report, path).recap
+
+    def __str__(self) -> str:
+        street, report = self.drive.street, self.report
+        words = [
+            f"Street {street.number} · {street.title}: {report.metres:.0f} m in "
+            f"{report.seconds:.0f} s."
+        ]
+        for braking in report.brakings:
+            time = self.drive.moments[braking.first].time
+            words.append(f"  {time:4.1f} s  {'needless: ' if braking.needless else ''}{braking}")
+        if report.collision:
+            words.append(f"  {report.seconds:4.1f} s  {report.collision}")
+        words += [f"  {line}" for line in comfort(report)]
+        if self.drive.problems:
+            failed, first = len(self.drive.problems), self.drive.problems[0]
+            words.append(f"  The detector failed for {failed} of the scans; first: {first}")
+        return "\n".join(words)
+
+    def _repr_html_(self) -> str:
+        import html
+
+        from utils.drive.strip import fragment
+
+        street = self.drive.street
+        lines = [f"<b>Street {street.number} · {html.escape(street.title)}</b>"]
+        lines += [f"{self.report.metres:.0f} m in {self.report.seconds:.0f} s"]
+        lines += comfort(self.report)
+        lines += [html.escape(problem) for problem in self.drive.problems[:1]]
+        return f"<p>{'<br>'.join(lines)}</p>{fragment(self.drive, self.report)}"
+
+
+def comfort(report: Report) -> list[str]:
+    """How smooth, how close and how late, in sentences."""
+    words = []
+    if report.hardest > 1.0:
+        words.append(
+            f"Hardest braking {report.hardest:.1f} m/s²; {report.harsh:.1f} s of it harsh."
+        )
+    if report.closest_kind and report.closest < 5:
+        words.append(f"Closest pass: {report.closest:.1f} m from {report.closest_kind}.")
+    if report.near_misses:
+        words.append(f"Near misses: {report.near_misses}.")
+    if report.age > 0.15:
+        words.append(f"The detector is late: the car went by scans {report.age:.1f} s old.")
+    return words
+
+
+def drive_street(
+    street: int | Street,
+    detect: Callable | None = None,
+    match: Callable | None = None,
+    *,
+    seconds: float = 20.0,
+    clock: Callable | None = None,
+) -> Trip:
+    """Drive through a street on a detector, and see how it went.
+
+    Parameters
+    ----------
+    street : int or Street
+        A number from 1 to 20.
+    detect : callable, optional
+        ``detect_obstacles``: from a cloud to boxes (N, 8, 3). Without it the car sees the true
+        boxes.
+    match : callable, optional
+        ``match_boxes`` of lesson 12.
+    seconds : float
+    clock : callable, optional
+        `utils.drive.on_time` for a detector whose time should not count.
+
+    Returns
+    -------
+    Trip
+        As the last line of a cell it shows the speed over time; ``.save("film.mp4")`` films it.
+
+    Raises
+    ------
+    ValueError
+        There is no street of this number.
+    """
+    if not isinstance(street, Street):
+        if street not in range(1, len(STREETS) + 1):
+            raise ValueError(f"There is no street {street!r}. They are 1 to {len(STREETS)}.")
+        street = STREETS[street - 1]
+    return Trip(drive(street, detect, match, seconds=seconds, clock=clock))

@@ -1,0 +1,52 @@
+"""What really stands and moves around the car: for judging a drive, never for driving."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from utils.boxes import Box
+from utils.drive.planner import Thing
+from utils.drive.rules import BUMPER, HALF_WIDTH, TAIL
+from utils.simulator.frames import Frame
+from utils.simulator.world import Obstacle, World
+
+ENOUGH = 5
+"""Returns from which on a thing can be seen at all."""
+
+
+def true_boxes(frame: Frame) -> np.ndarray:
+    """Corners (N, 8, 3) of all that returned enough echoes: what the best detector would answer."""
+    seen = [box.corners for box in frame.boxes if box.returns >= ENOUGH]
+    return np.reshape(seen, (-1, 8, 3)).astype(float)
+
+
+def true_things(world: World) -> Iterator[tuple[Obstacle, Thing]]:
+    """All things of a world in the vehicle's frame, as the planner would see them."""
+    for obstacle in world.obstacles:
+        pose = obstacle.pose
+        box = Box((pose.x, pose.y, obstacle.size[2] / 2), obstacle.size, pose.yaw, obstacle.kind, 0)
+        velocity = obstacle.speed * math.cos(pose.yaw), obstacle.speed * math.sin(pose.yaw)
+        yield obstacle, Thing(box.corners, velocity)
+
+
+def distances(world: World) -> dict[int, float]:
+    """Metres between our car and each thing near it, seen from above, by its identity."""
+    import shapely
+
+    near = [pair for pair in true_things(world) if np.hypot(*pair[1].corners[:4, :2].T).min() < 15]
+    footprints = shapely.convex_hull(
+        shapely.multipoints([thing.corners[:4, :2] for _, thing in near])
+    )
+    apart = shapely.distance(_own_car(), footprints).tolist() if near else []
+    return {obstacle.identity: gap for (obstacle, _), gap in zip(near, apart, strict=True)}
+
+
+@lru_cache(maxsize=1)
+def _own_car() -> object:
+    import shapely
+
+    return shapely.box(TAIL, -HALF_WIDTH, BUMPER, HALF_WIDTH)
