@@ -38,15 +38,15 @@ from utils.simulator.world import Obstacle, World
 SCANNER = Sensor(
     layers(32, 2.0, -8.33) + layers(16, -9.3, -24.8),
     math.radians(0.36),
-    maximum_range=60.0,
+    maximum_range=45.0,
     dropout=0.01,
     weakest_signal=0.05,
     invalid_returns=3,
 )
 """As `hdl64`, but with a third of its returns, so that a drive takes no longer than it lasts."""
 
-BEHIND, AHEAD = -25.0, 65.0
-"""Metres along the road in which things are made: no farther than the scanner reaches."""
+BEHIND, AHEAD = -12.0, 50.0
+"""Metres along the road in which things are made: little farther than anybody has to look."""
 
 
 @dataclass(frozen=True, eq=False)
