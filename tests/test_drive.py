@@ -10,7 +10,7 @@ from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
 from utils.drive.clock import Clock, ticks
 from utils.drive.driving import drive
-from utils.drive.motion import Motion, closest_pairs
+from utils.drive.motion import Motion, closest_pairs, motion_by
 from utils.drive.planner import Thing, needed_room, plan, room
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
@@ -19,6 +19,7 @@ from utils.simulator.scanner import CLASSES
 from utils.simulator.sensor import Sensor, layers
 from utils.simulator.streets import Plan, placed
 from utils.simulator.traffic import pedestrian
+from utils.tracking import Tracker
 
 COARSE = Sensor(layers(12, 1.0, -12.0), np.radians(1.5), maximum_range=40.0)
 NOTHING = Plan(parked=np.inf, furniture=np.inf, walkers=np.inf)
@@ -173,6 +174,33 @@ def test_the_students_matching_is_asked():
     motion.update(np.stack([box(10, 0), box(20, 0)]), 0.0, 0.1)
     motion.update(box(10, 0)[None], 0.0, 0.1)
     assert asked == [(0, 2, 1.5), (2, 1, 1.5)]
+
+
+def test_a_tracker_of_the_students_own_is_asked_for_velocities():
+    """And sees the street from a car that drives: what stands comes towards it."""
+    tracker = Tracker(
+        closest_pairs,
+        predict=lambda boxes, velocities, seconds: boxes + velocities[:, None] * seconds,
+        correct=lambda expected, velocities, found, gain, seconds: (
+            found,
+            velocities + gain * (found - expected).mean(axis=1) / seconds,
+        ),
+    )
+    for _ in range(2):  # the second drive begins with nobody
+        motion = motion_by(tracker)
+        for scan in range(20):
+            boxes = np.stack([box(30 - 0.6 * scan, 5), box(20 - 0.6 * scan, -4 + 0.14 * scan)])
+            things = motion.update(boxes, 0.6, 0.1)
+            if scan < 3:
+                assert {thing.velocity for thing in things} == {(0.0, 0.0)}
+        assert np.allclose([thing.velocity for thing in things], [(0, 0), (0, 1.4)], atol=0.1)
+
+
+def test_a_tracker_that_only_matches_gets_the_rest():
+    motion = motion_by(Tracker(closest_pairs))
+    for scan in range(10):
+        (walker,) = motion.update(box(20 - 0.6 * scan, -4 + 0.14 * scan)[None], 0.6, 0.1)
+    assert np.allclose(walker.velocity, (0.0, 1.4), atol=0.1)
 
 
 def test_pairs_are_near_and_one_to_one():

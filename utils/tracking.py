@@ -94,6 +94,8 @@ class Tracker:
     ----------
     tracks : Tracks
         After the last frame.
+    match : callable
+        As given.
     """
 
     def __init__(
@@ -108,11 +110,16 @@ class Tracker:
         patience: int = PATIENCE,
         newcomer: ArrayLike | None = None,
     ) -> None:
-        self._match, self._predict, self._correct, self._coast = match, predict, correct, coast
+        self.match, self._predict, self._correct, self._coast = match, predict, correct, coast
         self._max_distance, self._gain, self._patience = max_distance, gain, patience
         self._newcomer = newcomer
         self._unused = 1
         self.tracks = NOBODY
+
+    @property
+    def knows_velocities(self) -> bool:
+        """Whether it predicts and corrects; else velocities are what they began with."""
+        return bool(self._predict and self._correct)
 
     def update(self, found: np.ndarray, seconds: float = 0.1) -> np.ndarray:
         """Take the boxes of the next frame.
@@ -132,7 +139,7 @@ class Tracker:
         expected = old.boxes
         if self._predict and len(expected):
             expected = np.asarray(self._predict(old.boxes, old.velocities, seconds))
-        partners = np.asarray(self._match(expected, found, self._max_distance), dtype=int)
+        partners = np.asarray(self.match(expected, found, self._max_distance), dtype=int)
         known = np.flatnonzero((partners >= 0) & (partners < len(old.names)))
         of = partners[known]
         seen = self._newcomers(found)

@@ -11,6 +11,7 @@ from grader.course.lessons import all_lessons
 from utils.drive import STREETS, drive_street, occupied_squares, on_time
 from utils.drive.standards import DRIVERS, Result, result_of, store
 from utils.notebooks.my_functions import load_my_functions
+from utils.tracking import tracker_of
 
 
 def drive_all(name: str) -> dict[int, Result]:
@@ -19,16 +20,16 @@ def drive_all(name: str) -> dict[int, Result]:
     The detectors are asked without a clock, so that every machine gets the same: all of them are
     quicker than the scanner.
     """
-    detect = match = None
+    detect = tracker = None
     if name == DRIVERS[1]:
         lesson = next(lesson for lesson in all_lessons() if lesson.number == "12")
         course = load_my_functions(lesson.solved)
-        detect, match = course.detect_obstacles, course.match_boxes
+        detect, tracker = course.detect_obstacles, tracker_of(course)
     elif name == DRIVERS[2]:
         detect = occupied_squares
     results = {}
     for street in STREETS:
-        trip = drive_street(street, detect, match, clock=on_time)
+        trip = drive_street(street, detect, tracker, clock=on_time)
         print(trip, flush=True)
         results[street.number] = result_of(trip.report)
     return results

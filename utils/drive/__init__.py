@@ -1,7 +1,7 @@
 """Drive on your own code: a car in the simulator's streets that sees what a detector boxes.
 
 >>> from utils.drive import drive_street
->>> drive_street(3, detect_obstacles, match_boxes)
+>>> drive_street(3, detect_obstacles)
 
 From the ground up: `rules` has the numbers; `actors`, `streets` and `weather` make the world;
 `steps`, `motion` and `planner` are the given rest of the car, and `clock` says how late its eyes

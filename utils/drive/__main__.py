@@ -25,12 +25,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 2 when something is not there, 130 when stopped."""
     options = _parser().parse_args(arguments)
     try:
-        detect = match = None
+        detect = tracker = None
         if options.notebook:
             from utils.play import load_detector
 
-            detect, match = load_detector(options.notebook)
-        return _drive(options, detect, match)
+            detect, tracker = load_detector(options.notebook)
+        return _drive(options, detect, tracker)
     except (ValueError, OSError) as problem:
         print(problem)
         return 2
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
 
 
-def _drive(options: argparse.Namespace, detect: object, match: object) -> int:
+def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
     streets = [STREETS[number - 1] for number in options.street or range(1, len(STREETS) + 1)]
     if options.to and len(streets) != 1:
         print("A film is of one street: name it, such as --street 3.")
@@ -48,7 +48,7 @@ def _drive(options: argparse.Namespace, detect: object, match: object) -> int:
     stopped = False
     for street in streets:
         try:
-            trip = drive_street(street, detect, match, seconds=options.seconds)
+            trip = drive_street(street, detect, tracker, seconds=options.seconds)
             done[street.number] = result_of(trip.report)
             print(trip)
             if options.to:

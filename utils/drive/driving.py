@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from utils.drive.clock import Clock, on_time, ticks
-from utils.drive.motion import Motion
+from utils.drive.motion import motion_by
 from utils.drive.planner import Decision, Thing, plan
 from utils.drive.rules import JERK, TICK
 from utils.drive.streets import SCANNER, Street
@@ -23,6 +23,7 @@ from utils.progress import progress
 from utils.simulator.frames import Frame, observe
 from utils.simulator.sensor import Sensor
 from utils.simulator.world import World
+from utils.tracking import Tracker
 
 ROLLING = 0.3
 """m/s from which on touching is a collision; into a car that stands, others walk by themselves."""
@@ -117,7 +118,7 @@ class Drive:
 def drive(
     street: Street,
     detect: Callable | None = None,
-    match: Callable | None = None,
+    tracker: Tracker | None = None,
     *,
     seconds: float = 20.0,
     clock: Callable | None = None,
@@ -132,8 +133,8 @@ def drive(
     detect : callable, optional
         From a cloud (n, 4) to boxes (N, 8, 3), such as ``detect_obstacles``; without one the car
         sees the true boxes.
-    match : callable, optional
-        ``match_boxes`` of lesson 12; else the given one follows the boxes.
+    tracker : utils.tracking.Tracker, optional
+        Of the functions of lesson 12; what it lacks is given.
     seconds : float
         How long; a collision ends the drive.
     clock : callable, optional
@@ -153,7 +154,7 @@ def drive(
     """
     clock = on_time if detect is None else clock or Clock()
     eyes = _Eyes(detect, clock)
-    motion, things, base = Motion(match), [], _Answer(0, 0, 0.0, NO_BOXES)
+    motion, things, base = motion_by(tracker), [], _Answer(0, 0, 0.0, NO_BOXES)
     position, speed, acceleration = 0.0, street.limit, 0.0
     moments, began, pending, hit = [], {}, None, None
     for number in progress(range(round(seconds / TICK)), f"Driving, street {street.number}"):

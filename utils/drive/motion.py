@@ -7,12 +7,14 @@ where things come close to each other, does not count for a speed.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from utils.drive.planner import Thing
+from utils.tracking import Tracker
 
 FARTHEST = 1.5
 """Metres between where a thing is expected and its box, as in lesson 12."""
@@ -91,6 +93,38 @@ class Motion:
         ]
         self._tracks = seen + coasting
         return [Thing(track.box, track.velocity) for track in self._tracks]
+
+
+class MotionOf:
+    """The same by a student's tracker, which sees the street from a car that drives.
+
+    Parameters
+    ----------
+    tracker : utils.tracking.Tracker
+        That knows velocities. It is copied, so that each drive begins with nobody.
+    """
+
+    def __init__(self, tracker: Tracker) -> None:
+        self._tracker = copy.copy(tracker)
+
+    def update(self, boxes: np.ndarray, driven: float, seconds: float) -> list[Thing]:
+        """What moves how; see `Motion.update`."""
+        self._tracker.update(boxes, seconds)
+        tracks = self._tracker.tracks
+        speeds = tracks.velocities[:, :2] + (driven / seconds, 0.0)
+        speeds = np.where((np.abs(speeds) < SLOWEST) | ~np.isfinite(speeds), 0.0, speeds)
+        speeds[tracks.age < OLD_ENOUGH] = 0.0
+        return [
+            Thing(box, tuple(speed))
+            for box, speed in zip(tracks.boxes, speeds.tolist(), strict=True)
+        ]
+
+
+def motion_by(tracker: Tracker | None) -> Motion | MotionOf:
+    """What follows boxes in a drive: a student's tracker as far as it is written, and the rest."""
+    if tracker and tracker.knows_velocities:
+        return MotionOf(tracker)
+    return Motion(tracker and tracker.match)
 
 
 def _moved(track: Track, driven: float, seconds: float) -> Track:

@@ -11,6 +11,7 @@ from pathlib import Path
 from utils.drive.driving import Drive, drive
 from utils.drive.measuring import Report, measure
 from utils.drive.streets import STREETS, Street
+from utils.tracking import Tracker
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +96,7 @@ def comfort(report: Report) -> list[str]:
 def drive_street(
     street: int | Street,
     detect: Callable | None = None,
-    match: Callable | None = None,
+    tracker: Tracker | None = None,
     *,
     seconds: float = 20.0,
     clock: Callable | None = None,
@@ -109,8 +110,9 @@ def drive_street(
     detect : callable, optional
         ``detect_obstacles``: from a cloud to boxes (N, 8, 3). Without it the car sees the true
         boxes.
-    match : callable, optional
-        ``match_boxes`` of lesson 12.
+    tracker : utils.tracking.Tracker, optional
+        Of the functions of lesson 12: ``Tracker(match_boxes)``, or with more of them. What it
+        lacks is given.
     seconds : float
     clock : callable, optional
         `utils.drive.on_time` for a detector whose time should not count.
@@ -129,4 +131,4 @@ def drive_street(
         if street not in range(1, len(STREETS) + 1):
             raise ValueError(f"There is no street {street!r}. They are 1 to {len(STREETS)}.")
         street = STREETS[street - 1]
-    return Trip(drive(street, detect, match, seconds=seconds, clock=clock))
+    return Trip(drive(street, detect, tracker, seconds=seconds, clock=clock))
