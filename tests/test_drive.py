@@ -15,7 +15,7 @@ from utils.drive.clock import Clock, ticks
 from utils.drive.driving import drive
 from utils.drive.measuring import measure
 from utils.drive.motion import Motion, closest_pairs, motion_by
-from utils.drive.planner import Thing, needed_room, plan, room
+from utils.drive.planner import Planner, Thing, needed_room, plan, room
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 from utils.drive.truth import distances
@@ -130,6 +130,15 @@ def test_who_stands_starts_when_there_is_room_again():
     assert plan(0.0, 7.0, [thing(2.6 + 3.5)]).acceleration == 2.0
 
 
+def test_it_brakes_when_something_is_in_the_way_three_times_in_a_row():
+    planner, near = Planner(), [thing(2.6 + 6.0)]
+    first, second, third = (planner.decide(7.0, 8.0, near) for _ in range(3))
+    assert first.acceleration == second.acceleration == 0.0, "it does not speed up either"
+    assert third.acceleration < -1 and third.cause is near[0]
+    assert planner.decide(7.0, 8.0, []).acceleration > 0
+    assert planner.decide(7.0, 8.0, near).cause is None, "and again from the beginning"
+
+
 # What moves how ----------------------------------------------------------------------------
 
 
@@ -143,6 +152,15 @@ def test_speeds_over_the_ground_come_of_boxes_seen_from_a_moving_car():
     parked, walker = (np.array(one.velocity) for one in things)
     assert np.allclose(parked, 0.0, atol=0.1)
     assert np.allclose(walker, (0.0, 1.4), atol=0.1)
+
+
+def test_a_box_that_jumps_has_no_speed():
+    """One that grows over to its neighbour, for instance."""
+    motion = Motion()
+    for scan in range(14):
+        aside = 5.0 - 1.2 * (scan >= 7)
+        (parked,) = motion.update(box(30 - 0.6 * scan, aside)[None], 0.6, 0.1)
+        assert parked.velocity == (0.0, 0.0)
 
 
 def test_a_newcomer_stands_until_it_was_seen_a_few_times():

@@ -29,7 +29,7 @@ WITHOUT_A_PICTURE = (
     "utils.traffic",
     "utils.visits",
 )
-WITH_PICTURES = ("utils.films", "utils.play", "utils.plots", "utils.scene3d")
+WITH_PICTURES = ("utils.drive", "utils.films", "utils.play", "utils.plots", "utils.scene3d")
 
 
 def loaded_with(module):

@@ -13,7 +13,7 @@ import numpy as np
 
 from utils.drive.clock import Clock, on_time, ticks
 from utils.drive.motion import motion_by
-from utils.drive.planner import Decision, Thing, plan
+from utils.drive.planner import Decision, Planner, Thing
 from utils.drive.rules import JERK, TICK
 from utils.drive.streets import SCANNER, Street
 from utils.drive.truth import distances, true_boxes
@@ -76,7 +76,7 @@ class Moment:
     @property
     def brakes(self) -> bool:
         """Whether the planner brakes, and not only waits or follows."""
-        return self.decision.cause is not None and self.decision.acceleration <= -1.0
+        return self.decision.cause is not None and self.decision.acceleration < -1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,8 @@ def drive(
     """
     clock = on_time if detect is None else clock or Clock()
     eyes = _Eyes(detect, clock)
-    motion, things, base = motion_by(tracker), [], _Answer(0, 0, 0.0, NO_BOXES)
+    planner, motion, things = Planner(), motion_by(tracker), []
+    base = _Answer(0, 0, 0.0, NO_BOXES)
     position, speed, acceleration = 0.0, street.limit, 0.0
     moments, began, pending, hit = [], {}, None, None
     for number in progress(range(round(seconds / TICK)), f"Driving, street {street.number}"):
@@ -175,7 +176,7 @@ def drive(
             pending = _Answer(number, number + late, position, boxes)
         shift = (position - base.position, 0.0, 0.0)
         now = [Thing(thing.corners - shift, thing.velocity) for thing in things]
-        decision = plan(speed, street.limit, now)
+        decision = planner.decide(speed, street.limit, now)
         change = np.clip(decision.acceleration - acceleration, -JERK * TICK, JERK * TICK)
         acceleration = float(np.clip(acceleration + change, -speed / TICK, None))
         seen = base.scan if base.boxes is not NO_BOXES else None

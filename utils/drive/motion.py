@@ -28,6 +28,9 @@ WINDOW, OLD_ENOUGH = 7, 4
 SLOWEST = 0.5
 """Metres per second; slower than that, it is the box that wobbles."""
 
+STEADY = 0.5
+"""How far speeds may spread around their median, as a share of it: a box that jumps has none."""
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
@@ -140,8 +143,11 @@ def _velocity(places: tuple[tuple[float, float, float], ...]) -> tuple[float, fl
     moments = np.array(places)
     first, second = np.triu_indices(len(moments), 1)
     steps = moments[second] - moments[first]
-    speeds = np.median(steps[:, 1:] / steps[:, :1], axis=0)
-    return tuple(np.where(np.abs(speeds) < SLOWEST, 0.0, speeds).tolist())
+    speeds = steps[:, 1:] / steps[:, :1]
+    middle = np.median(speeds, axis=0)
+    spread = np.median(np.abs(speeds - middle), axis=0)
+    believed = (np.abs(middle) >= SLOWEST) & (spread <= STEADY * np.abs(middle))
+    return tuple(np.where(believed, middle, 0.0).tolist())
 
 
 def closest_pairs(previous: np.ndarray, current: np.ndarray, max_distance: float) -> np.ndarray:

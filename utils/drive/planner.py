@@ -19,6 +19,7 @@ from utils.drive.rules import (
     DECELERATION,
     REACTION,
     STANDSTILL,
+    SURE,
     stopping_distance,
 )
 
@@ -59,6 +60,21 @@ class Decision:
     acceleration: float
     cause: Thing | None = None
     gap: float = np.inf
+
+
+class Planner:
+    """Brakes for what is in the way three times in a row: a box that flickers is none."""
+
+    def __init__(self) -> None:
+        self._blocked = 0
+
+    def decide(self, speed: float, limit: float, things: Iterable[Thing]) -> Decision:
+        """What to do now; see `plan`."""
+        decision = plan(speed, limit, things)
+        self._blocked = self._blocked + 1 if decision.cause else 0
+        if 0 < self._blocked < SURE:
+            return Decision(min(plan(speed, limit, ()).acceleration, 0.0))
+        return decision
 
 
 def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:

@@ -25,6 +25,9 @@ REACTION = 0.5
 DECELERATION = 7.0
 """Seconds that the planner allows for thinking, and m/s² with which the car can brake."""
 
+SURE = 3
+"""Scans in a row in which something has to be in the way: 0.2 s of the half second."""
+
 COMFORTABLE = 3.0
 ACCELERATION = 2.0
 """m/s² of gentle braking, and of driving off."""

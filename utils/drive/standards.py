@@ -74,7 +74,7 @@ def standards(streets: Iterable[int]) -> dict[str, Result]:
 
 @lru_cache(maxsize=1)
 def _stored() -> dict[str, dict[str, list]]:
-    return json.loads(STORED.read_text("utf-8"))
+    return json.loads(STORED.read_text("utf-8")) if STORED.exists() else {}
 
 
 def store(results: dict[str, dict[int, Result]]) -> None:

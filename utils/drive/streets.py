@@ -25,6 +25,7 @@ from utils.simulator.sensor import Sensor, layers
 from utils.simulator.streets import (
     EGO_LANE,
     FRONTS,
+    FURNITURE,
     PARKED,
     ROAD_WIDTH,
     WALKERS,
@@ -102,6 +103,8 @@ class Street:
         x, y, *_ = thing.pose.x, thing.pose.y
         if abs(y) < PARKED - 1.0:
             return y > 0 and self.traffic
+        if self.traffic and 0 < y < FURNITURE - 1.0:
+            return False  # nobody parks where two cars just pass each other
         return not any(_is_in_the_way(thing, x, y, actor) for actor in self.actors)
 
     def world(self, time: float, position: float, began: dict[int, float]) -> World:
@@ -168,7 +171,7 @@ def _streets() -> Iterable[Street]:
     """The twenty, in order."""
     v30, v50 = 30 / 3.6, 50 / 3.6
     empty = Plan(parked=math.inf, furniture=16.0, walkers=30.0)
-    crowded = Plan(parked=1.5, furniture=6.0, walkers=7.0, clearance=0.8, untidiness=0.05)
+    crowded = Plan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
     lorry = standing(truck(width=2.3), 70.0, -3.85)
     yield Street(1, "A quiet street", traffic=True)
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))
