@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from grader.course.driving import drive_all
+from grader.course.variants import ANOTHER_CELL, variants_of
+from tests.students import functions_in
 from utils.drive import STREETS, Trip, drive_street, occupied_squares, on_time
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
@@ -17,6 +20,7 @@ from utils.drive.measuring import measure
 from utils.drive.motion import Motion, closest_pairs, motion_by
 from utils.drive.planner import Planner, Thing, needed_room, plan, room
 from utils.drive.rules import stopping_distance
+from utils.drive.standards import DRIVERS, result_of, standards
 from utils.drive.streets import Street
 from utils.drive.truth import distances
 from utils.simulator.pose import Pose
@@ -28,6 +32,7 @@ from utils.simulator.world import World
 from utils.tracking import Tracker
 
 COARSE = Sensor(layers(12, 1.0, -12.0), np.radians(1.5), maximum_range=40.0)
+BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
 NOTHING = Plan(parked=np.inf, furniture=np.inf, walkers=np.inf)
 
 
@@ -104,8 +109,14 @@ def test_what_will_be_in_the_corridor_counts_as_if_it_were():
     assert room(thing(10.0, 4.0, left=1.5), 7.0) == np.inf
 
 
-def test_what_is_behind_the_bumper_stops_nobody():
-    assert plan(7.0, 7.0, [thing(-3.0), thing(0.0, length=2.5)]).cause is None
+def test_what_is_behind_us_stops_nobody():
+    assert plan(7.0, 7.0, [thing(-3.0)]).cause is None
+
+
+def test_a_box_on_the_own_bonnet_stops_the_car_for_ever():
+    decision = plan(7.0, 7.0, [thing(0.9, length=1.4)])
+    assert decision.acceleration == -7.0
+    assert plan(0.0, 7.0, [thing(0.9, length=1.4)]).acceleration <= 0.0
 
 
 def test_a_car_ahead_gets_less_room_as_it_rolls_on_itself():
@@ -328,13 +339,11 @@ def test_braking_for_a_box_where_nothing_is_was_needless():
     ("settings", "corners", "reason"),
     [
         ({}, box(9.0, 0.0, 4.0, 3.0) - (0, 0, 0.3), "road taken for an obstacle"),
-        ({"dirt": True}, box(0.5, 0.0, 2.2, 2.0) + (0, 0, 0.1), "our own car"),
+        ({"dirt": True}, box(0.9, 0.0, 1.4, 1.8) + (0, 0, 0.1), "our own car"),
         ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain taken for an obstacle"),
     ],
 )
 def test_what_was_mistaken_for_an_obstacle_is_named(settings, corners, reason):
-    if settings.get("dirt"):  # the bumper is in front of it
-        corners = corners + (0.8, 0, 0)
     trip = drive(
         straight(**settings), lambda cloud: corners[None], seconds=0.5, clock=on_time, sensor=COARSE
     )
@@ -499,3 +508,51 @@ def test_ctrl_c_keeps_what_was_driven(capsys, monkeypatch):
     assert command.main(["--seconds", "1"]) == 130
     written = capsys.readouterr().out
     assert "Stopped." in written and "yours" in written
+
+
+# Right and wrong detectors, each through a street ------------------------------------------
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
+def test_who_sees_nothing_hits_whoever_is_there(street):
+    """So every street that has somebody in the way asks for a detector."""
+    trip = drive(street, blind, clock=on_time, sensor=BLINKERED)
+    assert (trip.hit is not None) == bool(street.actors)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", DRIVERS)
+def test_what_is_stored_of_others_is_what_they_do(name):
+    driven = drive_all(name)
+    for number, result in driven.items():
+        stored = standards([number])[name]
+        assert result.metres == pytest.approx(stored.metres, abs=1.0), number
+        assert (result.needless, result.collisions) == (stored.needless, stored.collisions), number
+
+
+# A wrong detector, a street, and what its drive says.
+WRONG = [
+    ("nothing is ever in the way", 2, "had a box in none"),
+    ("one box around everything", 1, "needless: "),
+    ("boxes of the road", 1, "road taken for an obstacle"),
+    ("the road stays in", 1, "needless: "),
+    ("its own car stays in, thinned to patches or not", 10, "our own car taken"),
+    ("the minimum of lesson 09 on a thinned cloud", 3, "The drive ends at a cyclist"),
+    ("cars and walls are one cluster", 15, "needless: "),
+    ("small clusters stay", 8, "rain taken for an obstacle"),
+    ("the ground level is that of a map, 0", 2, "The drive ends at a person"),
+    ("threshold far below the distance between points", 2, "The drive ends at a person"),
+]
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("name", "street", "words"), WRONG, ids=[row[0] for row in WRONG])
+def test_a_wrong_detector_does_worse_for_the_reason_it_should(name, street, words):
+    (variant,) = [one for one in variants_of("detect_obstacles") if one.name == name]
+    cells = variant.source.split(ANOTHER_CELL)
+    trip = drive_street(street, *functions_in(["detect_obstacles"], cells).values(), clock=on_time)
+    assert words in str(trip)
+    course = standards([street])[DRIVERS[1]]
+    worse = result_of(trip.report)
+    assert worse.collisions > course.collisions or worse.needless > course.needless

@@ -120,8 +120,8 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
         Metres by which the corridor is wider than usual, to either side.
     """
     (x, y), (forward, left) = thing.corners[:, :2].T, thing.velocity
-    if x.max() < BUMPER:
-        return np.inf  # beside or behind us
+    if x.max() < 0.0:
+        return np.inf  # behind us
     for later in np.linspace(0.0, REACTION + speed / DECELERATION, LOOKS):
         low, high = y.min() + left * later, y.max() + left * later
         if low < CORRIDOR + wider and high > -CORRIDOR - wider:
