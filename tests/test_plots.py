@@ -427,21 +427,22 @@ def test_pruned_regions_are_the_largest_without_a_visited_node():
     assert sizes.prod(axis=1).max() == pytest.approx(9.8 * 20)
     inside = (QUIZ[:, None] > lowers + 1e-9) & (QUIZ[:, None] < lowers + sizes - 1e-9)
     assert not inside.all(axis=2).any(axis=1)[[7, 0, 3]].any()
-    assert {"8 pruned", "3 looked at"} <= set(legend(axes))
+    assert len(hatched) == 3
+    assert {"pruned: 3 branches, 8 points", "3 looked at"} <= set(legend(axes))
 
 
 def test_what_a_search_has_not_reached_yet_is_not_pruned():
     root, visited = balanced(QUIZ), [7, 0, 3, 9, 1, 2]
     marks = {"pruned": "//", "not yet": ".."}
     for steps, expected in (
-        (0, {"not yet": 11}),
-        (1, {"pruned": 5, "not yet": 5}),
-        (6, {"pruned": 5}),
+        (0, {"not yet": "1 branch, 11 points"}),
+        (1, {"pruned": "1 branch, 5 points", "not yet": "1 branch, 5 points"}),
+        (6, {"pruned": "1 branch, 5 points"}),
     ):
         axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, visited, found=[0, 1], steps=steps)
         told = legend(axes)
         for name, hatch in marks.items():
-            assert (f"{expected.get(name)} {name}" in told) == (name in expected)
+            assert (f"{name}: {expected.get(name)}" in told) == (name in expected)
             assert (hatch in [one.get_hatch() for one in axes.patches]) == (name in expected)
         assert f"{steps} looked at" in told
         assert ("2 found" in told) == (steps == 6)

@@ -20,6 +20,7 @@ _HOME = {
     "begin": "utils.beginning",
     "is_written": "utils.lent",
     "predict": "utils.predictions",
+    "show_table": "utils.tables",
     "write_cloud": "utils.clouds",
 }
 # What lies elsewhere by now than lessons say, which are in the hands of students.

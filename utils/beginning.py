@@ -8,14 +8,23 @@ from utils.showing import shell, show
 from utils.still_widgets import stand_in
 
 # A figure is dark on white, and so is a scene in space. In a dark notebook they are turned round,
-# and turned back in hue: blue stays blue. JupyterLab, then VS Code. Last, what a notebook folds
-# stands open on a page that it is exported to: one line of it is enough, and can be dragged open.
+# and turned back in hue: blue stays blue. JupyterLab, then VS Code.
+# A page that a notebook is exported to has open what the notebook folds: one line of it is enough,
+# and can be dragged open. Lines of code are wrapped there, and in JupyterLab on a phone, which
+# shows 45 columns of the hundred that code may have.
 STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
 [data-jp-theme-light="false"] .jp-RenderedHTML iframe[srcdoc],
 .vscode-dark .output :is(img, iframe[srcdoc]) { filter: invert(0.9) hue-rotate(180deg); }
 body.jp-Notebook .celltag_folded .jp-InputArea-editor {
   height: 2.2em; overflow: auto; resize: vertical;
+}
+body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere; }
+@media (max-width: 640px) {
+  .jp-CodeCell .jp-Editor .cm-content {
+    white-space: pre-wrap; overflow-wrap: anywhere; flex-shrink: 1;
+  }
+  .jp-CodeCell .jp-OutputArea-output pre { word-break: normal; overflow-wrap: anywhere; }
 }
 </style>"""
 

@@ -40,7 +40,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, IntSlider, interact
 
-from utils import check, is_written, load_cloud, plots, predict
+from utils import check, is_written, load_cloud, plots, predict, show_table
 from utils.scenes import simple_highway
 
 frame = simple_highway()
@@ -217,15 +217,13 @@ for (name, change), axes in zip(scanners.items(), rows.flat):
 
 # %% tags=["folded"]
 # @title Count the returns of each (you need not read this)
-print("returns on        cars at " + "  ".join(f"{distance_of(box):4.1f}" for box in cars)
-      + " m    pedestrians at " + "  ".join(f"{distance_of(box):4.1f}" for box in pedestrians) + " m")
+counted = {}
 for beams in (32, 16, 8, 4):
     returns = np.bincount(scan_with(beams).scan.objects, minlength=100)
-    on_cars, on_pedestrians = ([returns[box.identity] for box in group]
-                               for group in (cars, pedestrians))
-    print(f"   {beams:2d} beams              " + "  ".join(f"{n:4d}" for n in on_cars)
-          + " " * 20 + "  ".join(f"{n:4d}" for n in on_pedestrians))
-left_over.compare(sum(n >= 5 for n in on_cars + on_pedestrians),
+    counted[f"{beams} beams"] = [returns[box.identity] for box in cars + pedestrians]
+show_table(["", *(f"{box.kind} at {distance_of(box):.1f} m" for box in cars + pedestrians)],
+           [(name, *counts) for name, counts in counted.items()])
+left_over.compare(sum(n >= 5 for n in counted["4 beams"]),
                   "The last line of the table: all four cars, and no pedestrian. A car is "
                   "long and tall, so some ring crosses it; a pedestrian fits between two rings.")
 
@@ -421,10 +419,9 @@ axes = plots.curves({"flat road": (angles, 1.73 / np.tan(np.radians(angles)))},
                     title="Each beam draws a ring: theory, and your measurement")
 axes.set_ylim(0, 45)
 places = 1.73 / np.tan(np.radians(np.sort(downwards[downwards > 1])[::-1]))  # near to far
-for place in (5, 10, 20, 40):
-    ring = np.abs(places - place).argmin()
-    print(f"a ring at {places[ring]:4.1f} m; the next beam draws its ring "
-          f"{places[ring + 1] - places[ring]:.2f} m farther out")
+some = [np.abs(places - place).argmin() for place in (5, 10, 20, 40)]
+show_table(["a ring at", "the next beam's ring"],
+           [(f"{places[i]:.1f} m", f"{places[i + 1] - places[i]:.2f} m farther out") for i in some])
 
 # %% [markdown]
 # Near the car the measured rings lie on the curve. Farther out those ahead come too early and those behind too late: the street climbs. And look at the printed gaps: they grow faster than the distance, although the upper beams of this scanner, which reach far, stand closer together than the lower ones. So points crowd near the car, and a pedestrian far away gets only a few of them. Keep that in mind whenever a later lesson asks for "at least so many points".
@@ -449,18 +446,17 @@ faster = predict("On 100,000 points: how many times as long as your function doe
 # %% tags=["folded"]
 # @title A stopwatch (you need not read this)
 import inspect
-from time import perf_counter
+from time import process_time
 
 
 def seconds(function, cloud):
-    """The quickest of several runs: the one that was disturbed least."""
+    """Time that the processor spends on a call; what is short is repeated."""
     function = inspect.unwrap(function)  # itself, without what may be around it
-    runs = []
-    for _ in range(5):
-        begin = perf_counter()
+    begin, runs = process_time(), 0
+    while process_time() - begin < 0.05:
         function(cloud)
-        runs.append(perf_counter() - begin)
-    return min(runs)
+        runs += 1
+    return (process_time() - begin) / runs
 
 # %%
 counts = np.array([100, 300, 1_000, 3_000, 10_000, 30_000, 100_000])

@@ -42,7 +42,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, IntSlider, SelectionSlider, interact
 
-from utils import check, load_cloud, plots, predict
+from utils import check, load_cloud, plots, predict, show_table
 
 
 def quiz_points(rng):
@@ -564,9 +564,9 @@ measured = {f"{rounds} rounds": (ratios, [success_rate(rounds, ratio) for ratio 
 axes = plots.curves(theory, measured, across="inlier ratio w", up="share of runs that find the line",
                     title="Your RANSAC against theory")
 axes.axhline(0.5, color="black", linewidth=0.6)
-for rounds in (2, 10, 40):
-    print(f"w = 0.3, {rounds:2d} rounds: theory {1 - (1 - 0.3**2) ** rounds:4.0%}, "
-          f"measured {measured[f'{rounds} rounds'][1][1]:4.0%}")
+show_table(["w = 0.3", "theory", "measured"],
+           [(f"{rounds} rounds", f"{1 - (1 - 0.3**2) ** rounds:.0%}",
+             f"{measured[f'{rounds} rounds'][1][1]:.0%}") for rounds in (2, 10, 40)])
 
 # %% [markdown]
 # Your measurements follow the curves, most of them a little lower. Two hundred runs are a sample, too, so they are off by a few per cent to either side; but there is also a cause that only lowers them. Nothing is put back between the two draws: where 12 of 60 points are inliers and the first one drawn is, only 11 of the other 59 are left. For ten rounds that makes 32 % instead of the formula's 34. Go along the one of ten rounds from left to right: where a fifth of the points are inliers, most runs fail; from two thirds on, nearly all succeed. Then compare the three curves at w = 0.3, as the numbers below the figure do: more rounds make up for fewer inliers. Lesson 03 turns the formula around and asks for the number of rounds directly.

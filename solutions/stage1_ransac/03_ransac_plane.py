@@ -45,7 +45,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, load_cloud, plots, predict
+from utils import check, load_cloud, plots, predict, show_table
 
 cloud = load_cloud("cloud.txt")
 nearby = (cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)
@@ -697,9 +697,9 @@ print("tosses of a coin:", iterations_needed(0.5, 1, 0.9))
 # **Look before you check.** Both columns should fall to 1, and a plane should need at least as many rounds as a line.
 
 # %%
-print("share of inliers   a line   a plane")
-for w in (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1):
-    print(f"{w:>16.1f} {iterations_needed(w, 2, 0.99):>8} {iterations_needed(w, 3, 0.99):>9}")
+show_table(["share of inliers", "a line", "a plane"],
+           [(w, *(iterations_needed(w, size, 0.99) for size in (2, 3)))
+            for w in (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1)])
 
 # %% nbgrader={"grade": true, "grade_id": "test_iterations_needed", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(iterations_needed)
@@ -942,11 +942,11 @@ def drive(source):
 # %%
 SOURCE = "simulated"  # "udacity_city" fetches a real street instead: see below
 lines = drive(SOURCE)
-print("frame  |c| of the  share of  slope  height of   inliers of the plane before,")
-print("      largest plane ground    (%)  sensor (m)  compared with the new one")
-for number, upright, part, slope, height, still in lines:
-    print(f"{number:>5} {upright:>10.2f} {part:>10.0%} {slope:>9.2f} {height:>8.2f} "
-          + (" " * 11 + "-" if math.isnan(still) else f"{still:>12.0%}"))
+show_table(["frame", "|c| of the largest plane", "share of ground", "slope", "height of the sensor",
+            "inliers of the plane before, compared with the new one"],
+           [(number, f"{upright:.2f}", f"{part:.0%}", f"{slope:.2f} %", f"{height:.2f} m",
+             "-" if math.isnan(still) else f"{still:.0%}")
+            for number, upright, part, slope, height, still in lines])
 won_by_ground.compare(sum(upright > 0.9 for _, upright, *_ in lines),
                       "Where |c| is near 0, the largest plane stands upright. The next picture shows what it is. The search for the largest plane whose normal points up finds the ground in those frames, too.")
 

@@ -45,7 +45,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, is_written, load_cloud, plots, predict
+from utils import check, is_written, load_cloud, plots, predict, show_table
 from utils.scene3d import Scene
 
 # One row per return: x forward, y left, z up in metres from the sensor, and intensity.
@@ -280,13 +280,14 @@ truth = np.load(DATA / "cloud_truth.npz")
 objects = truth["objects"][standing][kept]  # the number of the object behind each point; 0: road
 kinds = truth["class_names"][truth["classes"][standing][kept]]  # and of what kind it is
 
-sizes = np.bincount(labels)
+sizes, table = np.bincount(labels), []
 for label in np.argsort(-sizes, kind="stable")[:12]:
     mine = labels == label
     length, width, height = np.ptp(obstacles[mine, :3], axis=0)
     names = [f"{kinds[objects == number][0]} {number}" for number in np.unique(objects[mine])]
-    print(f"cluster {label:2d}: {sizes[label]:4d} points, "
-          f"{length:4.1f} x {width:3.1f} x {height:3.1f} m   {', '.join(names)}")
+    table.append((f"{label}: {', '.join(names)}", sizes[label],
+                  f"{length:.1f} x {width:.1f} x {height:.1f} m"))
+show_table(["cluster, and what is in it", "points", "size along x, y and z"], table)
 
 # %%
 there = np.unique(objects[objects > 0])

@@ -39,7 +39,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, load_cloud, plots, predict
+from utils import check, load_cloud, plots, predict, show_table
 
 cloud = load_cloud("cloud.txt")
 print(f"{len(cloud):,} returns, {cloud.shape[1]} columns, heights from "
@@ -261,16 +261,16 @@ plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75),
 # The next lessons compare points with their neighbours, which takes time for every point. So we want fewer points. The naive way is to keep every fifth row. From here on we use `upright`, the returns of all objects that stand on the ground. We take them from the truth: what follows does not need your exercise 1.
 
 # %% tags=["folded"]
-# @title Prints what is left of a wall, of a pedestrian and of three cars (you need not read this)
-def print_what_is_left(ways):
-    """Print, for some objects, how many points each way of thinning leaves: a dict of functions."""
-    numbers = objects[objects > 0]
-    print("object          distance   returns" + "".join(f"{name:>16}" for name in ways))
-    for name, number in {"wall": 30, "pedestrian": 15, "car": 1, "car ": 8, "car  ": 72}.items():
-        rows = np.flatnonzero(numbers == number)
+# @title What is left of a wall, of a pedestrian and of three cars (you need not read this)
+def show_what_is_left(ways):
+    """Show, for some objects, how many points each way of thinning leaves: a dict of functions."""
+    table = []
+    for kind, number in (("wall", 30), ("pedestrian", 15), ("car", 1), ("car", 8), ("car", 72)):
+        rows = np.flatnonzero(objects[objects > 0] == number)
         far = np.hypot(*upright[rows, :2].mean(axis=0))
-        print(f"{name.strip():<10} {number:>4} {far:7.0f} m {len(rows):9,}"
-              + "".join(f"{way(rows):16,}" for way in ways.values()))
+        table.append((f"{kind} {number}", f"{far:.0f} m", f"{len(rows):,}",
+                      *(f"{way(rows):,}" for way in ways.values())))
+    show_table(["object", "distance", "returns", *ways], table)
 
 # %%
 def by_skipping(rows):
@@ -278,7 +278,7 @@ def by_skipping(rows):
     return np.sum(rows % 5 == 0)
 
 
-print_what_is_left({"every fifth": by_skipping})
+show_what_is_left({"every fifth": by_skipping})
 
 # %% [markdown]
 # Skipping rows thins everything by the same factor. The wall still has far more points than its shape needs, and the last car, 29 m away, is down to a few dozen. We want the same density everywhere.
@@ -425,8 +425,8 @@ def by_voxels(rows):
 
 # %%
 everything = np.arange(len(upright))
-print(f"In all: {by_skipping(everything):,} by skipping, {by_voxels(everything):,} centroids\n")
-print_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
+print(f"In all: {by_skipping(everything):,} by skipping, {by_voxels(everything):,} centroids")
+show_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %% [markdown]
 # The grid takes from the near and gives to the far. What is near keeps fewer points than by skipping, but plenty; the two far cars keep more than twice as many. A centroid stands for a piece of surface, and a surface far away has as many pieces as one nearby.

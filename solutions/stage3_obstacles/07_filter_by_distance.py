@@ -38,7 +38,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots, predict
+from utils import check, load_cloud, plots, predict, show_table
 
 cloud = load_cloud("cloud.txt")
 low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
@@ -384,10 +384,9 @@ def left_by(name):
 
 
 left = {name: left_by(name) for name in ("circle of 10 m", "circle of 30 m", "region of interest")}
-print("road users ahead: in the street, and all, with those on the pavements")
-print(f"{'':18}{'points':>8}{'walls':>8}{'street':>8}{'all':>5}")
-for name, (some, walls, in_street, ahead) in left.items():
-    print(f"{name:18}{some:8,}{walls:8,}{in_street:8}{ahead:5}")
+show_table(["", "points", "on walls", "road users ahead, in the street", "and on the pavements, too"],
+           [(name, f"{some:,}", f"{walls:,}", in_street, ahead)
+            for name, (some, walls, in_street, ahead) in left.items()])
 fewest.compare(min(left, key=lambda name: left[name][0]),
                "Half of the points above the ground lie on house fronts. The box leaves them all "
                "out, and far ahead there are few points to keep.")
@@ -520,17 +519,12 @@ check(remove_ego_returns)
 # The box of our car ends 0.4 m below the sensor, so the invalid returns lie outside it and survive once more. This sensor measures nothing nearer than 1 m. A second, small box around the sensor itself is therefore safe, and your function takes any box. (`drop_invalid` of lesson 01 does the same, and removes points that are not numbers, too.)
 
 # %%
-def report(step, rows):
-    invalid = (rows[:, :3] == 0).all(axis=1).sum()
-    distance = np.hypot(rows[:, 0], rows[:, 1]).min()
-    print(f"{step:28} {len(rows):8,} returns, {invalid} invalid, nearest {distance:.2f} m")
-
-
-report("raw scan", cloud)
-report("above the ground", cloud[upright])
-report("within 10 m", close)
-report("without our own car", free)
-report("without the sensor itself", remove_ego_returns(free, (-0.1, -0.1, -0.1), (0.1, 0.1, 0.1)))
+steps = {"raw scan": cloud, "above the ground": cloud[upright], "within 10 m": close,
+         "without our own car": free,
+         "without the sensor itself": remove_ego_returns(free, (-0.1,) * 3, (0.1,) * 3)}
+show_table(["", "returns", "invalid", "the nearest"],
+           [(step, f"{len(rows):,}", (rows[:, :3] == 0).all(axis=1).sum(),
+             f"{np.hypot(rows[:, 0], rows[:, 1]).min():.2f} m") for step, rows in steps.items()])
 
 # %% [markdown]
 # ## Common mistakes

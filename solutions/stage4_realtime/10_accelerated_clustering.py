@@ -48,7 +48,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from utils import check, is_written, load_cloud, plots, predict
+from utils import check, is_written, load_cloud, plots, predict, show_table
 
 cloud = load_cloud("cloud.txt")  # one row per return: x, y, z in metres, and intensity
 own_car = np.hypot(cloud[:, 0], cloud[:, 1]) < 2
@@ -143,16 +143,17 @@ print(f"listing the pairs alone: {listing:.2f} s")
 # The list has two faults: it is many turns of the scanner late, and it keeps all pairs in memory, two whole numbers of 8 bytes each. How many pairs are there? That depends on density and threshold, so **count before you list**: `return_length=True` only counts.
 
 # %%
-few = xyz[::20]  # counting for every twentieth point is enough
+few, table = xyz[::20], []  # counting for every twentieth point is enough
 for threshold in (0.25, 0.5, 1.0, 2.0):
     neighbours = cKDTree(xyz).query_ball_point(few, threshold, return_length=True) - 1
     pairs = 20 * neighbours.sum() / 2
-    print(f"threshold {threshold:4.2f} m: {neighbours.mean():6,.0f} neighbours each, "
-          f"{pairs / 1e6:6.1f} million pairs, {16 * pairs / 1e6:6,.0f} MB")
+    table.append((f"{threshold} m", f"{neighbours.mean():,.0f}", f"{pairs / 1e6:.1f} million",
+                  f"{16 * pairs / 1e6:,.0f} MB"))
     if threshold == 0.5:
         company.compare(neighbours.mean(), "A scan is dense where things are near: the side of a "
                         "parked car holds thousands of returns. Each has all those within half a "
                         "metre around it for neighbours.")
+show_table(["threshold", "neighbours each", "pairs", "memory"], table)
 
 # %% [markdown]
 # At half a metre, hundreds of neighbours for a point. Doubling the threshold makes the list two or three times as long, although there are *fewer* clusters to find. And twice as many points on the same street make *four* times as many pairs: ten turns of the scanner laid on top of each other, as map-makers do, would fill a hundred times this memory.
@@ -672,14 +673,15 @@ axes.text(0.99, 0.09, "one turn of the scanner", ha="right", va="top",
 
 # %% tags=["folded"]
 # @title Print the times for all obstacles (you need not read this)
-print(f"{'all obstacles':>22}{'time':>14}{'turns':>6}")
+table = []
 for name, (n, seconds) in series.items():
     if n[-1] >= len(xyz):
-        note, scaled = "", seconds[n.index(len(xyz))]
+        about, scaled = "", seconds[n.index(len(xyz))]
     else:  # go on as the last two points do
         slope = np.log(seconds[-1] / seconds[-2]) / np.log(n[-1] / n[-2])
-        note, scaled = "about", seconds[-1] * (len(xyz) / n[-1]) ** slope
-    print(f"{name:>22}{note:>6}{scaled:>6.1f} s{scaled / 0.1:>6.0f}")
+        about, scaled = "about ", seconds[-1] * (len(xyz) / n[-1]) ** slope
+    table.append((name, f"{about}{scaled:.1f} s", f"{scaled / 0.1:.0f}"))
+show_table(["all obstacles", "time", "turns of the scanner"], table)
 
 # %% [markdown]
 # The legend gives the exponents. Comparing with all heads for n². Asking a tree bends upwards, because each answer grows longer as the cloud grows denser: a tree saves *searching*, but not *listing*. The list of all pairs finds and joins in compiled code: several times as fast as asking and joining point by point, with the same end. Your line is the flattest, since a denser cloud puts more points into the same cells, and pairs inside a cell are not even looked at. For a few thousand points the list of all pairs wins: a short cut has costs of its own. And for the whole scan you are still later than the next turn of the scanner: *If you want more* says where the time goes, and what helps.

@@ -27,6 +27,7 @@ from utils.plots.style import (
     PALE,
     VERMILION,
     canvas,
+    counted,
     finish,
     frame,
     key,
@@ -190,15 +191,17 @@ def _draw_left_out(axes: Axes, root: Node | None, visited: list[int], steps: int
     """Hatch the largest regions that the search prunes, and dot those that it enters later."""
     places, made = _places(axes, root), fates(root, visited, steps)
     for fate, look in LEFT_OUT.items():
+        branches = 0
         for place in places:
             above = VISITED if place.parent is None else made[id(place.parent)]
             if made[id(place.node)] == fate and above == VISITED:
                 size = place.upper - place.lower
                 axes.add_patch(Rectangle(place.lower, *size, linewidth=0, zorder=0.9, **look))
-        count = sum(its_fate == fate for its_fate in made.values())
-        if count:
-            handle = Rectangle((0, 0), 0, 0, label=f"{count} {fate}", linewidth=0.6, **look)
-            axes.add_patch(handle)
+                branches += 1
+        if branches:
+            count = sum(its_fate == fate for its_fate in made.values())
+            label = f"{fate}: {branches} branch{'es' * (branches > 1)}, {counted(count, 'point')}"
+            axes.add_patch(Rectangle((0, 0), 0, 0, label=label, linewidth=0.6, **look))
 
 
 def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:

@@ -1,0 +1,34 @@
+"""Tables of lessons are tables in a notebook, and aligned text elsewhere."""
+
+import pytest
+
+from utils import show_table
+
+HEADINGS = ("", "points", "a < b & c")
+
+
+def test_in_plain_python_columns_are_aligned(capsys):
+    show_table(HEADINGS, [("a wall", 7, "1,000"), ("us", "12,345", 0.5)])
+    assert capsys.readouterr().out.splitlines() == [
+        "        points  a < b & c",
+        "a wall       7      1,000",
+        "us      12,345        0.5",
+    ]
+
+
+def test_a_notebook_gets_rows_and_cells(monkeypatch):
+    shown = []
+    monkeypatch.setattr("utils.showing.shell", object)
+    monkeypatch.setattr("IPython.display.display", lambda data, raw: shown.append(data))
+    show_table(HEADINGS, [("a wall", 7, "<b>")])
+    (data,) = shown
+    page = data["text/html"]
+    assert [page.count(tag) for tag in ("<tr>", "<th ", "<td ")] == [2, 3, 3]
+    assert "a &lt; b &amp; c" in page and "&lt;b&gt;" in page and "<b>" not in page
+    assert "a wall       7" in data["text/plain"]
+
+
+@pytest.mark.parametrize("row", [("a wall",), ("a wall", 7, 8, 9)])
+def test_a_row_that_is_too_short_or_too_long_is_no_row(row):
+    with pytest.raises(ValueError, match="zip"):
+        show_table(HEADINGS, [row])
