@@ -25,6 +25,7 @@ WITHOUT_A_PICTURE = (
     "utils.scoring",
     "utils.simulator",
     "utils.streets",
+    "utils.tables",
     "utils.tracking",
     "utils.traffic",
     "utils.visits",
