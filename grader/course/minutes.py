@@ -1,8 +1,9 @@
 """How long a lesson takes, section by section, from what there is to read, run and write.
 
-The rates were fitted to the minutes that readers needed who wrote every answer of all twelve
-lessons from the stubs: reading slowly, at midnight, with a look at each picture. They are within
-ten minutes or so of a lesson's own, and what is for who wants more is in no sum.
+The rates were fitted to the minutes that readers named who wrote every answer of all twelve lessons
+from the stubs: reading slowly, at midnight, with a look at each picture. They miss those by eight
+minutes a lesson on average; where little is to be thought (07) by 15 too many, and where much is
+(10) by 26 too few. What is for who wants more is in no sum.
 """
 
 from __future__ import annotations
