@@ -21,6 +21,7 @@ from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
 
 LESSON = find_lesson("06_filter_ground")
+THREE = find_lesson("07_filter_by_distance")
 WRITTEN = find_lesson("12_streaming_obstacles")
 EXERCISES = ("filter_ground", "voxel_grid")
 REPORT = "I widened the region to 18.5 m, because the lorry *stands* at 17 m."
@@ -383,6 +384,10 @@ def test_what_is_prepared_stays_as_it_is():
         ([marked(text(GROUND), "filter_ground"), code(GROUND)], ["markdown", "code"]),
         ([marked(text(GROUND), "voxel_grid"), code(GROUND)], ["markdown", "code"]),
         ([code(GROUND), marked(text(GROUND), "voxel_grid")], ["code", "markdown"]),
+        (
+            [code(GROUND), marked(text(GROUND), "filter_ground"), code(GROUND)],
+            ["code", "markdown", "code"],
+        ),
         # In its own cell it is the answer, and what came before was tried.
         ([code(GROUND), marked(text(GROUND), "filter_ground")], ["code", "code"]),
         ([marked(text("My answer."), "filter_ground")], ["markdown"]),
@@ -445,6 +450,39 @@ def test_a_text_cell_with_what_stands_elsewhere_too(cells, ground, voxels, turne
         f"{mine} stood in a text cell, where Jupyter does not run it. It was judged as code. "
         f"{other} in that cell was not judged, but the one in another cell. In Jupyter, select the "
         f"cell and press Y to make it code again, and delete {other} in it."
+    )
+
+
+@pytest.mark.parametrize(
+    ("cells", "order"),
+    [
+        # It goes down before what counts, and not above what may be needed in it.
+        (["x = 1", "y = 2", GROUND, text(TWO)], ["x = 1", "y = 2", TWO, GROUND]),
+        # Where it stands before that, it stays: what calls it may stand between them.
+        (["x = 1", text(TWO), "voxel_grid(x)", GROUND], ["x = 1", TWO, "voxel_grid(x)", GROUND]),
+    ],
+)
+def test_where_a_text_cell_goes_with_what_stands_elsewhere_too(cells, order):
+    made = prepared_of(*(code(cell) if isinstance(cell, str) else cell for cell in cells))
+    assert list(made.code) == order
+
+
+def test_of_a_text_cell_with_two_that_stand_elsewhere_the_third_is_judged():
+    """Code counts, and of several texts the first: those with more are moved before them."""
+
+    def cell(number, *names):
+        return text("\n".join(f"def {name}(cloud):\n    return {number}" for name in names))
+
+    distance, crop, ego = (exercise.name for exercise in THREE.machine_graded)
+    above = code(cell(1, distance)["source"])
+    made = prepared_of(above, cell(2, distance, crop), cell(3, crop, ego), lesson=THREE)
+    assert [defined_last(made, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
+    made = prepared_of(above, cell(2, crop), cell(3, distance, crop, ego), lesson=THREE)
+    assert [defined_last(made, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
+    assert made.notes[1] == (
+        f"{ego} stood in a text cell, where Jupyter does not run it. It was judged as code. "
+        f"{distance} and {crop} in that cell were not judged, but others. In Jupyter, select the "
+        f"cell and press Y to make it code again, and delete {distance} and {crop} in it."
     )
 
 

@@ -15,6 +15,7 @@ import functools
 import hashlib
 import itertools
 import json
+import math
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
@@ -183,9 +184,9 @@ def _retyped(draft: _Draft) -> Iterator[str]:
     holds some of it, too, beside what stands nowhere else, is moved before it.
     """
     names, by_hand = _functions(draft.lesson), _by_hand(draft.lesson)
-    orders = [(place, 0, place) for place in range(len(draft.cells))]
-    # Where in that order each function is written last.
-    last = {name: orders[all_of[-1]] for name in names if (all_of := _answers_to(draft, name))}
+    orders: list[float] = list(range(len(draft.cells)))  # by which the cells stand in the end
+    # The cell in which each function is written last, in that order.
+    last = {name: all_of[-1] for name in names if (all_of := _answers_to(draft, name))}
     turned = []
     for place, cell in enumerate(draft.cells):
         if cell.kind == "code" or cell.grade_id in by_hand or "```" in cell.source:
@@ -194,19 +195,21 @@ def _retyped(draft: _Draft) -> Iterator[str]:
         wanted = [
             name
             for name in holds
-            if name not in last or (name == cell.grade_id and last[name] < orders[place])
+            if name not in last or (name == cell.grade_id and last[name] < place)
         ]
         if not wanted:
             continue
-        before = min((last[name] for name in holds if name not in wanted), default=orders[place])
-        if before < orders[place]:
-            orders[place] = (before[0], before[1] - 1, place)
-        last |= {name: max(last.get(name, orders[place]), orders[place]) for name in holds}
+        counts = [orders[last[name]] for name in holds if name not in wanted]
+        just_before = [math.nextafter(order, -math.inf) for order in counts]
+        orders[place] = min([orders[place], *just_before])
+        for name in holds:
+            last[name] = max(place, last.get(name, place), key=orders.__getitem__)
         draft.cells[place] = dataclasses.replace(cell, kind="code")
-        turned.append((cell.kind, orders[place], holds))
-    draft.cells = [draft.cells[place] for *_, place in sorted(orders)]
-    for kind, order, holds in turned:
-        judged = [name for name in holds if last[name] == order]
+        turned.append((cell.kind, place, holds))
+    in_order = sorted(range(len(orders)), key=orders.__getitem__)
+    draft.cells = [draft.cells[place] for place in in_order]
+    for kind, place, holds in turned:
+        judged = [name for name in holds if last[name] == place]
         if judged:
             yield _on_retyped(kind, judged, [name for name in holds if name not in judged])
 
