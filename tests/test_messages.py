@@ -355,3 +355,6 @@ def test_of_messages_that_are_alike_the_numbers_stay_in_which_they_agree():
     )
     assert in_common(["one of … rows"] * 2) == "one of … rows"
     assert in_common(["shape (3, 4)", "shape (3,)"]) == "shape (…)"
+    assert in_common(["(3, 4), not (5,)", "(3,), not (4, 5)"]) == "(…), not (…)"
+    assert in_common(["1 row of 17 lost", "3 rows of 17 lost"]) == "… rows of 17 lost"
+    assert in_common(["3 of 17 rows", "3 of 17 rows", "… of … rows"]) == "… of … rows"

@@ -6,6 +6,7 @@ notebook; but a neighbour's may be in the answer. There the student's own `check
 """
 
 import functools
+import itertools
 import re
 from collections.abc import Callable, Sequence
 
@@ -15,7 +16,6 @@ from grader.sandbox.quoting import sentence_on
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
-    NUMBER,
     NotStarted,
     NotYet,
     Raised,
@@ -127,13 +127,18 @@ def without_numbers(message: str, few: int = 0) -> str:
 
 def in_common(messages: Sequence[str]) -> str:
     """What messages say that are alike without their numbers: those stay in which they agree."""
-    parts = [[*NUMBER.finditer(_EXAMPLE.sub("", message))] for message in messages]
-    if len({*map(len, parts)}) > 1:
-        return without_numbers(messages[0])
-    agree = iter(
-        [len({number[0] for number in column}) == 1 for column in zip(*parts, strict=True)]
-    )
-    return _with_some_numbers(messages[0], lambda number: next(agree))
+    places = itertools.count()
+
+    def agree(number: str) -> bool:
+        place = next(places)
+        return len({_with_one_number(message, place) for message in messages}) == 1
+
+    return _with_some_numbers(messages[0], agree)
+
+
+def _with_one_number(message: str, place: int) -> str:
+    places = itertools.count()
+    return _with_some_numbers(message, lambda number: next(places) == place)
 
 
 def _with_some_numbers(message: str, is_told: Callable[[str], bool]) -> str:
