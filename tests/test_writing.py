@@ -48,9 +48,10 @@ def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch
 @pytest.mark.parametrize(("mask", "mode"), [(0o000, 0o666), (0o026, 0o640), (0o077, 0o600)])
 def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch, mask, mode):
     monkeypatch.setattr(writing, "_UMASK", mask)
-    write_atomically("a \ud800 word", tmp_path / "a" / "b.json")  # what is no text does no harm
-    write_atomically("a word", tmp_path / "a" / "b.json")
-    assert (tmp_path / "a" / "b.json").stat().st_mode & 0o777 == mode
+    path = tmp_path / "a" / "b" / "c.json"
+    write_atomically("a \ud800 word", path)  # what is no text does no harm
+    write_atomically("a word", path)
+    assert path.stat().st_mode & 0o777 == mode and path.read_text() == "a word"
 
 
 def write_solutions(folder):

@@ -10,7 +10,10 @@ os.umask(_UMASK)
 
 
 def write_atomically(content: str | bytes, path: Path) -> None:
-    """Write a file so that a reader finds all of it or none; fellow graders may read it."""
+    """Write a file, and its folders, so that a reader finds all of it or none of it.
+
+    Fellow graders may read it.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, draft = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
     try:
