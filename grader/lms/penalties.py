@@ -20,7 +20,7 @@ def penalty_of(
     submission: SubmittedAssignment, notebook: SubmittedNotebook, late: AssignLatePenalties
 ) -> float | None:
     """Points to take off a notebook; None in time."""
-    if submission.assignment.duedate is None or submission.total_seconds_late <= 0:
+    if submission.assignment.duedate is None or not submission.total_seconds_late:
         return None
     penalty = late.plugin_inst.late_submission_penalty(
         submission.student.id, notebook.score, submission.total_seconds_late
