@@ -108,6 +108,7 @@ for ways in places.values():
 
 
 DEAD = ("killed", "stopped")
+PATIENCE = 4  # times as long under the clock, where somebody was stopped
 # Not 0: a mutant may well end its process as if all were well.
 SURVIVED = 57
 WHO = "noticed"  # the file in which a test says that it has noticed a change
@@ -352,7 +353,7 @@ class Trying:
         path.write_text(json.dumps(found), "utf-8")
         return 0
 
-    def _begin(self, session: pytest.Session, mutant: Mutant) -> tuple[int, float]:
+    def _begin(self, session: pytest.Session, mutant: Mutant, patience: int) -> tuple[int, float]:
         """Try a mutant in a process of its own; its id, and how many seconds it may take.
 
         Only tests that enter what is changed can notice. Some functions run in other processes
@@ -366,7 +367,8 @@ class Trying:
         work = functools.partial(self._ask_anew, mutant)
         if functions and {*functions} <= {one.__qualname__ for one in self.functions}:
             work = functools.partial(self._ask, items, functions)
-        return begin(work, seconds, f"{self.folder}/{mutant.digest}"), wall
+        folder = f"{self.folder}/{mutant.digest}"
+        return begin(work, patience * seconds, folder), patience * wall
 
     def _likeliest_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
         """File by file, as between files all is cleared away that the tests of one share."""
@@ -438,25 +440,31 @@ def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
 
 
 def try_all(
-    mutants: list[Mutant], begin_one: Callable[[Mutant], tuple[int, float]]
+    mutants: list[Mutant], begin_one: Callable[[Mutant, int], tuple[int, float]]
 ) -> Iterator[tuple[Mutant, str]]:
-    """Try mutants side by side; each with what became of it, as soon as that is known."""
-    waiting, running = mutants[::-1], {}
+    """Try mutants side by side; each with what became of it, as soon as that is known.
+
+    Who was stopped is tried once more, under a longer clock: other work may have taken its time.
+    """
+    waiting, running = [(mutant, 1) for mutant in mutants[::-1]], {}
     while waiting or running:
         while waiting and len(running) < len(os.sched_getaffinity(0)):
-            mutant = waiting.pop()
-            process, wall = begin_one(mutant)
-            running[process] = mutant, time.monotonic() + wall
+            mutant, patience = waiting.pop()
+            process, wall = begin_one(mutant, patience)
+            running[process] = mutant, patience, time.monotonic() + wall
         process, status = os.waitpid(-1, os.WNOHANG)
         if not process:
             time.sleep(0.02)
-            for late in [one for one, (_, end) in running.items() if time.monotonic() > end]:
+            for late in [one for one, (*_, end) in running.items() if time.monotonic() > end]:
                 os.kill(late, signal.SIGKILL)
             continue
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process, signal.SIGKILL)  # whoever it started
-        mutant, _ = running.pop(process)
+        mutant, patience, _ = running.pop(process)
         code = os.waitstatus_to_exitcode(status)
+        if code < 0 and patience < PATIENCE:
+            waiting.insert(0, (mutant, PATIENCE))
+            continue
         yield mutant, {SURVIVED: "survived"}.get(code, "killed" if code >= 0 else "stopped")
 
 
@@ -480,15 +488,15 @@ def equivalent() -> set[str]:
     return found
 
 
-def try_module(module: str, forgiven: set[str]) -> Counter[str]:
-    """Try the mutants of a module of which it is not known that they die; how many ended how.
+def try_module(module: str, forgiven: set[str]) -> dict[Mutant, str]:
+    """Try the mutants of a module of which it is not known that they die; how each ended.
 
     In random order: what a run has tried that was stopped is a fair sample.
     """
     mutants, known = list(mutants_of(module)), known_results()
     random.Random(1).shuffle(mutants)
-    ended = Counter(known[one.digest] for one in mutants if known.get(one.digest, "") in DEAD)
-    waiting = [one for one in mutants if known.get(one.digest, "") not in DEAD]
+    ended = {one: known[one.digest] for one in mutants if known.get(one.digest, "") in DEAD}
+    waiting = [one for one in mutants if one not in ended]
     if waiting:
         RESULTS.parent.mkdir(parents=True, exist_ok=True)
         with open(RESULTS, "a", encoding="utf-8") as file, tempfile.TemporaryDirectory() as folder:
@@ -500,7 +508,7 @@ def try_module(module: str, forgiven: set[str]) -> Counter[str]:
                     outcome = "equivalent"
                 elif outcome == "survived":
                     print(mutant, flush=True)
-                ended[outcome] += 1
+                ended[mutant] = outcome
 
             if code := run_tests(module, Trying(module, waiting, folder, report)):
                 sys.exit(int(code))
@@ -508,7 +516,10 @@ def try_module(module: str, forgiven: set[str]) -> Counter[str]:
 
 
 def main(wanted: list[str]) -> int:
-    """Try the mutants of some modules; say who survives without being known as equivalent."""
+    """Try the mutants of some modules; say who survives without being known as equivalent.
+
+    Who was stopped is named, too: that tests stand still is a way to notice, or a busy machine.
+    """
     os.chdir(PROJECT)
     sys.path.insert(0, str(PROJECT))
     # A fork of a process in which OpenMP had threads stands still.
@@ -517,13 +528,17 @@ def main(wanted: list[str]) -> int:
         "mutants", phases=[hypothesis.Phase.generate], database=None, derandomize=True
     )
     hypothesis.settings.load_profile("mutants")
-    forgiven, survived = equivalent(), 0
+    forgiven, survived, stopped = equivalent(), 0, []
     for module in TESTS:
         if not wanted or any(part in module for part in wanted):
-            ended = try_module(module, forgiven)
+            outcomes = try_module(module, forgiven)
+            ended = Counter(outcomes.values())
             how = ", ".join(f"{ended[name]} {name}" for name in (*DEAD, "equivalent", "survived"))
             print(f"{module}: {ended.total()} mutants, {how}", flush=True)
             survived += ended["survived"]
+            stopped += [one for one, outcome in outcomes.items() if outcome == "stopped"]
+    if stopped:
+        print("\nTheir tests stood still, and were stopped by a clock, twice:", *stopped, sep="\n")
     return min(survived, 1)
 
 
