@@ -21,6 +21,7 @@ WITHOUT_A_PICTURE = (
     "utils.ground",
     "utils.notebooks",
     "utils.recordings",
+    "utils.replays",
     "utils.scenes",
     "utils.scoring",
     "utils.simulator",

@@ -21,6 +21,7 @@ _HOME = {
     "is_written": "utils.lent",
     "predict": "utils.predictions",
     "show_table": "utils.tables",
+    "replay": "utils.replays",
     "write_cloud": "utils.clouds",
 }
 # What lies elsewhere by now than lessons say, which are in the hands of students.

@@ -42,7 +42,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, IntSlider, SelectionSlider, interact
 
-from utils import check, load_cloud, plots, predict, show_table
+from utils import check, load_cloud, plots, predict, replay, show_table
 
 
 def quiz_points(rng):
@@ -437,6 +437,12 @@ for seed, axes in enumerate(grid.flat):
 
 # %% nbgrader={"grade": true, "grade_id": "test_ransac_line", "locked": true, "points": 25, "schema_version": 3, "solution": false, "task": false}
 check(ransac_line)
+
+# %% [markdown]
+# **Your run, round by round.** The samples that *your* function draws, and the line through each, with a threshold of 0.5 m. Where a round is wrong, the player begins there and says why.
+
+# %%
+replay(ransac_line)
 
 # %% [markdown]
 # **A good place to stop.** Your RANSAC works. What follows is about choosing its two numbers, and about what real systems add.

@@ -45,7 +45,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, load_cloud, plots, predict, show_table
+from utils import check, load_cloud, plots, predict, replay, show_table
 
 cloud = load_cloud("cloud.txt")
 nearby = (cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)
@@ -388,6 +388,12 @@ inliers = np.asarray(inliers)
 
 # %% nbgrader={"grade": true, "grade_id": "test_ransac_plane", "locked": true, "points": 25, "schema_version": 3, "solution": false, "task": false}
 check(ransac_plane)
+
+# %% [markdown]
+# **Your run, round by round.** *Your* function on a street of 64 points: a road, a car on it, a house front beside it. Where a round is wrong, the player begins there and says why.
+
+# %%
+replay(ransac_plane)
 
 # %% [markdown]
 # ## Play: how thick is the ground?

@@ -44,10 +44,11 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ipywidgets import FloatSlider, IntSlider, interact
+from ipywidgets import FloatSlider, interact
 
 from utils import check, is_written, load_cloud, plots, predict, show_table
-from utils.visits import depth_of, place_of, told, watched
+from utils.replays import play, walk
+from utils.visits import depth_of, place_of, watched
 
 # One row per return: x forward, y left, z up in metres from the sensor, and intensity.
 cloud = load_cloud("cloud.txt")
@@ -422,35 +423,13 @@ print(f"found {found}, expected {near_ones}")
 print(f"looked at {sorted(visited)}, expected {sorted(looked_at)}")
 
 # %% [markdown]
-# **Look before you check.** Fifteen points, the tree that your `insert` makes of them, and *your* search within 4 m of (2, -1), node by node. Drag the slider: hatched regions are pruned for good, dotted ones not reached yet, and a ring marks the node of this step. At the end three points must be green and four branches pruned.
+# **Look before you check.** Fifteen points, the tree that your `insert` makes of them, and *your* search within 4 m of (2, -1), node by node. Hatched regions are pruned for good, dotted ones not reached yet, and a ring marks the node of this step. At the end three points must be green and four branches pruned. Where a step is wrong, the player begins there and says why.
 
-# %% tags=["folded"]
-# @title Your search, step by step (you need not read this)
+# %%
 fifteen = np.array([[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7],
                     [-9, -5], [-8, 6], [7, -6], [-4, -3], [6, 4], [5, 8], [0, 9]])
 yard = grow(fifteen)
-steps_taken, found = trace(yard, [2, -1], 4)
-
-
-def draw_step(step):
-    figure, (plane, diagram) = plt.subplots(1, 2, figsize=(8.5, 5), layout="compressed")
-    plots.kd_search(fifteen, yard.root, [2, -1], 4, steps_taken, found=found, steps=step,
-                    limits=window, axes=plane, title=f"step {step} of {len(steps_taken)}")
-    plots.kd_tree(yard.root, visited=steps_taken, found=found, steps=step, axes=diagram,
-                  title="in the tree")
-
-
-@interact(step=IntSlider(value=3, min=0, max=len(steps_taken), continuous_update=False))
-def show_step(step):
-    draw_step(step)
-    plt.show()
-    print(told(yard.root, steps_taken, step, [2, -1], 4))
-
-# %%
-# The same without a slider: the end of the search, and what happened at each node.
-draw_step(len(steps_taken))
-for step in range(1, len(steps_taken) + 1):
-    print(told(yard.root, steps_taken, step, [2, -1], 4))
+play(walk(yard.root, [2, -1], 4, *trace(yard, [2, -1], 4)))
 
 # %% nbgrader={"grade": true, "grade_id": "test_search", "locked": true, "points": 25, "schema_version": 3, "solution": false, "task": false}
 check(KdTree, exercise="search")

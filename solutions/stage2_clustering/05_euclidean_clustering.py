@@ -45,7 +45,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, is_written, load_cloud, plots, predict, show_table
+from utils import check, is_written, load_cloud, plots, predict, replay, show_table
 from utils.scene3d import Scene
 
 # One row per return: x forward, y left, z up in metres from the sensor, and intensity.
@@ -269,6 +269,13 @@ plots.clusters(obstacles, labels, names=True, limits=street,
 
 # %% nbgrader={"grade": true, "grade_id": "test_euclidean_clustering", "locked": true, "points": 40, "schema_version": 3, "solution": false, "task": false}
 check(euclidean_clustering)
+
+# %% [markdown]
+# **Your run, step by step.** The seven points and five more, and how *your* function goes through them. A circle is around the point that is asked, squares are around those that wait. Where a step is wrong, the player begins there and says why.
+
+# %%
+replay(euclidean_clustering)
+
 # %% [markdown]
 # And what *are* these clusters? The scan was simulated, so for every return we know the object it hit. Here are the twelve largest clusters.
 

@@ -134,7 +134,7 @@ class Lender:
 
 
 class Recorder(Lender):
-    """Writes down what the functions of a solved notebook answer, but for what `check` asks.
+    """Writes down what the functions of a solved notebook answer, but for `check` and `replay`.
 
     Parameters
     ----------
@@ -162,15 +162,16 @@ class Recorder(Lender):
                 if callable(function) and not hasattr(function, "is_recorded"):
                     # Without what was stored before and may be lent already.
                     self._namespace[name] = self._lending(name, own(function), answers)
-        check = self._namespace.get("check")
-        if callable(check) and not hasattr(check, "is_unheard"):
-            self._namespace["check"] = self._unheard(check)
+        for name in ("check", "replay"):
+            asks = self._namespace.get(name)
+            if callable(asks) and not hasattr(asks, "is_unheard"):
+                self._namespace[name] = self._unheard(asks)
 
-    def _unheard(self, check: Callable) -> Callable:
-        @functools.wraps(check)
+    def _unheard(self, asks: Callable) -> Callable:
+        @functools.wraps(asks)
         def unheard(*arguments: object, **keywords: object) -> object:
             with self._deeper():
-                return check(*arguments, **keywords)
+                return asks(*arguments, **keywords)
 
         unheard.is_unheard = True
         return unheard

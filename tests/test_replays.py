@@ -1,0 +1,487 @@
+"""A run is shown as it was, and wrong is what certainly is."""
+
+import contextlib
+import io
+import math
+import sys
+import threading
+from collections import deque
+from types import SimpleNamespace
+
+import ipywidgets
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import cdist, pdist
+
+from grader.course.variants import variants_of
+from tests.lessons.taught import source_of
+from utils import replay, still_widgets
+from utils.geometry import grown
+from utils.replays import clustering, play, player, ransac, tracing, walk
+from utils.replays.clustering.points import GROUPS, POINTS, THRESHOLD
+from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS
+from utils.visits import watched
+
+HELPERS = {
+    "ransac_line": ("line_through", "point_line_distance"),
+    "ransac_plane": ("plane_through", "point_plane_distance", "fit_plane"),
+    "euclidean_clustering": (),
+    "search": (),
+}
+RUNS = {
+    "ransac_line": ransac.run_of_line,
+    "ransac_plane": ransac.run_of_plane,
+    "euclidean_clustering": clustering.run_of,
+}
+
+
+def function_of(exercise, source=None, name="the hints followed to the letter"):
+    """A function as a notebook defines it, with the helpers that its lesson has."""
+    space = {"np": np, "deque": deque, "math": math, "dist": math.dist, "__name__": "notebook"}
+    for helper in HELPERS[exercise]:
+        exec(source_of(helper), space)
+    exec((source or source_of(exercise, name)).replace("%%time", ""), space)
+    return space[exercise]
+
+
+def run_of(exercise, name="the hints followed to the letter", source=None):
+    with contextlib.redirect_stdout(io.StringIO()):  # some of them are chatty
+        return RUNS[exercise](function_of(exercise, source, name))
+
+
+def named(exercise, right):
+    return [one.name for one in variants_of(exercise) if one.right is right]
+
+
+# ---- the scenes --------------------------------------------------------------------------------
+
+
+def test_the_groups_are_what_scipy_finds_and_no_distance_is_at_the_threshold():
+    gaps = cdist(POINTS[:, :3], POINTS[:, :3])
+    labels = connected_components(gaps < THRESHOLD)[1]
+    assert {frozenset(np.flatnonzero(labels == one).tolist()) for one in set(labels)} == {
+        frozenset(group) for group in GROUPS
+    }
+    assert np.abs(pdist(POINTS[:, :3]) - THRESHOLD).min() > 0.02
+
+
+@pytest.mark.parametrize("task", [LINE, PLANE], ids=["line", "plane"])
+def test_one_round_of_ten_is_the_best_and_no_point_is_at_its_edge(task):
+    rng, counts = np.random.default_rng(task.seed), []
+    for _ in range(ROUNDS):
+        sample = task.xyz[rng.choice(len(task.points), task.size, replace=False)]
+        if task is LINE:  # twice the area of a triangle, divided by its base
+            base = np.append(sample[1] - sample[0], 0)
+            arms = np.column_stack([task.xyz - sample[0], np.zeros(len(task.xyz))])
+        else:
+            base = np.cross(sample[1] - sample[0], sample[2] - sample[0])
+            arms = task.xyz - sample[0]
+        area = np.cross(arms, base)[:, 2] if task is LINE else arms @ base
+        gaps = np.abs(area) / np.linalg.norm(base)
+        counts.append((gaps <= task.tolerance).sum())
+        assert np.abs(gaps - task.tolerance).min() > 1e-4
+    assert sorted(counts)[-1] > sorted(counts)[-2] and counts[0] < max(counts) > counts[-1]
+    assert len(np.unique(task.xyz, axis=0)) == len(task.xyz)
+
+
+# ---- right answers -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("exercise", "name"),
+    [(exercise, name) for exercise in RUNS for name in named(exercise, right=True)],
+)
+def test_nobody_who_is_right_is_accused(exercise, name):
+    run = run_of(exercise, name)
+    assert run.wrong is None and len(run.steps) >= 1
+
+
+@pytest.mark.parametrize("exercise", RUNS)
+def test_the_answer_is_the_same_as_without_being_watched(exercise):
+    task = {"ransac_line": LINE, "ransac_plane": PLANE}.get(exercise)
+    asked = (POINTS, THRESHOLD) if task is None else (task.points, ROUNDS, task.tolerance, 3)
+    for one in variants_of(exercise):
+        if one.right:
+            function = function_of(exercise, one.source)
+            with contextlib.redirect_stdout(io.StringIO()):
+                alone = function(asked[0].copy(), *asked[1:])
+                seen = tracing.record(function, (asked[0].copy(), *asked[1:]), lambda *_: None)
+            answers = (alone, seen.answer) if task is None else zip(alone, seen.answer, strict=True)
+            for mine, other in [answers] if task is None else answers:
+                np.testing.assert_array_equal(mine, other)
+
+
+def test_the_queue_is_that_of_the_table_in_the_text():
+    says = [step.says for step in run_of("euclidean_clustering").steps]
+    assert says[1:7] == [
+        "Point 0 gets label 1. In the queue: 0.",
+        "Point 0 is asked. Points 2 and 4 get label 1. In the queue: 2, 4.",
+        "Point 2 is asked. Point 5 gets label 1. In the queue: 4, 5.",
+        "Point 4 is asked. Nobody joins. In the queue: 5.",
+        "Point 5 is asked. Nobody joins. In the queue: nobody.",
+        "Point 1 gets label 2. In the queue: 1.",
+    ]
+    assert len(says) == 1 + len(GROUPS) + len(POINTS)
+
+
+NAMES_OF_THEIR_OWN = """
+class Crowd:
+    def __init__(self, where, reach):
+        self.where, self.reach = where[:, :3], reach
+        self.whose, self.todo = np.full(len(where), np.nan), [9]
+
+    def ask(self):
+        who = self.todo.pop()
+        for other in range(len(self.where)):
+            way = self.where[other] - self.where[who]
+            if way @ way < self.reach ** 2 and np.isnan(self.whose[other]):
+                self.whose[other] = self.whose[who]
+                self.todo += [other]
+
+def euclidean_clustering(cloud, threshold=0.5):
+    crowd, count = Crowd(cloud, threshold), 0
+    for row in range(len(cloud)):
+        if np.isnan(crowd.whose[row]):
+            count += 1
+            crowd.whose[row] = count
+            crowd.todo[:] = [row]
+            while crowd.todo:
+                crowd.ask()
+    return crowd.whose.astype(int).tolist()
+"""
+
+
+def test_a_class_with_a_stack_and_blank_labels_is_followed():
+    run = run_of("euclidean_clustering", source=NAMES_OF_THEIR_OWN)
+    says = [step.says for step in run.steps]
+    assert run.wrong is None
+    assert "Point 0 is asked. Points 2 and 4 get label 1. In the queue: 2, 4." in says
+    assert "Point 4 is asked. Point 5 gets label 1. In the queue: 2, 5." in says
+
+
+def test_rounds_are_those_of_the_generator():
+    rng = np.random.default_rng(LINE.seed)
+    for number, step in enumerate(run_of("ransac_line").steps[:ROUNDS], start=1):
+        first, second = rng.choice(20, size=2, replace=False)
+        assert step.says.startswith(f"Round {number}: points {first} and {second} are drawn.")
+
+
+# ---- wrong answers -----------------------------------------------------------------------------
+
+# What happens in the step that is marked, and what is said of it.
+WRONG = {
+    "euclidean_clustering": {
+        "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
+        "labels from 0": ("Point 0 gets label 0", "from 1 to 5"),
+        "squared distance against plain threshold": ("Point 6 is asked", "8 and 6 have the same"),
+        "plain distance against squared threshold": ("Point 3 is asked", "Point 7 is 0.71 m away"),
+        "intensity is a coordinate": ("Point 0 is asked", "Point 2 is 0.47 m away"),
+        "forgets the height": ("Point 1 is asked", "and 9 have the same label"),
+        "the threshold is written into the function": ("Point 3 is asked", "Point 7 is 0.71 m"),
+        "a cluster never ends": ("Point 0 is asked", "for the second time"),
+        "everything is one cluster": ("Labels of points", "no chain of steps"),
+        "every point is its own cluster": ("Labels of points", "closer than 0.8 m"),
+        "each point as somebody before it": ("Point 11 gets label 4", "point 10 has 6"),
+        "the counter goes up at every point": ("Point 6 gets label 7", "from 1 to 5"),
+        "returns after the first cluster": ("Point 5 is asked", "got no label"),
+        "distances without an axis": ("Point 2 gets label 3", "point 0 has 1"),
+        "distances along the wrong axis": ("Point 0 gets label 1", "raised ValueError"),
+        "append for extend": ("Points 2 and 4 get label 1", "raised ValueError"),
+        "no parentheses around the masks": ("Point 0 gets label 1", "raised TypeError"),
+        "the ways along the axes added up": ("Point 3 is asked", "Point 7 is 0.71 m away"),
+        "the longest way along an axis": ("Point 6 is asked", "8 and 6 have the same label"),
+        "forgets to return": ("Point 9 is asked", "returned None"),
+        "a mask in the queue": ("Points 2 and 4 get label 1", "raised ValueError"),
+        "np.where gives a tuple": ("Points 2 and 4 get label 1", "raised ValueError"),
+    },
+    "ransac_line": {
+        "the last line, not the best": ("Round 10", "Round 4 has 10 near points"),
+        "the mask is not replaced, only the line": ("Round 10", "but yours has 0"),
+        "the line with the fewest inliers": ("Round 4", "is the line of round 2, with 2"),
+        "the mask of the last round with the line of the best": ("Round 10", "that of round 10"),
+        "no absolute value": ("Round 1", "Your mask has 17 points"),
+        "the tolerance is squared": ("Round 1", "Your mask has 3 points"),
+        "the normal is not normalised": ("Round 1", "they are not the same"),
+        "a thousand rounds, whatever is asked": ("Round 11", "one sample more"),
+        "fifty rounds, whatever is asked": ("Round 11", "one sample more"),
+        "indices instead of a mask": ("Round 10", "mask of its inliers were wanted"),
+        "mask first, then the line": ("Round 10", "in this order"),
+        "returns the line only": ("Round 10", "mask of its inliers were wanted"),
+        "the points instead of a mask": ("Round 10", "mask of its inliers were wanted"),
+        "outliers for inliers": ("Round 1", "Your mask has 16 points"),
+    },
+    "ransac_plane": {
+        "the last sample wins": ("Round 10", "Round 5 has 36 near points"),
+        "keeps the worst": ("Round 5", "of round 2, with 7"),
+        "refits the plane and keeps the old mask": ("Your answer", "they are not the same"),
+        "a thousand iterations for everybody": ("Round 11", "one sample more"),
+        "fifty rounds, whatever is asked": ("Round 11", "one sample more"),
+        "indices instead of a mask": ("Round 10", "in this order"),
+        "the model alone": ("Round 10", "in this order"),
+        "inliers first": ("Round 10", "in this order"),
+        "outliers for inliers": ("Round 5", "yours has 28"),
+        "four columns in the sample": ("Round 1", "raised ValueError"),
+        "every point is an inlier of a flat road": ("Your answer", "Your mask has 64 points"),
+        "the mask of the last sample": ("Round 10", "that of round 10"),
+        "the model of the last sample": ("Round 10", "that of round 5"),
+        "the normal is made long in the end": ("Your answer", "has length"),
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("exercise", "name"),
+    [(exercise, name) for exercise in RUNS for name in named(exercise, right=False)],
+)
+def test_a_wrong_answer_stops_where_it_goes_wrong(exercise, name, monkeypatch):
+    monkeypatch.setattr(tracing, "SECONDS", 1)
+    run = run_of(exercise, name)
+    happens, said = WRONG[exercise].get(name, (None, None))
+    if happens is None:
+        assert run.wrong is None
+        assert run.steps or run.remark
+    else:
+        assert happens in run.steps[run.wrong.step].says
+        assert said in run.wrong.why
+
+
+def test_a_wrong_line_is_told_from_a_wrong_search():
+    function = function_of("ransac_line")
+    exec("def line_through(p, q):\n    return 0.0, 1.0, -q[1]", function.__globals__)
+    run = ransac.run_of_line(function)
+    assert run.wrong.step == 0 and "Look at line_through" in run.wrong.why
+    exec(source_of("line_through"), function.__globals__)
+    assert ransac.run_of_line(function).wrong is None
+
+
+def test_a_point_drawn_twice_is_seen():
+    source = source_of("ransac_line").replace("i, j = rng.choice", "i, j = 2 * [rng.choice(20)]  #")
+    run = run_of("ransac_line", source=source)
+    assert run.wrong.step == 0 and "was drawn twice" in run.wrong.why
+
+
+def test_closest_instead_of_most_is_no_mistake():
+    """MSAC, which the lesson proposes; with samples of which the two disagree."""
+    source = source_of("ransac_line").replace(
+        "if mask.sum() > best_mask.sum()",
+        "cost = np.sum(np.minimum(point_line_distance(points, candidate), 0.5) ** 2)\n"
+        "        if best_line is None or cost < least",
+    ).replace("best_line = candidate", "best_line, least = candidate, cost")  # fmt: skip
+    disagree = 0
+    for seed in range(60):
+        run = ransac.run_of(SeededTask(seed), function_of("ransac_line", source))
+        assert run.wrong is None
+        best = max(int(step.says.split("drawn. ")[1].split()[0]) for step in run.steps[:-1])
+        disagree += f"with {best} inliers" not in run.steps[-1].says
+    assert disagree
+
+
+def SeededTask(seed):  # noqa: N802 (makes one)
+    return type(LINE)(*(vars(LINE) | {"seed": seed}).values())
+
+
+# ---- what cannot be seen, and what does not end ------------------------------------------------
+
+
+def test_what_cannot_be_seen_is_said():
+    union, at_once = (
+        run_of("euclidean_clustering", "union and find"),
+        run_of("ransac_line", "all samples at once"),
+    )
+    assert "its steps cannot be shown" in union.remark and len(union.steps) == 1
+    assert "its rounds cannot be shown" in at_once.remark and len(at_once.steps) == 1
+
+
+def test_compiled_code_is_not_seen_and_not_accused():
+    inner = function_of("euclidean_clustering")
+
+    class Compiled:
+        __name__ = "euclidean_clustering"
+
+        def __call__(self, cloud, threshold):
+            return inner(cloud, threshold)
+
+    run = clustering.run_of(Compiled())
+    assert run.wrong is None and "cannot be shown" in run.remark
+
+
+ENDLESS = """
+def euclidean_clustering(cloud, threshold=0.5):
+    labels = np.zeros(len(cloud), dtype=int)
+    while True:
+        labels[0] = 1 - labels[0]
+"""
+
+
+@pytest.mark.parametrize("has_threads", [True, False])
+def test_what_does_not_end_is_ended(has_threads, monkeypatch):
+    monkeypatch.setattr(tracing, "SECONDS", 0.5)
+    if not has_threads:  # as in a browser
+
+        def refuse(thread):
+            raise RuntimeError("can't start new thread")
+
+        monkeypatch.setattr(threading.Thread, "start", refuse)
+    run = run_of("euclidean_clustering", source=ENDLESS)
+    assert "was stopped" in run.remark and len(run.steps) <= clustering.MOST_STEPS
+    assert sys.gettrace() is None
+
+
+def test_whoever_looked_before_looks_again():
+    lines = []
+
+    def other(frame, event, value):
+        lines.append(event)
+
+    before = sys.gettrace()
+    sys.settrace(other)
+    try:
+        run_of("ransac_line")
+        assert sys.gettrace() is other
+    finally:
+        sys.settrace(before)
+
+
+def test_a_fault_of_the_recording_is_none_of_the_students():
+    def broken(*_):
+        raise KeyError
+
+    ending = tracing.record(lambda x: x + 1, (1,), broken)
+    assert ending.answer == 2 and sys.gettrace() is None
+
+
+# ---- a search in a tree ------------------------------------------------------------------------
+
+FIFTEEN = [[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7], [-9, -5],
+           [-8, 6], [7, -6], [-4, -3], [6, 4], [5, 8], [0, 9]]  # fmt: skip
+WRONG_SEARCHES = {
+    "else instead of a second if": (2, "to the right of node 1"),
+    "asks every node": (13, "nothing to its left can be near"),
+    "asks every node but those that stand in the wrong place": (13, "to its left can be near"),
+    "prunes on one side only": (11, "nothing to its left can be near"),
+    "squared distance against plain tolerance": (6, "has not got it"),
+    "the sides are swapped": (1, "to the right of node 0"),
+    "the ends of the box are swapped": (2, "to the right of node 1"),
+    "returns at the first empty place": (3, "to the left of node 2"),
+    "the first axis is y": (6, "to the left of node 3"),
+    "whoever is met is found": (1, "Node 0 is 8.1 m away"),
+    "notes each index twice": (2, "2 times"),
+    "forgets to return": (2, "has not got it"),
+    "everybody below a far node is left out": (1, "to the right of node 0"),
+    "finds nobody": (0, "never goes on anywhere"),
+    "one if under the other": (1, "to the right of node 0"),
+    "break for continue": (3, "to the left of node 2"),
+    "the depth does not grow on the left": (5, "to the left of node 3"),
+}
+
+
+def walked(search, points=FIFTEEN, goes_left=None):
+    tree = SimpleNamespace(root=grown(points, **({"goes_left": goes_left} if goes_left else {})))
+    with watched(tree) as visited, contextlib.redirect_stdout(io.StringIO()):
+        found = search(tree, [2, -1], 4)
+    return walk(tree.root, [2, -1], 4, visited, [] if found is None else sorted(found))
+
+
+@pytest.mark.parametrize("one", variants_of("search"), ids=lambda one: one.name)
+def test_a_search_stops_where_it_goes_wrong(one):
+    if "class KdTree" in one.source or "NotImplementedError" in one.source or "SciPy" in one.name:
+        pytest.skip("no function that searches this tree")
+    try:
+        run = walked(function_of("search", one.source))
+    except TypeError:
+        assert one.name == "takes arrays only"
+        return
+    if one.name in WRONG_SEARCHES:
+        step, said = WRONG_SEARCHES[one.name]
+        assert (run.wrong.step, said in run.wrong.why) == (step, True), run.wrong
+    else:
+        assert run.wrong is None
+    assert one.right <= (len(run.steps) == 10)
+
+
+def test_a_wrong_tree_is_not_the_fault_of_the_search():
+    run = walked(
+        function_of("search"), [[0, 0], [0, 3], [2, -1]], goes_left=lambda one, other: one <= other
+    )
+    assert run.wrong is None and "insert" in run.remark
+
+
+# ---- the player --------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """What the player shows, in a list: a picture is "figure"."""
+    seen = []
+    monkeypatch.setattr(player, "show", lambda html, text: seen.append(text))
+    monkeypatch.setattr(plt, "show", lambda: seen.append("figure") or plt.close("all"))
+    return seen
+
+
+def interactive(monkeypatch):
+    """The slider that the player makes, in a list."""
+    made = []
+
+    def interact(**sliders):
+        def run(function):
+            made.append(sliders["step"])
+            function(sliders["step"].value)
+            sliders["step"].observe(lambda change: function(change["new"]), names="value")
+
+        return run
+
+    monkeypatch.setattr(ipywidgets, "interact", interact)
+    return made
+
+
+def test_begins_at_the_first_wrong_step_and_moves_by_buttons(shown, monkeypatch):
+    made = interactive(monkeypatch)
+    play(run_of("euclidean_clustering", "forgets the height"))
+    assert shown[1] == "figure" and "✗ The first wrong step." in shown[2]
+    (steps,) = made
+    _, back, forth = steps.children
+    begin = steps.value
+    back.click()
+    assert steps.value == begin - 1 and "✗" not in shown[-1]
+    for _ in range(40):
+        forth.click()
+    assert steps.value == steps.max and shown.count("figure") == steps.max - begin + 3
+
+
+def test_a_right_run_begins_at_its_beginning(shown, monkeypatch):
+    made = interactive(monkeypatch)
+    play(run_of("ransac_plane"))
+    assert made[0].value == 1 and not any("✗" in text for text in shown)
+
+
+def test_without_widgets_a_few_pictures_lead_to_the_wrong_step(shown, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+    del sys.modules["ipywidgets"]
+    monkeypatch.setattr(still_widgets.util, "find_spec", lambda name: None)
+    still_widgets.stand_in()
+    try:
+        play(run_of("ransac_line", "the tolerance is squared"))
+        assert shown.count("figure") == 1 and "✗" in shown[-1]
+        shown.clear()
+        play(run_of("ransac_line"))
+        assert shown.count("figure") == player.STILL and "Your answer" in shown[-1]
+    finally:
+        del sys.modules["ipywidgets"]
+
+
+@pytest.mark.parametrize("exercise", RUNS)
+def test_every_step_is_drawn(exercise):
+    for step in run_of(exercise).steps:
+        step.draw("a title")
+        assert plt.gcf().axes[0].get_title(loc="left").startswith("a title")
+        plt.close("all")
+
+
+def test_a_stub_and_a_stranger(capsys):
+    stub = "def euclidean_clustering(cloud, threshold=0.5):\n    raise NotImplementedError"
+    replay(function_of("euclidean_clustering", stub))
+    assert "not written yet" in capsys.readouterr().out
+    with pytest.raises(LookupError, match="cannot be replayed"):
+        replay(len)

@@ -1,0 +1,68 @@
+"""Lesson 05: points that get labels, in the order in which a student asks them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+
+from utils.replays.clustering.frames import Frame, frames_of, written
+from utils.replays.clustering.judging import first_wrong
+from utils.replays.clustering.points import GROUP_OF, POINTS, THRESHOLD
+from utils.replays.clustering.seeing import Watch, as_labels, groups_in, labels_among, queue_among
+from utils.replays.endings import how_it_ended
+from utils.replays.player import Run, Step, Wrong
+from utils.replays.tracing import Ending, record
+
+MOST_STEPS = 200
+
+
+def run_of(euclidean_clustering: Callable) -> Run:
+    """What a function does with twelve points.
+
+    Parameters
+    ----------
+    euclidean_clustering : callable
+        A student's.
+
+    Returns
+    -------
+    Run
+    """
+    watch = Watch()
+    ending = record(euclidean_clustering, (POINTS.copy(), THRESHOLD), watch.see)
+    answer = as_labels(ending.answer)
+    labels = labels_among(watch.tracks, ending.answer, answer)
+    if labels is None:
+        return _of_the_answer_alone(euclidean_clustering, ending, answer)
+    frames = frames_of(labels, queue_among(watch.queues))
+    wrong = first_wrong(euclidean_clustering, frames, answer, ending)
+    count = max(MOST_STEPS, wrong.step + 1 if wrong else 0)
+    steps = [Step(frame.says, frame.draw) for frame in frames[:count]]
+    return Run(steps, wrong, _remark(ending, answer, frames, wrong))
+
+
+def _remark(ending: Ending, answer: list | None, frames: list[Frame], wrong: Wrong | None) -> str:
+    about = f"Twelve points, threshold {THRESHOLD} m."
+    if ending.stopped:
+        return f"{about} Your function was stopped: it had no end in sight."
+    if not wrong and answer is not None and groups_in(answer) == groups_in(GROUP_OF):
+        about += " Your labels are right."
+    asked = Counter(frame.asked for frame in frames if frame.asked is not None)
+    if more := [row for row, count in asked.items() if count > 1]:
+        about += f" Asked more than once: {', '.join(map(str, sorted(more)))}."
+    return about
+
+
+def _of_the_answer_alone(function: Callable, ending: Ending, answer: list | None) -> Run:
+    """Where no labels could be seen on the way: what came back."""
+    if answer is None:
+        return Run(remark=how_it_ended(ending, function))
+    blank = object()
+    frame = Frame((blank,) * len(POINTS), tuple(answer), blank)
+    remark = (
+        "While your function runs, nothing in it has one label for each point, so its steps "
+        "cannot be shown. This is its answer."
+    )
+    wrong = first_wrong(function, [frame], answer, ending)
+    says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(written, answer))}."
+    return Run([Step(says, frame.draw)], wrong, remark)

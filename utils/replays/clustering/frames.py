@@ -1,0 +1,119 @@
+"""The steps of a run: who is asked, who gets a label, and who waits."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from utils.replays.clustering.points import ABOVE, NEAR, POINTS, ROWS, THRESHOLD
+from utils.replays.clustering.seeing import Track, groups_in
+
+
+@dataclass
+class Frame:
+    """One step: who was asked, who got labels, and who waits then."""
+
+    before: tuple
+    labels: tuple
+    blank: object
+    asked: int | None = None
+    waiting: tuple | None = None
+    is_first: bool = False
+
+    @property
+    def joined(self) -> list[int]:
+        """Rows whose label changed."""
+        return [row for row in ROWS if self.labels[row] != self.before[row]]
+
+    def has_label(self, row: int) -> bool:
+        """Whether a point has a label by now."""
+        return self.labels[row] != self.blank
+
+    @property
+    def says(self) -> str:
+        """What happened."""
+        if self.is_first:
+            return "Before the first point: nobody has a label."
+        parts = [] if self.asked is None else [f"Point {self.asked} is asked."]
+        for label in dict.fromkeys(self.labels[row] for row in self.joined):
+            rows = [row for row in self.joined if self.labels[row] == label]
+            gets = "gets" if len(rows) == 1 else "get"
+            parts.append(f"{named(rows)} {gets} label {written(label)}.")
+        if self.asked is not None and not self.joined:
+            parts.append("Nobody joins.")
+        if self.waiting is not None:
+            waits = ", ".join(map(str, self.waiting)) or "nobody"
+            parts.append(f"In the queue: {waits}.")
+        return " ".join(parts)
+
+    def draw(self, title: str) -> None:
+        """The points with their labels, and a circle around who is asked."""
+        import matplotlib.pyplot as plt
+
+        from utils import plots
+
+        shown = [1 + number for number in groups_in((self.blank, *self.labels))[1:]]
+        shown = [number - 1 if self.has_label(row) else 0 for row, number in enumerate(shown)]
+        _, axes = plt.subplots(figsize=(7.0, 5.4), layout="compressed")
+        pairs = np.argwhere(np.triu(NEAR))
+        limits = ((-1.3, 3.8), (-2.6, 1.3))
+        plots.graph(POINTS[:, :2], pairs, labels=shown, names=True, axes=axes, limits=limits)
+        for row, words in ABOVE.items():
+            axes.annotate(words, POINTS[row, :2], xytext=(14, 2), textcoords="offset points",
+                          fontsize=9)  # fmt: skip
+        look = {"markersize": 13, "fillstyle": "none", "color": "black"}
+        if self.asked is not None:
+            x, y = POINTS[self.asked, :2]
+            plots.ring(axes, x, y, radius=THRESHOLD)
+            axes.plot(x, y, "o", **look)
+        for row in set(self.waiting or ()):
+            axes.plot(*POINTS[row, :2], "s", **look)
+        axes.get_legend().remove()
+        axes.set_title(title, loc="left", fontsize=12, fontweight="bold")
+
+
+def frames_of(labels: Track, queue: Track | None) -> list[Frame]:
+    """The steps of a run: each ends when the next point is asked, or the next cluster begins."""
+    moments = [(time, "labels", state, new) for time, state, new in labels.states]
+    moments += [(time, "queue", state, new) for time, state, new in (queue.states if queue else ())]
+    moments.sort(key=lambda moment: moment[0])
+    first = labels.states[0][1]
+    blank = first[0] if len(set(first)) == 1 else object()
+    frames = [Frame(first, first, blank, is_first=True)]
+    waiting = () if queue else None
+    for _, kind, state, new in moments:
+        now = frames[-1]
+        if kind == "queue":
+            gone = Counter(waiting) - Counter(state)
+            asked = next(iter(gone)) if gone.total() == 1 and not new else None
+            if asked is not None or (new and now.asked is not None):
+                frames.append(Frame(now.labels, now.labels, blank, asked))
+            waiting = state
+        elif state != now.labels:
+            if now.is_first or not queue or (not waiting and _begins(now, state)):
+                frames.append(Frame(now.labels, state, blank))
+            frames[-1].labels = state
+        frames[-1].waiting = waiting
+    return frames
+
+
+def _begins(now: Frame, state: tuple) -> bool:
+    """Whether labels that change begin a new cluster: they are none of who was asked."""
+    changed = [row for row in ROWS if state[row] != now.labels[row]]
+    if now.asked is None or now.asked in changed:
+        return False
+    return all(state[row] != now.labels[now.asked] for row in changed)
+
+
+def named(rows: list[int]) -> str:
+    """Such as "Points 1, 2 and 5"."""
+    if len(rows) == 1:
+        return f"Point {rows[0]}"
+    return f"Points {', '.join(map(str, rows[:-1]))} and {rows[-1]}"
+
+
+def written(label: object) -> str:
+    """A label, without decimals where it has none."""
+    return f"{label:g}" if isinstance(label, float) else str(label)

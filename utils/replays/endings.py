@@ -1,0 +1,25 @@
+"""How a run ended, in a sentence."""
+
+from collections.abc import Callable
+
+from utils.checks.tips import place_in
+from utils.checks.vocabulary import brief
+from utils.replays.tracing import Ending
+
+
+def how_it_ended(ending: Ending, function: Callable) -> str:
+    """What came back, or why nothing did.
+
+    Parameters
+    ----------
+    ending : utils.replays.tracing.Ending
+    function : callable
+        The student's.
+    """
+    if ending.stopped:
+        return "Your function was stopped: it had no end in sight. Is there a loop that never ends?"
+    if ending.error is not None:
+        kind, (_, place, line) = type(ending.error).__name__, place_in(ending.error, function)
+        where = f", in {place}" + (f": `{line}`" if line else "") if place else ""
+        return f"Here your function raised {kind}: {ending.error}{where}"
+    return f"Your function returned {brief(ending.answer)}."

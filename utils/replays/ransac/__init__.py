@@ -1,0 +1,137 @@
+"""Lessons 02 and 03: the rounds of RANSAC, each with its sample, its model, and who is near."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.lent import own
+from utils.replays.endings import how_it_ended
+from utils.replays.player import Run, Step, Wrong
+from utils.replays.ransac.judging import Answer, Outcome
+from utils.replays.ransac.seeing import Round, Watch
+from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS, Task
+from utils.replays.tracing import Ending, record
+
+
+def run_of_line(ransac_line: Callable) -> Run:
+    """What a student's `ransac_line` does with twenty points."""
+    return run_of(LINE, ransac_line)
+
+
+def run_of_plane(ransac_plane: Callable) -> Run:
+    """What a student's `ransac_plane` does with a small street."""
+    return run_of(PLANE, ransac_plane)
+
+
+def run_of(task: Task, search: Callable) -> Run:
+    """What a search does in ten rounds.
+
+    Parameters
+    ----------
+    task : Task
+    search : callable
+        A student's `ransac_line` or `ransac_plane`.
+
+    Returns
+    -------
+    Run
+    """
+    through = own(getattr(search, "__globals__", {}).get(task.through))
+    watch, points = Watch(task, getattr(through, "__code__", None)), task.points.copy()
+    ending = record(search, (points, ROUNDS, task.tolerance, task.seed), watch.see)
+    if not np.array_equal(points, task.points):
+        return Run(remark="Your function changes the points that it gets: its run is not shown.")
+    answer = Answer.of(task, ending.answer) if ending.came_back else None
+    rounds, outcome = watch.rounds, Outcome(task, watch.rounds, answer)
+    if not rounds and answer is None:
+        return Run(remark=how_it_ended(ending, search))
+    steps = [_step(outcome, number) for number in range(1, len(rounds) + 1)]
+    wrong = outcome.wrong
+    if answer:
+        steps.append(_last_step(outcome))
+    elif not wrong and not ending.stopped:
+        wrong = Wrong(len(steps) - 1, how_it_ended(ending, search) + _wanted(task, ending))
+    return Run(steps, wrong, _remark(task, ending, rounds, watch.was_called))
+
+
+def _wanted(task: Task, ending: Ending) -> str:
+    if ending.error:
+        return ""
+    return f" The {task.model} and the mask of its inliers were wanted, in this order."
+
+
+def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -> str:
+    about = f"{len(task.points)} points, {ROUNDS} rounds, threshold {task.tolerance} m."
+    if not rounds:
+        return (
+            f"{about} Your function does not call {task.through}, so its rounds cannot be shown. "
+            "This is its answer."
+        )
+    if ending.stopped:
+        return f"{about} Your function was stopped after {len(rounds)} rounds."
+    if len(rounds) != ROUNDS and ending.came_back and was_called:
+        times = "once" if len(rounds) == 1 else f"{len(rounds)} times"
+        return f"{about} Your function drew {times}."
+    return about
+
+
+def _step(outcome: Outcome, number: int) -> Step:
+    task, one = outcome.task, outcome.rounds[number - 1]
+    says = [f"Round {number}:"]
+    if one.rows is None:
+        says.append("the sample is none of the points, so nothing is known of it.")
+    elif one.model is None:
+        makes = "are drawn." if one.raised else f"make no {task.model}."
+        says.append(f"{_listed(one.rows)} {makes}")
+    else:
+        most = max((before.count for before in outcome.rounds[: number - 1]), default=0)
+        rank = "the most so far" if one.count > most else f"and {most} is the most so far"
+        says.append(
+            f"{_listed(one.rows)} are drawn. {one.count} of {len(task.points)} points are within "
+            f"{task.tolerance} m of their {task.model}, {rank}."
+        )
+    mask = one.masks.get(outcome.name_of_mask)
+    marked = one.near if mask is None else np.array(mask)
+    model = None if one.rows is None else one.model
+    return Step(" ".join(says), lambda title: _draw(task, title, model, marked, one.rows))
+
+
+def _last_step(outcome: Outcome) -> Step:
+    task, answer, winner = outcome.task, outcome.answer, outcome.winner
+    if answer.model is None:
+        says = f"Your answer: no {task.model}."
+    else:
+        whose = f", that of round {winner.number}" if winner else ""
+        says = f"Your answer: a {task.model}{whose}, with {answer.mask.sum()} inliers."
+    model, mask = answer.model, answer.mask
+    return Step(says, lambda title: _draw(task, f"{title}, the answer", model, mask, None))
+
+
+def _listed(rows: list[int]) -> str:
+    *others, last = map(str, rows)
+    return f"points {', '.join(others)} and {last}"
+
+
+def _draw(
+    task: Task,
+    title: str,
+    model: np.ndarray | None,
+    mask: np.ndarray | None,
+    rows: list[int] | None,
+) -> None:
+    import matplotlib.pyplot as plt
+
+    from utils import plots
+
+    shown = (task.points, model, mask if model is not None else None, task.tolerance)
+    if task is LINE:
+        _, axes = plt.subplots(figsize=(7.0, 5.4), layout="compressed")
+        plots.line_model(*shown, limits=((-7.5, 7.5), (-5.8, 5.2)), axes=axes, title=title)
+    else:
+        _, axes = plt.subplots(figsize=(8.5, 4.2), layout="compressed")
+        plots.plane_model(*shown, limits=((-9, 23), (-2.4, 1.4)), axes=axes, title=title)
+    if rows is not None:
+        across, up = task.points[rows][:, [0, -1 if task is LINE else 2]].T
+        axes.plot(across, up, "o", color="black", markersize=12, fillstyle="none", zorder=9)

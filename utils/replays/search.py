@@ -1,0 +1,137 @@
+"""Lesson 04: a search in a kd-tree, node by node."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from utils.replays.player import Run, Step, Wrong, first_of
+from utils.visits import nodes_of, told
+
+if TYPE_CHECKING:
+    from utils.visits import Node
+
+WINDOW = ((-10, 10), (-10, 10))
+
+
+def walk(
+    root: Node | None,
+    target: ArrayLike,
+    tolerance: float,
+    visited: Sequence[int],
+    found: Sequence[int],
+) -> Run:
+    """A search as it went.
+
+    Parameters
+    ----------
+    root : node or None
+        Of a tree of points of the plane, with indices from 0 up.
+    target : (2,) array_like of float
+    tolerance : float
+    visited : sequence of int
+        Indices of the nodes that the search looked at, in order; see `utils.visits.watched`.
+    found : sequence of int
+        What it returned.
+
+    Returns
+    -------
+    Run
+        Nothing in it is wrong as long as the tree itself is.
+    """
+    nodes = {node.index: node for node in nodes_of(root)}
+    if not nodes or not set(visited) <= set(nodes):
+        return Run(
+            remark="The tree is empty, or a search has changed it: there is no walk to show."
+        )
+    points = np.array([nodes[index].point for index in sorted(nodes)], dtype=float)
+    rows = [int(one) for one in found if isinstance(one, int | np.integer) and one in nodes]
+    remark = "" if len(rows) == len(found) else "Your search returns what is no row of the tree."
+
+    def step(number: int) -> Step:
+        says = told(root, visited, number, target, tolerance)
+        return Step(f"{says}.".replace("..", "."), lambda title: draw(number, title))
+
+    def draw(number: int, title: str) -> None:
+        import matplotlib.pyplot as plt
+
+        from utils import plots
+
+        _, (plane, diagram) = plt.subplots(1, 2, figsize=(8.5, 5), layout="compressed")
+        shown = {"found": rows, "steps": number}
+        plots.kd_search(points, root, target, tolerance, visited, limits=WINDOW, axes=plane,
+                        title=title, **shown)  # fmt: skip
+        plots.kd_tree(root, visited=visited, axes=diagram, title="in the tree", **shown)
+
+    wrong = None
+    if misplaced := next(_misplaced(root), None):
+        remark = f"The tree itself is wrong, so look at insert first: {misplaced}."
+    elif not remark:
+        wrong = _wrong(root, target, tolerance, list(visited), rows)
+    return Run([step(number) for number in range(len(visited) + 1)], wrong, remark)
+
+
+def _below(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:
+    """Each node with its parent, the side on which it hangs there, and its depth."""
+    waiting, seen = [(root, None, "", 0)] if root is not None else [], set()
+    for node, parent, side, depth in waiting:  # grows while it is walked
+        if id(node) in seen:  # a wrong tree may have loops
+            continue
+        seen.add(id(node))
+        yield node, parent, side, depth
+        for name in ("left", "right"):
+            if (child := getattr(node, name)) is not None:
+                waiting.append((child, node, name, depth + 1))
+
+
+def _misplaced(root: Node | None) -> Iterator[str]:
+    """Nodes on the wrong side of one above them."""
+    for node, _, _, depth in _below(root):
+        axis = depth % len(node.point)
+        for side in ("left", "right"):
+            for other in nodes_of(getattr(node, side)):
+                if (other.point[axis] < node.point[axis]) != (side == "left"):
+                    yield f"point {other.index} hangs to the {side} of point {node.index}"
+
+
+def _wrong(
+    root: Node, target: ArrayLike, tolerance: float, visited: list[int], found: list[int]
+) -> Wrong | None:
+    """The first step that is wrong. Step 0 is before the search; then comes a node in each."""
+    step_of = {index: step for step, index in enumerate(visited, start=1)}
+    above = {id(node): (parent, side) for node, parent, side, _ in _below(root)}
+    wrongs = []
+    for node, parent, side, depth in _below(root):
+        index, away = node.index, math.dist(node.point, target)
+        is_near, times = away <= tolerance, found.count(index)
+        far = f"node {index} is {away:.1f} m away, and the tolerance is {tolerance:g} m"
+        if is_near and not times and index not in step_of:
+            while parent is not None and parent.index not in step_of:
+                parent, side = above[id(parent)]
+            where = "anywhere" if parent is None else f"to the {side} of node {parent.index}"
+            step = 0 if parent is None else step_of[parent.index]
+            wrongs.append(Wrong(step, f"The search never goes on {where}, where {far}."))
+        elif is_near != bool(times) and index in step_of:
+            has = "has it" if times else "has not got it"
+            wrongs.append(Wrong(step_of[index], f"{far.capitalize()}. Your answer {has}."))
+        elif times > 1:
+            wrongs.append(Wrong(step_of[index], f"Node {index} is in your answer {times} times."))
+        elif index in step_of and parent is not None and _goes_on(node, step_of):
+            axis = (depth - 1) % len(target)
+            low, high, cut = target[axis] - tolerance, target[axis] + tolerance, parent.point[axis]
+            if cut <= low if side == "left" else high < cut:
+                why = f"The box reaches from {low:g} to {high:g} along {'xyz'[axis]}, and node "
+                why += (
+                    f"{parent.index} cuts at {cut:g}: nothing to its {side} can be near, and the "
+                )
+                wrongs.append(Wrong(step_of[index], f"{why}search goes on there."))
+    return first_of(wrongs)
+
+
+def _goes_on(node: Node, step_of: dict[int, int]) -> bool:
+    """Whether a search went past a node: who looks at one before he decides does no harm."""
+    return any(child is not None and child.index in step_of for child in (node.left, node.right))
