@@ -2,7 +2,8 @@
 
 ``python -m tests.survey [EXERCISE ...]`` prints a table: how many such answers there are, how many
 of them answer as the solution does, which others lose nothing, and what a sample of the wrong ones
-loses when it is judged behind the walls, slips included.
+loses when it is judged behind the walls, slips included. Without a name that is of the solutions;
+of an exercise that is named, of every right answer.
 """
 
 import ast
@@ -362,15 +363,16 @@ class Surveyed:
     wrong: list = field(default_factory=list)
 
 
-def survey(exercise, answers):
-    """Ask all mutants of some answers."""
+def survey(exercise, answers, share=1):
+    """Ask all mutants of some answers; or a fixed draw of them, one in so many."""
     asker = Asker(exercise)
     found = Surveyed(exercise)
     with np.errstate(all="ignore"), quiet():
         for answer in answers:
             oracle = None
             asker.believe(answer.function(answer.code()))
-            for mutant in mutants_of(answer):
+            mutants = list(mutants_of(answer))
+            for mutant in random.Random(answer.name).sample(mutants, len(mutants) // share):
                 lost = apart(functools.partial(lost_by, asker, mutant), sum(asker.cost.values()))
                 if lost == NO_FUNCTION:
                     continue
@@ -476,13 +478,14 @@ def share_lost(mutant, sandbox):
 
 
 def main():
-    """Print the table."""
+    """Print the table: of all exercises their solutions, of those that are named all answers."""
     sandbox = choose_sandbox()
     everything = []
     heads = ("edits", "alike", "escaped", "judged", "median", "> 60 %")
     print(f"{'exercise':34}" + "".join(f"{head:>9}" for head in heads))
     for exercise in sys.argv[1:] or EXERCISES:
-        found = survey(exercise, [next(answers_to(exercise))])
+        answers = list(answers_to(exercise))
+        found = survey(exercise, answers if sys.argv[1:] else answers[:1])
         lost = [share for share, _ in losses_of(exercise, sandbox)]
         everything += lost
         print(
@@ -490,6 +493,8 @@ def main():
             f"{statistics.median(lost):9.0%}{sum(share > MOST for share in lost):9}",
             flush=True,
         )
+        for mutant, call in found.escaped:
+            print(f"    {mutant.answer.name}: {mutant.before!r} -> {mutant.after!r}, as for {call}")
     severe = sum(share > MOST for share in everything) / len(everything)
     middle = statistics.median(everything)
     print(

@@ -1,6 +1,6 @@
 """Every answer that is one edit away from a right one loses points, or is right.
 
-`python -m tests.survey` prints the table.
+`python -m tests.survey` prints the table; with an exercise's name, all edits of its every answer.
 """
 
 import pytest
@@ -39,13 +39,23 @@ KNOWN = {
 }
 
 
+# A right answer takes so long for their questions that the edits of all would take hours: of
+# the solution all are asked, of the others one in five.
+SLOW = (
+    "ransac_plane",
+    "euclidean_clustering",
+    "euclidean_clustering_accelerated",
+    "detect_obstacles",
+)
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("case", ANSWERS)
 def test_an_edit_of_a_right_answer_loses_points_or_is_right(case):
     exercise, name = ANSWERS[case]
     answer = next(one for one in answers_to(exercise) if one.name == name)
-    found = survey(exercise, [answer])
+    found = survey(exercise, [answer], 5 if exercise in SLOW and name != SOLUTION else 1)
     assert len(found.wrong) > 20
     escaped = [(one.before, one.after) for one, _ in found.escaped]
     assert [pair for pair in escaped if pair not in KNOWN.get(exercise, {})] == []
