@@ -6,6 +6,7 @@ from utils import health
 from utils.lent import lend_answers
 from utils.showing import shell, show
 from utils.still_widgets import stand_in
+from utils.tracebacks import show_no_frames_of_ours
 
 # A figure is dark on white, and so is a scene in space. In a dark notebook they are turned round,
 # and turned back in hue: blue stays blue. JupyterLab, then VS Code.
@@ -30,7 +31,7 @@ body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere
 
 
 def begin(number: str) -> None:
-    """Say whether everything is there, do without sliders, lend answers to stubs, suit the dark.
+    """Say whether everything is there, do without sliders, lend answers, suit the dark.
 
     Parameters
     ----------
@@ -41,4 +42,5 @@ def begin(number: str) -> None:
     stand_in()
     if shell() is not None:
         show(STYLE, "")
+    show_no_frames_of_ours()
     lend_answers(number)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
+CELLS = PROJECT / "utils" / "lent" / "cells.json"
 # A stripped line this short, or of this kind, tells nobody the solution.
 LEAK_LENGTH = 12
 # Code that stays folded: in JupyterLab, as a form in Colab, and in Kaggle.
@@ -95,7 +96,8 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
     """Bytes of every generated file by path; `origin` is pyproject.toml's unless given."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in all_lessons()}
-    return {**solved, **_released(solved), FORBIDDEN: _forbidden()}
+    released = _released(solved)
+    return {**solved, **released, FORBIDDEN: _forbidden(), CELLS: _cells(released)}
 
 
 def _forbidden() -> bytes:
@@ -104,6 +106,21 @@ def _forbidden() -> bytes:
     return (
         json.dumps({name: rule for name, rule in rules.items() if rule}, indent=1) + "\n"
     ).encode()
+
+
+def _cells(released: dict[Path, bytes]) -> bytes:
+    """By which the code cells of each lesson are known; what students get is all that goes in."""
+    from utils.lent.again import key_of_cell
+
+    keys = {
+        lesson.number: [
+            key_of_cell(_text(cell["source"]))
+            for cell in json.loads(released[lesson.released])["cells"]
+            if cell["cell_type"] == "code"
+        ]
+        for lesson in all_lessons()
+    }
+    return (json.dumps(keys, indent=0, separators=(",", ":")) + "\n").encode()
 
 
 def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:

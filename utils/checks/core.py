@@ -18,7 +18,7 @@ from utils.checks.remembering import one_run
 from utils.checks.story import resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.using import forbidden_in, functions_used, refused_modules
-from utils.lent import own
+from utils.lent import hear, own
 
 if TYPE_CHECKING:
     from utils.checks.display import Table
@@ -209,6 +209,8 @@ def check(function: Callable, exercise: str | None = None) -> None:
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
     story = resolve(outcomes, checks, mistake, notes, blamed, place)
     table.finish(story)
+    stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
+    hear(exercise, not story.first, stopped)
     if story.first:
         raise ChecksFailed(story.in_one_line)
 

@@ -3,7 +3,8 @@
 ``lesson_NN.json`` holds what the functions of a lesson answered in its solved notebook: labels,
 boxes, numbers, and no code. Who is stuck can go on: a function that is still a stub answers the
 calls that the notebook makes, and says whose answer it is.
-`grader.course.lending` records the answers.
+`grader.course.lending` records the answers. Who has written one that does not pass its check gets
+them where a cell fails for its sake; see `utils.lent.going_on`.
 """
 
 from __future__ import annotations
@@ -12,17 +13,48 @@ import contextlib
 import dis
 import functools
 import json
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Collection, Iterator
+from html import escape
 from pathlib import Path
+from types import FunctionType
+from typing import TYPE_CHECKING
 
 from utils.lent.encoding import decode, encode, key_of, rng_states, set_rng_states
 from utils.showing import shell, show
 
+if TYPE_CHECKING:
+    from utils.lent.going_on import GoingOn
+
 _HERE = Path(__file__).resolve().parent
+# Written by `python -m grader build`: by which the cells of each lesson are known.
+CELLS = _HERE / "cells.json"
+# Of the lesson that lends in this kernel, by its number.
+_LENDING: dict[str, GoingOn] = {}
+
+
+class NotLent(NotImplementedError):
+    """The course lends nothing for this call. A notebook shows one line of it.
+
+    Attributes
+    ----------
+    missing : str
+        The function that would have to answer.
+    """
+
+    def __init__(self, missing: str, why: str) -> None:
+        self.missing = missing
+        super().__init__(
+            f"{missing} {why}, and the course lends its answers only to the calls that stand in "
+            "this notebook."
+        )
+
+    def _render_traceback_(self) -> list[str]:
+        return [str(self)]
 
 
 def lend_answers(number: str) -> None:
-    """From now on, after each cell, lend answers to the stubs of a lesson.
+    """From now on, after each cell, lend answers to the stubs of a lesson, and go on with them.
 
     Parameters
     ----------
@@ -31,10 +63,31 @@ def lend_answers(number: str) -> None:
         happens.
     """
     path = _HERE / f"lesson_{number}.json"
-    if shell() is None or not path.exists():
+    if shell() is None or not path.exists() or number in _LENDING:
         return
+    from utils.lent.going_on import GoingOn
+
     lender = Lender(json.loads(path.read_text("utf-8")), shell().user_ns)
+    cells = json.loads(CELLS.read_text("utf-8")).get(number, [])
+    going_on = GoingOn(lender, shell().user_ns, cells, shell().showtraceback)
+    _LENDING[number] = going_on
+    shell().showtraceback = going_on.show_traceback
+    shell().events.register("pre_run_cell", going_on.before_cell)
+    shell().events.register("post_run_cell", going_on.after_cell)
     shell().events.register("post_run_cell", lender.look_round)
+
+
+def hear(exercise: str, passed: bool, hangs: bool = False) -> None:
+    """Learn what came of checking an exercise.
+
+    Parameters
+    ----------
+    exercise : str
+    passed, hangs : bool
+        Whether every check passed; whether the function did not come back.
+    """
+    for going_on in _LENDING.values():
+        going_on.hear(exercise, passed, hangs)
 
 
 def is_written(function: Callable) -> bool:
@@ -86,6 +139,47 @@ class Lender:
     def __init__(self, stored: dict, namespace: dict) -> None:
         self._stored, self._namespace = stored, namespace
         self._said: set[str] = set()
+        self._mine: dict[str, Callable] = {}  # what stands aside, or calls such
+        self.aside: frozenset[str] = frozenset()
+        """Functions that are written, and taken for stubs."""
+
+    def mine(self, name: str) -> Callable | None:
+        """The function of a name that somebody wrote, also while it stands aside."""
+        function = self._mine.get(name, self._namespace.get(name))
+        return own(function) if callable(function) else None
+
+    def callers_of(self, name: str) -> set[str]:
+        """The exercises that are written, and call one of this name."""
+        from utils.checks.using import functions_used
+
+        written = {other: self.mine(other) for other in self._stored.get("exercises", ())}
+        return {
+            other
+            for other, function in written.items()
+            if other != name and function is not None and name in functions_used(function)
+        }
+
+    def put_aside(self, names: Collection[str]) -> None:
+        """Take functions for stubs, until `give_back`; what calls them gets answers, too."""
+        kept = {name: self._answers(name) for name in names}
+        names = self.aside | {name for name, answers in kept.items() if answers is not None}
+        callers = set().union(*map(self.callers_of, names)) - names
+        for name in names - self.aside:
+            self._mine.setdefault(name, self._namespace[name])
+            self._namespace[name] = self._lending(name, _stub(name), self._answers(name))
+        for name in callers - self._mine.keys():
+            self._mine[name] = self._namespace[name]
+            self._namespace[name] = self._lending(name, self.mine(name), self._answers(name))
+        self.aside = frozenset(names)
+
+    def give_back(self) -> None:
+        """Let every function that stands aside be what somebody wrote."""
+        self._namespace.update(self._mine)
+        self._mine.clear()
+        self.aside = frozenset()
+
+    def _answers(self, name: str) -> dict | None:
+        return next((kind[name] for kind in self._stored.values() if name in kind), None)
 
     def look_round(self, *_: object) -> None:
         """After a cell: every stub that it defined gets answers."""
@@ -106,13 +200,13 @@ class Lender:
             try:
                 return function(*arguments, **keywords)
             except NotImplementedError as error:
-                missing = _missing(error)
+                missing = _missing(error) or name
                 if key not in answers:
-                    raise NotImplementedError(
-                        f"{missing or name} is not written yet, and the course lends its "
-                        "answers only to the calls that stand in this notebook."
-                    ) from None
-            self._say(name, "" if missing == function.__name__ else missing)
+                    raise NotLent(missing, self._why(missing)) from None
+            if missing in self.aside:
+                self.say_aside([missing])
+            else:
+                self._say(name, "" if missing == function.__name__ else missing)
             stored = answers[key]
             set_rng_states(arguments, keywords, stored.get("rng", []))
             return decode(stored["answer"], arguments, self._namespace)
@@ -120,17 +214,47 @@ class Lender:
         lent.is_lent_answers = True
         return lent
 
+    def _why(self, missing: str) -> str:
+        return "has not passed its check" if missing in self.aside else "is not written yet"
+
     def _say(self, name: str, missing: str) -> None:
-        """Once a cell: whose answer it is, and for want of what, where that is another function."""
-        if name in self._said:
+        """Whose answer it is, and for want of what, where that is another function."""
+        why = f"{missing or 'yours'} is not written yet."
+        self._tell(name, f"`{name}`: this is **the course's answer**; {why}")
+
+    def say_aside(self, names: Collection[str], first: bool = False) -> None:
+        """That a cell goes on without functions, and how one gets them back."""
+        names = sorted(name for name in names if name not in self._said)
+        if not names:
             return
-        self._said.add(name)
-        whose, why = "the course's answer", f"{missing or 'yours'} is not written yet."
-        html = (
-            "<div style='border-left:4px solid #E69F00;padding:0.2em 0.8em'>"
-            f"<code>{name}</code>: this is <b>{whose}</b>; {why}</div>"
+        have, its = ("has", "its check") if len(names) == 1 else ("have", "their checks")
+        back = " Yours is back when it passes, or when you run its own cell again." if first else ""
+        said = f"{' and '.join(f'`{name}`' for name in names)} {have} not passed {its}"
+        self._tell(names[0], f"{said}: this cell goes on with **the course's answer**.{back}")
+        self._said.update(names)
+
+    def say_borrowed(self, name: str, functions: Collection[str]) -> None:
+        """That a name holds what was made of the course's answers."""
+        whose = " and ".join(f"`{function}`" for function in sorted(functions))
+        self._tell(
+            name,
+            f"`{name}` was made with **the course's answer** for {whose}. Run the cell that makes "
+            "it again, and it is made with yours.",
         )
-        show(html, f"{name}: this is {whose}; {why}")
+
+    def say_returned(self, name: str) -> None:
+        """That a function is somebody's own again."""
+        self._tell(name, f"`{name}` has passed: from here on, the cells have **yours** again.")
+
+    def _tell(self, about: str, sentence: str) -> None:
+        """Show a sentence, once a cell."""
+        if about in self._said:
+            return
+        self._said.add(about)
+        said = re.sub(r"`(\w+)`", r"<code>\1</code>", escape(sentence, quote=False))
+        said = re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", said)
+        style = "border-left:4px solid #E69F00;padding:0.2em 0.8em"
+        show(f"<div style='{style}'>{said}</div>", re.sub(r"[`*]", "", sentence))
 
 
 class Recorder(Lender):
@@ -230,6 +354,8 @@ def record_answers(exercises: list[str], experiments: list[str], path: str) -> N
 
 def _missing(error: NotImplementedError) -> str:
     """The stub for want of which an experiment stopped; empty where nobody can know."""
+    if isinstance(error, NotLent):
+        return error.missing
     return _cause(error) or str(error).partition(" is not written yet")[0]
 
 
@@ -240,3 +366,13 @@ def _cause(error: NotImplementedError) -> str:
         name = traceback.tb_frame.f_code.co_name
         traceback = traceback.tb_next
     return "" if name == "lent" else name
+
+
+def _stub(name: str) -> FunctionType:
+    """A function that nobody has written."""
+
+    def stub(*arguments: object, **keywords: object) -> None:
+        raise NotImplementedError
+
+    code = stub.__code__.replace(co_name=name)
+    return FunctionType(code, globals(), name)

@@ -1,0 +1,183 @@
+"""An evening with a lesson: every cell is run, whatever fails, and what came of it written down."""
+
+import contextlib
+import io
+import json
+import os
+import pickle
+import re
+import signal
+import sys
+import traceback
+from dataclasses import dataclass, field
+
+from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
+
+LONGEST = 300  # seconds that an evening may take
+
+
+@dataclass
+class Cell:
+    """What came of a cell."""
+
+    source: str
+    grade_id: str = ""
+    errors: list = field(default_factory=list)
+    tracebacks: list = field(default_factory=list)
+    said: list = field(default_factory=list)
+    printed: str = ""
+    succeeded: bool = False
+
+    @property
+    def checks(self):
+        """Whether it is one that checks."""
+        return self.source.startswith("check(")
+
+    @property
+    def banners(self):
+        """What was said about whose answer it is."""
+        return [text for text in self.said if re.search("course's answer|yours again", text)]
+
+
+def right_answers(lesson):
+    """An answer to each exercise of a lesson that earns everything."""
+    found = {}
+    for exercise in lesson.machine_graded:
+        rights = [one for one in variants_of(exercise.name) if one.right]
+        found[exercise.name] = next((one for one in rights if one.follows_hints), rights[0]).source
+    return found
+
+
+def evenings(lesson, exercise, sources):
+    """Run a student's notebook with each of some answers to an exercise, and right ones elsewhere.
+
+    Parameters
+    ----------
+    lesson : grader.course.lessons.Lesson
+    exercise : str
+    sources : iterable of str
+
+    Yields
+    ------
+    list of Cell
+        The cells from the answer's on. What is above runs once: each answer goes on in a copy of
+        that process.
+    """
+    return map(pickle.loads, _apart(_each, lesson, exercise, list(sources)))
+
+
+def _each(lesson, exercise, sources):
+    shell = _shell(lesson.released.parent)
+    for cell in _cells(lesson, exercise, "")[0]:
+        _run(shell, cell)
+        assert cell.succeeded, cell
+    for source in sources:
+        yield from _apart(_evening, shell, _cells(lesson, exercise, source)[1])
+
+
+def evening(sources, begin):
+    """Run some cells in a notebook of their own.
+
+    Parameters
+    ----------
+    sources : list of str
+    begin : callable
+        Is called before, with the shell.
+
+    Returns
+    -------
+    list of Cell
+    """
+
+    def work():
+        shell = _shell(os.getcwd())
+        begin(shell)
+        yield from _evening(shell, [Cell(source) for source in sources])
+
+    return pickle.loads(next(_apart(work)))
+
+
+def _evening(shell, cells):
+    for cell in cells:
+        _run(shell, cell)
+    yield pickle.dumps(cells)
+
+
+def _apart(work, *arguments):
+    """What work in a copy of this process yields: bytes."""
+    read_end, write_end = os.pipe()
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            os.close(read_end)
+            signal.alarm(LONGEST)
+            with os.fdopen(write_end, "wb") as pipe:
+                for text in work(*arguments):
+                    pipe.write(len(text).to_bytes(8, "big") + text)
+                    pipe.flush()
+                    signal.alarm(LONGEST)
+            status = 0
+        except BaseException:
+            traceback.print_exc(file=sys.__stderr__)
+        finally:
+            os._exit(status)
+    os.close(write_end)
+    with os.fdopen(read_end, "rb") as pipe:
+        while size := pipe.read(8):
+            yield pipe.read(int.from_bytes(size, "big"))
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def _cells(lesson, exercise, source):
+    """The code cells above an answer, and those from there on."""
+    answers = right_answers(lesson) | ({exercise: source} if source else {})
+    cells = [
+        Cell("".join(cell["source"]), cell["metadata"].get("nbgrader", {}).get("grade_id", ""))
+        for cell in json.loads(fill_in(lesson, answers))["cells"]
+        if cell["cell_type"] == "code"
+    ]
+    place = next(n for n, cell in enumerate(cells) if cell.grade_id == exercise)
+    place -= answers[exercise].count(ANOTHER_CELL)
+    return cells[:place], cells[place:]
+
+
+def _shell(folder):
+    import matplotlib
+
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+    from IPython.core.displaypub import CapturingDisplayPublisher
+    from IPython.core.interactiveshell import InteractiveShell
+
+    os.chdir(folder)
+    InteractiveShell.history_length = 0
+    shell = InteractiveShell.instance()
+    shell.history_manager.enabled = False
+    shell.display_pub = CapturingDisplayPublisher()
+    # As in a notebook, where a cell's pictures are shown at its end.
+    shell.events.register("post_execute", lambda: plt.close("all"))
+    plt.show = lambda *about, **more: plt.close("all")
+    return shell
+
+
+def _run(shell, cell):
+    shell.display_pub.outputs.clear()
+    printed = io.StringIO()
+
+    def keep(kind, error, lines):
+        cell.errors.append(f"{kind.__name__}: {error}")
+        cell.tracebacks.append(re.sub(r"\x1b\[[0-9;]*m", "", "\n".join(lines)))
+
+    shell._showtraceback = keep
+
+    def clear(wait=False):
+        shell.display_pub.outputs.clear()
+        printed.seek(0)
+        printed.truncate()
+
+    shell.display_pub.clear_output = clear
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
+        cell.succeeded = shell.run_cell(cell.source, store_history=False).success
+    cell.said = [str(one["data"].get("text/plain", "")) for one in shell.display_pub.outputs]
+    cell.printed = printed.getvalue()

@@ -1,0 +1,114 @@
+"""What has to be done again so that a cell finds what other functions would have left for it."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from utils.notebooks import slicing
+from utils.notebooks.statements import Statement
+
+_IMPORTS = (ast.Import, ast.ImportFrom)
+_PLAIN = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr)
+_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a cell rests on.
+
+    Attributes
+    ----------
+    functions : frozenset of str
+        Those of the functions in question that the cell calls, itself or by way of others.
+    statements : tuple of Statement
+        To be done again before it, in this order.
+    names : frozenset of str
+        What depends on these functions by then, but for definitions.
+    """
+
+    functions: frozenset[str]
+    statements: tuple[Statement, ...]
+    names: frozenset[str]
+
+
+def key_of_cell(source: str) -> str:
+    """A short text that is the same for the same cell, whatever an editor does to ends of lines."""
+    lines = "\n".join(line.rstrip() for line in source.strip().splitlines())
+    return hashlib.sha256(lines.encode()).hexdigest()[:8]
+
+
+def free_names(source: str) -> set[str]:
+    """The names that a cell finds, and does not make itself."""
+    found, made = set(), set()
+    for statement in slicing.parse_notebook([source])[0]:
+        if not isinstance(statement.node, _PLAIN):
+            made |= statement.binds  # a loop uses its own variable
+        found |= statement.uses - made
+        made |= statement.binds
+    return found
+
+
+def plan(
+    cells: Sequence[str],
+    callers: Mapping[str, Collection[str]],
+    broken: Collection[int],
+    spoilt: bool = False,
+) -> Plan:
+    """Find out what the last of some cells rests on.
+
+    Parameters
+    ----------
+    cells : sequence of str
+        Of the lesson, in its order; empty where one did not run.
+    callers : mapping of str to collection of str
+        For each function in question its name, and the names of functions that call it.
+    broken : collection of int
+        Places of cells that did not come to their end: whatever stands in them counts as not done.
+    spoilt : bool
+        Whether to make anew what the functions were given, as one that writes into it.
+    """
+    statements = slicing.parse_notebook(cells)[0]
+    asked = {name for names in callers.values() for name in names}
+    depends = _depending(statements, asked)
+    given = set(_given(statements, asked)) if spoilt else set()
+    stale = _depending(statements, asked | given)
+    modules = {name for one in statements if isinstance(one.node, _IMPORTS) for name in one.binds}
+    needed, renewed, kept, names = set(), given, [], set()
+    for position in reversed(range(len(statements))):
+        statement = statements[position]
+        changes = statement.changes | (statement.calls - modules)
+        defines = isinstance(statement.node, _DEFINITIONS)
+        if statement.cell < len(cells):
+            if not (statement.binds | changes) & needed:
+                continue
+            wanted = statement.cell - 1 in broken or (stale[position] and not defines)
+            if wanted or statement.binds & renewed:
+                kept.append(statement)
+                renewed = renewed | changes
+        needed |= statement.uses
+        if depends[position] and not defines:
+            names |= statement.binds | statement.changes
+    functions = frozenset(name for name, others in callers.items() if needed & set(others))
+    return Plan(functions, tuple(reversed(kept)), frozenset(names))
+
+
+def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[bool]:
+    """Of each statement, whether it uses one of some names, or what was made of one."""
+    touched, found = set(names), []
+    for statement in statements:
+        found.append(bool(statement.uses & touched))
+        if found[-1]:
+            touched |= statement.binds | statement.changes
+    return found
+
+
+def _given(statements: Sequence[Statement], functions: Collection[str]) -> Iterator[str]:
+    """Names that stand as arguments in calls of some functions."""
+    for statement in statements:
+        for node in ast.walk(statement.node):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", None) in functions:
+                arguments = [*node.args, *(keyword.value for keyword in node.keywords)]
+                yield from (one.id for one in arguments if isinstance(one, ast.Name))

@@ -1,0 +1,74 @@
+"""A traceback shows the lines that somebody wrote in a notebook, and none of the course's."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType, TracebackType
+
+from utils.showing import shell
+
+_OURS = str(Path(__file__).resolve().parent)
+
+
+def show_no_frames_of_ours() -> None:
+    """From now on, leave out of each traceback what is the course's, and what that calls."""
+    if shell() is None or hasattr(shell().showtraceback, "leaves_out"):
+        return
+    show = shell().showtraceback
+
+    @functools.wraps(show)
+    def show_theirs(exc_tuple: tuple | None = None, *arguments: object, **options: object) -> None:
+        kind, error, trace = exc_tuple or sys.exc_info()
+        for one in _chain(error):
+            one.__traceback__ = without_ours(one.__traceback__)
+        if error is not None:
+            trace = without_ours(trace)
+        show((kind, error, trace), *arguments, **options)
+
+    show_theirs.leaves_out = True
+    shell().showtraceback = show_theirs
+
+
+def without_ours(trace: TracebackType | None) -> TracebackType | None:
+    """A traceback less the course's frames, and what libraries do on their behalf.
+
+    Parameters
+    ----------
+    trace : types.TracebackType or None
+
+    Returns
+    -------
+    types.TracebackType or None
+        A new one; None where nothing is left.
+    """
+    kept, ours = [], False
+    while trace:
+        frame = trace.tb_frame
+        if frame.f_code.co_filename.startswith(_OURS):
+            ours = True
+        elif _is_of_a_notebook(frame):
+            ours = False
+        if not ours:
+            kept.append(trace)
+        trace = trace.tb_next
+    rest = None
+    for one in reversed(kept):
+        rest = TracebackType(rest, one.tb_frame, one.tb_lasti, one.tb_lineno)
+    return rest
+
+
+def _is_of_a_notebook(frame: FrameType) -> bool:
+    """What is run from text has no file: a cell, or a function fetched from another notebook."""
+    return frame.f_globals.get("__name__") == "__main__" or "__file__" not in frame.f_globals
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An exception, and those while which, or because of which, it was raised."""
+    seen = set()
+    while error is not None and id(error) not in seen:
+        seen.add(id(error))
+        yield error
+        error = error.__cause__ or error.__context__
