@@ -26,6 +26,7 @@ STORY = {
     "rng = np.random.default_rng(1)\nrng.integers(9)",
     "look": "top = largest(numbers)\nprint(f'largest: {top + 1}')",
     "check": "check(largest)",
+    "stopped": "hear('largest', False, hangs=True)",
     "use": "print('use', top * 2)",
     "define": "def twice(values):\n    return 2 * largest(values)",
     "call": "print('call', 1 + twice(numbers))",
@@ -35,8 +36,9 @@ STORY = {
     "first": "print('first', numbers[0])",
     "wrong": "print('wrong', largest(numbers))\nraise ValueError('of the lesson')",
     "second check": "check(found_by)",
-    "slider": "from ipywidgets import interact, IntSlider\n@interact(n=IntSlider(3))\n"
-    "def show(n):\n    print('shown', 1 + largest(numbers))",
+    # As `interact` of ipywidgets does.
+    "slider": "try:\n    print('shown', 1 + largest(numbers))\n"
+    "except Exception:\n    get_ipython().showtraceback()",
 }
 EXPERIMENT = "def found(n):\n    return largest(list(range(n)))"
 RIGHT = "def largest(values):\n    return max(values)"
@@ -56,7 +58,9 @@ def stored():
     for values in ([3, 1, 2], space["some"]):
         space["largest"](values)
     space["found"](4)
-    return json.loads(recorder.text())
+    answers = json.loads(recorder.text())
+    assert answers.pop("faults") == []
+    return answers
 
 
 def told(monkeypatch, tmp_path, *sources):
@@ -146,7 +150,9 @@ def test_a_check_asks_ones_own_helper(tell):
 
 def test_what_a_function_has_spoilt_is_made_anew(tell):
     ran = tell("data", SPOILS, "look", "check", "first")
-    assert ran[-1].printed == "first 3\n" and ran[-1].banners
+    assert ran[-1].printed == "first 3\n" and ran[-1].said == [
+        "largest has not passed its check: this cell goes on with what it was given, made anew."
+    ]
 
 
 def test_a_cell_that_fails_anyway_shows_how(tell):
@@ -163,6 +169,24 @@ def test_a_slider_that_fails_goes_on(tell):
 def test_a_right_answer_is_left_alone(tell):
     ran = tell("data", RIGHT, "look", "check", "use", "define", "call", "experiment", "draw")
     assert all(cell.succeeded and not cell.said for cell in ran)
+
+
+def test_what_hangs_is_put_aside_before_the_next_cell(tell):
+    loop = "def largest(values):\n    raise SystemExit('it would not come back')"
+    use = tell("data", loop, "look", "stopped", "use")[-1]
+    assert (use.printed, use.said) == ("use 6\n", [TWICE])
+
+
+def test_frames_of_ours_are_left_out_and_those_of_the_notebook_stay(tell):
+    mine = "def f(values):\n    return 1 / values[0]"
+    asked = (
+        "from utils.checks.remembering import answer_to\nanswer_to(f, 'a', np.zeros(1, int)[:0])"
+    )
+    failed = tell("data", mine, asked)[-1]
+    assert failed.errors == ["IndexError: index 0 is out of bounds for axis 0 with size 0"]
+    assert "answer_to(f, 'a'" in failed.tracebacks[0] and "1 / values[0]" in failed.tracebacks[0]
+    drawn = tell("data", "from utils import plots\nplots.boxes(numbers)")[-1]
+    assert "plots.boxes(numbers)" in drawn.tracebacks[0]
 
 
 def test_what_changes_a_kept_thing_finds_it_new():

@@ -314,3 +314,47 @@ def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
 def test_exercises_of_solved_lessons_work(lesson):
     outcomes = run_tests(lesson, load_my_functions(lesson.solved), 1)
     assert [(one.check.name, str(one.failure)) for one in outcomes if one.failure] == []
+
+
+def test_a_function_is_printed_with_all_that_it_calls(here, capfd):
+    """What is printed runs by itself, and nothing runs before."""
+    write(
+        here / "06_low.ipynb",
+        STORY,
+        "from math import floor\nLEVEL = 2  # metres",
+        "def cell_of(x):\n    # downwards\n    return floor(x / LEVEL)",
+        "def unused():\n    return 0",
+        "from functools import cache\n\n@cache\ndef cells(*xs):\n    return list(map(cell_of, xs))",
+    )
+    assert load_my_functions("06_low", paste="cells") is None
+    printed = capfd.readouterr().out
+    space = {}
+    exec(printed, space)
+    assert space["cells"](3.0, -1.0) == [1, -1]
+    assert printed.startswith(
+        "from math import floor\nfrom functools import cache\n\n\n# from 06_low"
+    )
+    assert "    # downwards\n" in printed and "unused" not in printed and "street" not in printed
+
+
+def test_of_several_functions_what_they_share_is_printed_once(here, capfd):
+    write(
+        here / "a.ipynb",
+        "def f():\n    return 1\ndef g():\n    return f()\ndef h():\n    return f()",
+    )
+    load_my_functions("a.ipynb", paste=["g", "h"])
+    assert capfd.readouterr().out.count("def f():") == 1
+
+
+def test_who_asks_to_print_what_is_not_there_is_told_what_is(here):
+    write(here / "a.ipynb", "def voxel_grid():\n    return 1")
+    with pytest.raises(LookupError, match="a does not define voxel. Did you mean voxel_grid"):
+        load_my_functions("a.ipynb", paste="voxel")
+
+
+@pytest.mark.parametrize("name", ["f", "g"])
+def test_a_stub_is_not_printed(here, name):
+    stub = "def f():\n    raise NotImplementedError()"
+    write(here / "a.ipynb", stub, "def g():\n    return f()")
+    with pytest.raises(NotImplementedError, match="f in a is still a stub"):
+        load_my_functions("a.ipynb", paste=name)

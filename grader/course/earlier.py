@@ -13,11 +13,10 @@ notebook; the student's has neither. So each algorithm stands in its lesson and 
 
 from __future__ import annotations
 
-import ast
 import re
 
 from grader.course.paths import PROJECT
-from utils.notebooks import slicing
+from utils.notebooks import pasting
 
 TAG = "earlier"
 LINE = re.compile(r"^# from (\d\d_\w+): (\w+(?:, \w+)*)$", re.M)
@@ -45,9 +44,9 @@ def filled(text: str) -> str:
     parts: dict[str, list[str]] = {
         found[0]: statements_of(found[1], found[2].split(", ")) for found in LINE.finditer(text)
     }
-    imports = [part for code in parts.values() for part in code if _is_import(part)]
+    imports = [part for code in parts.values() for part in code if pasting.is_import(part)]
     for line, code in parts.items():
-        definitions = [part for part in code if not _is_import(part)]
+        definitions = [part for part in code if not pasting.is_import(part)]
         above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
         imports = []  # all of them stand before the first lesson's functions
         text = text.replace(line, f"{above}{line}\n" + "\n\n\n".join(definitions) + "\n\n")
@@ -76,21 +75,12 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     path = next((PROJECT / "solutions").glob(f"*/{lesson}.py"), None)
     if path is None:
         raise ValueError(f"There is no lesson {lesson!r}, from which functions are wanted.")
-    text = path.read_text("utf-8")
-    statements, _ = slicing.parse_notebook([text])
-    missing = set(names).difference(*(statement.binds for statement in statements))
-    if missing:
-        raise ValueError(f"{lesson} does not define {' or '.join(sorted(missing))}.")
-    lines = text.splitlines()
-    found = []
-    for statement in slicing.slice_for(names, statements):
-        first = min(
-            part.lineno for part in (statement.node, *getattr(statement.node, "decorator_list", ()))
-        )
-        chosen = lines[first - 1 : statement.node.end_lineno]
-        found.append("\n".join(line for line in chosen if line.strip() not in MARKS))
-    return found
+    try:
+        texts = pasting.texts_of(names, [path.read_text("utf-8")], lesson)
+    except LookupError as error:
+        raise ValueError(str(error)) from None
+    return [_without_marks(text) for text in texts]
 
 
-def _is_import(part: str) -> bool:
-    return isinstance(ast.parse(part).body[0], (ast.Import, ast.ImportFrom))
+def _without_marks(text: str) -> str:
+    return "\n".join(line for line in text.splitlines() if line.strip() not in MARKS)

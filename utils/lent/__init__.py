@@ -224,14 +224,20 @@ class Lender:
 
     def say_aside(self, names: Collection[str], first: bool = False) -> None:
         """That a cell goes on without functions, and how one gets them back."""
-        names = sorted(name for name in names if name not in self._said)
-        if not names:
-            return
-        have, its = ("has", "its check") if len(names) == 1 else ("have", "their checks")
         back = " Yours is back when it passes, or when you run its own cell again." if first else ""
-        said = f"{' and '.join(f'`{name}`' for name in names)} {have} not passed {its}"
-        self._tell(names[0], f"{said}: this cell goes on with **the course's answer**.{back}")
-        self._said.update(names)
+        self._tell_of(names, f"this cell goes on with **the course's answer**.{back}")
+
+    def say_anew(self, names: Collection[str]) -> None:
+        """That a cell goes on with what functions were given, as it was before."""
+        self._tell_of(names, "this cell goes on with what it was given, made anew.")
+
+    def _tell_of(self, names: Collection[str], what: str) -> None:
+        names = sorted(name for name in names if name not in self._said)
+        if names:
+            have, its = ("has", "its check") if len(names) == 1 else ("have", "their checks")
+            said = " and ".join(f"`{name}`" for name in names)
+            self._tell(names[0], f"{said} {have} not passed {its}: {what}")
+            self._said.update(names)
 
     def say_borrowed(self, name: str, functions: Collection[str]) -> None:
         """That a name holds what was made of the course's answers."""

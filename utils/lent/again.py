@@ -23,6 +23,8 @@ class Plan:
     ----------
     functions : frozenset of str
         Those of the functions in question that the cell calls, itself or by way of others.
+    given : frozenset of str
+        Those of the others that were given what the cell needs, where that may be spoilt.
     statements : tuple of Statement
         To be done again before it, in this order.
     names : frozenset of str
@@ -30,6 +32,7 @@ class Plan:
     """
 
     functions: frozenset[str]
+    given: frozenset[str]
     statements: tuple[Statement, ...]
     names: frozenset[str]
 
@@ -38,6 +41,13 @@ def key_of_cell(source: str) -> str:
     """A short text that is the same for the same cell, whatever an editor does to ends of lines."""
     lines = "\n".join(line.rstrip() for line in source.strip().splitlines())
     return hashlib.sha256(lines.encode()).hexdigest()[:8]
+
+
+def checks(source: str) -> bool:
+    """Whether a cell checks an answer."""
+    nodes = [statement.node for statement in slicing.parse_notebook([source])[0]]
+    calls = [node.value for node in nodes if isinstance(node, ast.Expr)]
+    return any(getattr(getattr(call, "func", None), "id", None) == "check" for call in calls)
 
 
 def free_names(source: str) -> set[str]:
@@ -73,10 +83,11 @@ def plan(
     statements = slicing.parse_notebook(cells)[0]
     asked = {name for names in callers.values() for name in names}
     depends = _depending(statements, asked)
-    given = set(_given(statements, asked)) if spoilt else set()
-    stale = _depending(statements, asked | given)
+    given = {name: set(_given(statements, names)) for name, names in callers.items() if spoilt}
+    renewed = set().union(*given.values())
+    stale = _depending(statements, asked | renewed)
     modules = {name for one in statements if isinstance(one.node, _IMPORTS) for name in one.binds}
-    needed, renewed, kept, names = set(), given, [], set()
+    needed, kept, names = set(), [], set()
     for position in reversed(range(len(statements))):
         statement = statements[position]
         changes = statement.changes | (statement.calls - modules)
@@ -92,7 +103,8 @@ def plan(
         if depends[position] and not defines:
             names |= statement.binds | statement.changes
     functions = frozenset(name for name, others in callers.items() if needed & set(others))
-    return Plan(functions, tuple(reversed(kept)), frozenset(names))
+    others = frozenset(name for name, about in given.items() if needed & about) - functions
+    return Plan(functions, others, tuple(reversed(kept)), frozenset(names))
 
 
 def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[bool]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from utils.lent.again import Plan, free_names, key_of_cell, plan
+from utils.lent.again import Plan, checks, free_names, key_of_cell, plan
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
 from utils.showing import shell
@@ -45,7 +45,6 @@ class _Cell:
     place: int | None  # None for one that is not the lesson's
     generators: list[tuple[np.random.Generator, dict]]
     figures: set[int]
-    checks: bool = False
     passed: set[str] = field(default_factory=set)
     failure: tuple | None = None  # what showtraceback was called with
 
@@ -85,7 +84,7 @@ class GoingOn:
         source = info.raw_cell
         place = self._places.get(key_of_cell(source))
         self._cell = _Cell(source, place, _generators(self._namespace), _figures())
-        if place is not None:
+        if place is not None and not checks(source):
             self._ran[place] = source
             self._broken.add(place)  # until it comes to its end
             wrong = self._wrong_at(place)
@@ -103,7 +102,8 @@ class GoingOn:
             return
         succeeded = result is not None and result.success
         if cell.failure:
-            succeeded = self._go_on(cell) or self._go_on(cell, spoilt=True)
+            with contextlib.suppress(Exception):  # whatever goes wrong, the failure is shown
+                succeeded = self._go_on(cell) or self._go_on(cell, spoilt=True)
             if succeeded and result is not None:
                 result.error_in_exec = None
             elif not succeeded:
@@ -121,8 +121,8 @@ class GoingOn:
             self._trial.append(error)
         elif self._cell and isinstance(error[1], Exception) and self._may_go_on(self._cell):
             # By the time that it is shown nobody handles it any more.
-            self._cell.failure = self._cell.failure or ((error, *arguments[1:]), options)
             options.pop("exc_tuple", None)
+            self._cell.failure = self._cell.failure or ((error, *arguments[1:]), options)
         else:
             self._show(*arguments, **options)
 
@@ -130,7 +130,6 @@ class GoingOn:
         """What came of a check."""
         if self._cell is None:
             return
-        self._cell.checks = True
         self._failed.pop(exercise, None)
         function = self._lender.mine(exercise)
         if passed:
@@ -147,7 +146,10 @@ class GoingOn:
         }
 
     def _may_go_on(self, cell: _Cell) -> bool:
-        return cell.place is not None and not cell.checks and bool(self._plan(cell.place).functions)
+        if cell.place not in self._ran:
+            return False
+        found = self._plan(cell.place, spoilt=True)
+        return bool(found.functions or found.given)
 
     def _plan(
         self, place: int, functions: Collection[str] | None = None, spoilt: bool = False
@@ -160,7 +162,7 @@ class GoingOn:
     def _go_on(self, cell: _Cell, spoilt: bool = False) -> bool:
         """Run a cell again with the course's answers; whether it came to its end."""
         found, before = self._plan(cell.place, spoilt=spoilt), dict(self._namespace)
-        if not self._do_without(found):
+        if not (found.functions or found.given) or not self._do_without(found):
             return False
         for generator, state in cell.generators:
             generator.bit_generator.state = state
@@ -169,6 +171,7 @@ class GoingOn:
         self._trial = []
         try:
             self._lender.say_aside(found.functions, first=True)
+            self._lender.say_anew(found.given)
             ran = shell().run_cell(cell.source, store_history=False).success and not self._trial
         finally:
             self._trial = None
@@ -211,7 +214,7 @@ class GoingOn:
     def _remember(self, cell: _Cell) -> None:
         """Which names hold what was made of the course's answers, now that a cell has run."""
         aside = self._lender.aside
-        found = self._plan(cell.place, aside) if cell.place is not None and aside else None
+        found = self._plan(cell.place, aside) if cell.place in self._ran and aside else None
         for statement in slicing.parse_notebook([cell.source])[0]:
             sources = [self._borrowed[name] for name in statement.uses & self._borrowed.keys()]
             if found and statement.binds & found.names:

@@ -12,11 +12,12 @@ import io
 import linecache
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import FunctionType, ModuleType, SimpleNamespace
 
 from utils.notebooks import slicing
+from utils.notebooks.pasting import is_stub, to_paste
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 from utils.notebooks.statements import Statement
 
@@ -35,7 +36,9 @@ _LOADING: set[Path] = set()  # a notebook may load one that loads it
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
-def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
+def load_my_functions(
+    name: str | os.PathLike, paste: str | Iterable[str] = ()
+) -> SimpleNamespace | None:
     """Fetch the functions that you wrote in another notebook. Save that notebook first.
 
     Parameters
@@ -43,13 +46,16 @@ def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
     name : str or path
         Such as ``"06_filter_ground.ipynb"``. Looked for in the working folder, in the folders
         beside it and in the course's ``notebooks``; or give a path.
+    paste : str or iterable of str, optional
+        Names of functions to print, with all of that notebook that they use: imports, constants,
+        other functions. They are ready to be pasted where they are needed, and nothing runs.
 
     Returns
     -------
-    types.SimpleNamespace
-        The functions and classes of the notebook, as attributes. A function that is still a
-        stub raises NotImplementedError, with a sentence, when it is called; it has an attribute
-        ``is_stub``.
+    types.SimpleNamespace or None
+        None where something is printed; else the functions and classes of the notebook, as
+        attributes. A function that is still a stub raises NotImplementedError, with a sentence,
+        when it is called; it has an attribute ``is_stub``.
 
     Raises
     ------
@@ -57,6 +63,8 @@ def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
         There is no such notebook; the message says where it was looked for.
     ValueError
         The file is not a notebook.
+    LookupError
+        It does not define what is to be printed.
 
     Notes
     -----
@@ -68,14 +76,20 @@ def load_my_functions(name: str | os.PathLike) -> SimpleNamespace:
     --------
     >>> ground = load_my_functions("06_filter_ground.ipynb")
     >>> obstacles = ground.filter_ground(cloud, -1.2)
+    >>> load_my_functions("06_filter_ground.ipynb", paste="voxel_grid")
     """
     path = _find(Path(name).expanduser())
     if path in _LOADING:
         raise RecursionError(f"{path.name} is waiting for its own functions.")
+    cells = _cells(path)
+    if paste:
+        print(to_paste([paste] if isinstance(paste, str) else paste, cells, path.stem))
+        return None
     _LOADING.add(path)
     try:
         # Sliders run what they decorate.
-        statements = [found for found in _statements(path) if not _is_slider(found.node)]
+        statements = slicing.parse_notebook(cells)[0]
+        statements = [found for found in statements if not _is_slider(found.node)]
         names = _functions(statements)
         return SimpleNamespace(**_execute(_needed(names, statements), names, path.name))
     finally:
@@ -115,8 +129,8 @@ def _find(wanted: Path) -> Path:
     )
 
 
-def _statements(path: Path) -> list[Statement]:
-    """What stands in a notebook; cells that are no Python are passed over."""
+def _cells(path: Path) -> list[str]:
+    """Source of a notebook's code cells."""
     try:
         cells = decode_notebook(path.read_bytes(), path.name).code
     except UnreadableNotebook:
@@ -128,7 +142,7 @@ def _statements(path: Path) -> list[Statement]:
         # So that Python can show the line in which one of these functions fails.
         filename = _filename(path.name, number)
         linecache.cache[filename] = (len(source), None, source.splitlines(True), filename)
-    return slicing.parse_notebook(cells)[0]
+    return cells
 
 
 def _filename(notebook: str, cell: int) -> str:
@@ -215,7 +229,7 @@ def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[st
 def _execute_one(statement: Statement, module: ModuleType) -> None:
     """Execute a statement in a module; a stub says that it is one when it is called."""
     node, notebook = statement.node, module.__name__
-    if isinstance(node, ast.FunctionDef) and _is_stub(node):
+    if is_stub(node):
         setattr(module, node.name, _stub(node.name, notebook))
         return
     # A statement that fails is passed over. Whoever needs it gets Python's own words when the
@@ -223,15 +237,6 @@ def _execute_one(statement: Statement, module: ModuleType) -> None:
     with contextlib.suppress(Exception, SystemExit):
         code = slicing.compile_statement(statement, _filename(notebook, statement.cell))
         exec(code, vars(module))
-
-
-def _is_stub(function: ast.FunctionDef) -> bool:
-    last = function.body[-1]
-    return (
-        isinstance(last, ast.Raise)
-        and last.exc is not None
-        and ast.unparse(last.exc).split("(")[0] == "NotImplementedError"
-    )
 
 
 def _stub(name: str, notebook: str) -> FunctionType:

@@ -1,0 +1,88 @@
+"""Functions as text, with all that they use: to be pasted into another notebook."""
+
+from __future__ import annotations
+
+import ast
+import difflib
+from collections.abc import Iterable, Sequence
+
+from utils.notebooks import slicing
+
+_IMPORTS = (ast.Import, ast.ImportFrom)
+
+
+def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[str]:
+    """Source of some functions and of what they need, as it stands in a notebook.
+
+    Parameters
+    ----------
+    names : iterable of str
+    cells : sequence of str
+        Source of each code cell.
+    origin : str
+        Name of the notebook.
+
+    Returns
+    -------
+    list of str
+        One for each statement, in the order of the notebook.
+
+    Raises
+    ------
+    LookupError
+        A name is not defined there.
+    NotImplementedError
+        One of these functions is still a stub.
+    """
+    names, statements = tuple(names), slicing.parse_notebook(cells)[0]
+    defined = sorted(set().union(*(statement.binds for statement in statements)))
+    for name in names:
+        if name not in defined:
+            similar = difflib.get_close_matches(name, defined, n=3, cutoff=0.4)
+            meant = f" Did you mean {' or '.join(similar)}?" if similar else ""
+            raise LookupError(f"{origin} does not define {name}.{meant}")
+    found = []
+    for statement in slicing.slice_for(names, statements):
+        node = statement.node
+        if is_stub(node):
+            raise NotImplementedError(
+                f"{node.name} in {origin} is still a stub. Write it there, and save the notebook."
+            )
+        first = min(part.lineno for part in (node, *getattr(node, "decorator_list", ())))
+        lines = cells[statement.cell - 1].splitlines()[first - 1 : node.end_lineno]
+        found.append("\n".join(lines))
+    return found
+
+
+def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
+    """One text of some functions: imports, where they come from, and what they need.
+
+    Parameters
+    ----------
+    names, cells, origin
+        As for `texts_of`.
+
+    Returns
+    -------
+    str
+    """
+    texts = texts_of(names, cells, origin)
+    imports = [text for text in texts if is_import(text)]
+    others = [text for text in texts if not is_import(text)]
+    above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
+    return f"{above}# from {origin}\n" + "\n\n\n".join(others) + "\n"
+
+
+def is_import(text: str) -> bool:
+    """Whether a statement imports something."""
+    return isinstance(ast.parse(text).body[0], _IMPORTS)
+
+
+def is_stub(node: ast.stmt) -> bool:
+    """Whether a statement defines a function that nobody has written yet."""
+    last = node.body[-1] if isinstance(node, ast.FunctionDef) else None
+    return (
+        isinstance(last, ast.Raise)
+        and last.exc is not None
+        and ast.unparse(last.exc).split("(")[0] == "NotImplementedError"
+    )
