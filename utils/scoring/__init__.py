@@ -1,0 +1,42 @@
+"""How good boxes and tracks are: overlap, hits, names, and a card that says it with its error."""
+
+from utils.boxes import plane_iou, space_iou
+from utils.scoring.card import (
+    OVERLAPS,
+    Card,
+    counted,
+    hidden_shares,
+    score_card,
+    with_error,
+    within,
+)
+from utils.scoring.counting import (
+    NameMistakes,
+    Score,
+    TrackedFrame,
+    holders,
+    match,
+    name_mistakes,
+    score_boxes,
+    score_stream,
+)
+
+__all__ = [
+    "OVERLAPS",
+    "Card",
+    "NameMistakes",
+    "Score",
+    "TrackedFrame",
+    "counted",
+    "hidden_shares",
+    "holders",
+    "match",
+    "name_mistakes",
+    "plane_iou",
+    "score_boxes",
+    "score_card",
+    "score_stream",
+    "space_iou",
+    "with_error",
+    "within",
+]
