@@ -25,6 +25,7 @@ from grader.lms.entries import Entry
 from grader.lms.penalties import late_penalties
 from grader.lms.registering import register
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnreachable
+from grader.lms.rows import Row
 from grader.lms.standings import class_results
 
 GROUND = find_lesson("06_filter_ground")
@@ -749,8 +750,9 @@ def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
     assert ".. c.Course" not in str(caught.value)
 
 
-def test_what_is_entered_stays_as_it_is():
-    assert Entry.__dataclass_params__.frozen
+@pytest.mark.parametrize("kind", [Entry, Row])
+def test_what_is_entered_and_what_is_read_stays_as_it_is(kind):
+    assert kind.__dataclass_params__.frozen
 
 
 def test_a_student_who_handed_in_nothing_is_not_there(entered):
