@@ -10,7 +10,7 @@ from types import FrameType, TracebackType
 
 from utils.showing import shell
 
-_OURS = str(Path(__file__).resolve().parent)
+_OURS = str(Path(__file__).parent)  # as Python calls it, which may be by a link
 
 
 def show_no_frames_of_ours() -> None:

@@ -12,6 +12,7 @@ from utils.notebooks.statements import Statement
 
 _IMPORTS = (ast.Import, ast.ImportFrom)
 _PLAIN = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr)
+_OWN = ("check", "replay")
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
@@ -43,11 +44,11 @@ def key_of_cell(source: str) -> str:
     return hashlib.sha256(lines.encode()).hexdigest()[:8]
 
 
-def checks(source: str) -> bool:
-    """Whether a cell checks an answer."""
+def is_about_ones_own(source: str) -> bool:
+    """Whether a cell checks or replays an answer: of the course's there is nothing to see."""
     nodes = [statement.node for statement in slicing.parse_notebook([source])[0]]
     calls = [node.value for node in nodes if isinstance(node, ast.Expr)]
-    return any(getattr(getattr(call, "func", None), "id", None) == "check" for call in calls)
+    return any(getattr(getattr(call, "func", None), "id", None) in _OWN for call in calls)
 
 
 def free_names(source: str) -> set[str]:
