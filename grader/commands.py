@@ -70,8 +70,11 @@ def run_release(options: argparse.Namespace) -> int:
 def _release_solutions(options: argparse.Namespace) -> int:
     from grader.classroom.executors import processors
     from grader.course.deadlines import Deadlines, read_deadlines
+    from grader.course.lessons import all_lessons
     from grader.course.solved import still_open, write_solutions
     from grader.lms.dates import granted_in_gradebook
+    from grader.site.running import solved_runs
+    from grader.site.solution import as_notebook
 
     wanted, course = options.stages or stages(), Course()
     deadlines = read_deadlines(course) or Deadlines({})
@@ -83,9 +86,11 @@ def _release_solutions(options: argparse.Namespace) -> int:
         if not options.anyway:
             print("Nothing was written. --anyway gives the solutions out.", file=sys.stderr)
             return FAULT
+    lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
     with console.progress_bar("Running the solutions") as advance:
-        written = list(write_solutions(options.to, wanted, processors(), advance))
-    for path in written:
+        ran = solved_runs(lessons, processors(), advance)
+    solutions = {lesson: as_notebook(notebook) for lesson, notebook in ran.items()}
+    for path in write_solutions(options.to, solutions):
         print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
     return GOOD
 

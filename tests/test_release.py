@@ -27,6 +27,8 @@ from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.nbgrader_settings import configure
 from grader.course.paths import PROJECT, Course
 from grader.lms.gradebook import open_gradebook
+from grader.site import recording, running
+from grader.site.solution import as_notebook
 from tests.running import errors_of, run
 from tests.test_requirements import distributions, normal, own_pins, strangers_by_file
 
@@ -230,7 +232,7 @@ def test_where_nothing_says_when_a_stage_is_due_it_may_be_open():
 @pytest.fixture
 def ran(tmp_path, monkeypatch):
     """No solution is run, and no page made. The course lies in a folder of its own."""
-    monkeypatch.setattr(solved, "shown", lambda lesson: lesson.solved.read_bytes())
+    monkeypatch.setattr(running, "shown", lambda lesson, kept, before: lesson.solved.read_bytes())
     monkeypatch.setattr(solved, "as_page", lambda notebook, lesson: b"page")
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
     return tmp_path
@@ -304,10 +306,10 @@ def test_a_page_fetches_nothing():
 
 def tiny(tmp_path, monkeypatch, source):
     """A lesson of one cell; its solution and what it is run beside."""
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source)])
+    setup = nbformat.v4.new_code_cell("", metadata={"tags": ["setup"]})
+    notebook = nbformat.v4.new_notebook(cells=[setup, nbformat.v4.new_code_cell(source)])
     path = tmp_path / "tiny.ipynb"
     nbformat.write(notebook, path)
-    monkeypatch.setattr(solved, "KEPT", tmp_path / "kept")
     monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"1"})
 
     class Tiny:
@@ -320,13 +322,13 @@ def tiny(tmp_path, monkeypatch, source):
 def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     marked = "### BEGIN SOLUTION\nprint(6 * 7)\n### END SOLUTION"
     lesson = tiny(tmp_path, monkeypatch, marked)
-    first = solved.shown(lesson)
-    (cell,) = nbformat.reads(first.decode(), as_version=4).cells
+    first = solved.shown(lesson, tmp_path / "kept", "")
+    _, cell = nbformat.reads(first.decode(), as_version=4).cells
     assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
     monkeypatch.setattr(solved, "_run", lambda lesson, before: b"run again")
-    assert solved.shown(lesson) == first
+    assert solved.shown(lesson, tmp_path / "kept", "") == first
     monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"2"})
-    assert solved.shown(lesson) == b"run again"
+    assert solved.shown(lesson, tmp_path / "kept", "") == b"run again"
     assert len(list((tmp_path / "kept").iterdir())) == 1  # the other one is of no use now
 
 
@@ -334,7 +336,7 @@ def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
 def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
     lesson = tiny(tmp_path, monkeypatch, "1 / 0")
     with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
-        solved.shown(lesson)
+        solved.shown(lesson, tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
 
@@ -351,8 +353,35 @@ def test_a_solution_that_hangs_or_dies_is_named(tmp_path, monkeypatch, error, sa
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
     with pytest.raises(standalone.NotReleased, match=says):
-        solved.shown(tiny(tmp_path, monkeypatch, "1"))
+        solved.shown(tiny(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
+
+
+def test_what_the_site_ran_becomes_a_notebook_that_any_reader_shows():
+    def output(kind, about):
+        data = {kind: about, "text/plain": "for a page"}
+        return nbformat.v4.new_output("display_data", data=data)
+
+    def picture(content):
+        return nbformat.v4.new_output("display_data", data={"image/png": content})
+
+    answer = {"question": "How many?", "answer": "7 <m>", "why": "Because."}
+    cells = [
+        [output(recording.QUESTION, {"question": "How many?"})],
+        [nbformat.v4.new_output("stream", text="said"), output(recording.ANSWER, answer)],
+        [
+            *(output(recording.POSITION, {"all": [["height", "3"]]}), picture("one")),
+            *(output(recording.POSITION, {"slider": "height", "value": "4"}), picture("two")),
+        ],
+    ]
+    notebook = nbformat.v4.new_notebook(
+        cells=[nbformat.v4.new_code_cell("1", outputs=outputs) for outputs in cells]
+    )
+    made = nbformat.reads(as_notebook(nbformat.writes(notebook).encode()), as_version=4)
+    asked, (said, told), (drawn,) = (cell.outputs for cell in made.cells)
+    assert asked == [] and said.text == "said" and drawn.data == {"image/png": "one"}
+    assert told.data["text/plain"] == "How many?\nAnswer: 7 <m>\nBecause."
+    assert "Answer: <b>7 &lt;m&gt;</b>" in told.data["text/html"]
 
 
 def test_the_readme_for_students_names_no_file_that_they_do_not_get(zips):

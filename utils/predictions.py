@@ -46,23 +46,37 @@ class Prediction:
             raise ValueError(f"{answer!r} is none of the choices: {', '.join(self._choices)}.")
         guess = "none yet" if self.guess is None else self._said(self.guess)
         rows = {"Your guess": guess, "Answer": self._said(answer)}
-        text = "\n".join([self._question, *(f"{row}: {said}" for row, said in rows.items()), why])
-        cells = "".join(
-            f"<span style='margin-right:2em'>{row}: <b>{escape(said)}</b></span>"
-            for row, said in rows.items()
-        )
-        html = (
-            "<div style='border-left:4px solid #0072B2;padding:0.3em 0.8em;line-height:1.5'>"
-            f"<div>{escape(self._question)}</div><div>{cells}</div>"
-            f"<details><summary>Why?</summary>{escape(why)}</details></div>"
-        )
-        show(html, text)
+        show(*told(self._question, rows, why))
 
     def _said(self, value: float | str) -> str:
         if isinstance(value, str):
             return value
         space = "" if self._unit in ("", "%", "°") else " "
         return f"{value:,.{self._digits}f}{space}{self._unit}".replace("-", "−")
+
+
+def told(question: str, rows: dict[str, str], why: str) -> tuple[str, str]:
+    """A question and what is said to it, as HTML and as text.
+
+    Parameters
+    ----------
+    question : str
+    rows : dict of str to str
+        What stands side by side, by what it is called.
+    why : str
+        Stays folded until somebody asks for it.
+    """
+    text = "\n".join([question, *(f"{row}: {said}" for row, said in rows.items()), why])
+    cells = "".join(
+        f"<span style='margin-right:2em'>{row}: <b>{escape(said)}</b></span>"
+        for row, said in rows.items()
+    )
+    html = (
+        "<div style='border-left:4px solid #0072B2;padding:0.3em 0.8em;line-height:1.5'>"
+        f"<div>{escape(question)}</div><div>{cells}</div>"
+        f"<details><summary>Why?</summary>{escape(why)}</details></div>"
+    )
+    return html, text
 
 
 def predict(

@@ -15,15 +15,13 @@ from nbformat import NotebookNode
 
 from grader.course.archives import zipped
 from grader.course.deadlines import Dates, Deadlines
-from grader.course.lessons import Lesson, all_lessons, stages
+from grader.course.lessons import Lesson
 from grader.course.mathml import STYLE, Page
 from grader.course.paths import PROJECT
 from grader.course.release import FOLDER, course_tools
 from grader.course.standalone import NotReleased
 from grader.course.writing import write_atomically
 
-KEPT = PROJECT / ".solved"
-"""Notebooks that were run, by what they depend on."""
 TEMPLATES = Path(__file__).parent / "templates"
 LONGEST_CELL = 300  # seconds, on a machine with other work
 MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
@@ -58,38 +56,24 @@ def still_open(
     return f"{stage} is open: for {', '.join(late)}." if late else ""
 
 
-def write_solutions(
-    folder: Path, wanted: Iterable[str], workers: int, progress: Callable[[int, int, object], None]
-) -> Iterator[Path]:
+def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator[Path]:
     """Write a zip for each stage, with each lesson as a notebook and as a page.
 
     Parameters
     ----------
     folder : pathlib.Path
         Made where there is none.
-    wanted : iterable of str
-        Only these stages; all where it is empty.
-    workers : int
-        Notebooks run at a time.
-    progress : callable
-        Called with (done, total, lesson) after each notebook.
+    solutions : mapping of Lesson to bytes
+        Notebooks that were run.
 
     Yields
     ------
     pathlib.Path
         As soon as the zip is there.
-
-    Raises
-    ------
-    NotReleased
-        A cell fails.
     """
-    wanted = tuple(wanted) or stages()
-    lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
-    ran = all_shown(lessons, workers, progress, shown)
-    for stage in wanted:
+    for stage in dict.fromkeys(lesson.stage for lesson in solutions):
         files = {}
-        for lesson, notebook in ran.items():
+        for lesson, notebook in solutions.items():
             if lesson.stage == stage:
                 name = f"{FOLDER}/solutions/{stage}/{lesson.name}"
                 files[f"{name}.ipynb"] = notebook
@@ -105,7 +89,18 @@ def all_shown(
     progress: Callable[[int, int, object], None],
     show: Callable[[Lesson], bytes],
 ) -> dict[Lesson, bytes]:
-    """What several notebooks show, by `show`; `write_solutions` has the other parameters."""
+    """What several notebooks show.
+
+    Parameters
+    ----------
+    lessons : iterable of Lesson
+    workers : int
+        Notebooks run at a time.
+    progress : callable
+        Called with (done, total, lesson) after each notebook.
+    show : callable
+        Runs the notebook of a lesson.
+    """
     lessons, ran = tuple(lessons), {}
     progress(0, len(lessons), "")
     with ThreadPoolExecutor(workers) as pool:
@@ -119,15 +114,15 @@ def all_shown(
     return {lesson: ran[lesson] for lesson in lessons}
 
 
-def shown(lesson: Lesson, kept: Path | None = None, before: str = "") -> bytes:
+def shown(lesson: Lesson, kept: Path, before: str) -> bytes:
     """The solved notebook of a lesson with all that it shows; run only if something is new.
 
     Parameters
     ----------
     lesson : Lesson
-    kept : pathlib.Path, optional
-        Folder for what was run; by default `KEPT`.
-    before : str, optional
+    kept : pathlib.Path
+        Folder for what was run.
+    before : str
         Code that runs after the setup, in a cell that is not kept.
 
     Raises
@@ -135,7 +130,6 @@ def shown(lesson: Lesson, kept: Path | None = None, before: str = "") -> bytes:
     NotReleased
         A cell fails.
     """
-    kept = kept or KEPT
     path = kept / f"{lesson.name}-{_fingerprint(lesson, before)}.ipynb"
     if not path.is_file():
         text = _run(lesson, before)
@@ -168,11 +162,10 @@ def _run(lesson: Lesson, before: str) -> bytes:
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.source = MARKS.sub("", cell.source).rstrip("\n")
-    if before:
-        extra = nbformat.v4.new_code_cell(before)
-        tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
-        setup = next(number for number, names in enumerate(tags) if "setup" in names)
-        notebook.cells.insert(setup + 1, extra)
+    extra = nbformat.v4.new_code_cell(before)
+    tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
+    setup = next(number for number, names in enumerate(tags) if "setup" in names)
+    notebook.cells.insert(setup + 1, extra)
     client = nbclient.NotebookClient(
         notebook,
         timeout=LONGEST_CELL,
@@ -198,8 +191,7 @@ def _run(lesson: Lesson, before: str) -> bytes:
             f"{lesson.name}: Python ended while its solution ran, so nothing was written. Is "
             "there memory left? The same command tries again."
         ) from None
-    if before:
-        notebook.cells.remove(extra)
+    notebook.cells.remove(extra)
     _settle(notebook)
     return (nbformat.writes(notebook) + "\n").encode()
 

@@ -1,4 +1,7 @@
-"""The solved notebooks, run for their pages; again only if something that they depend on is new."""
+"""The solved notebooks, run for the site; again only if something that they depend on is new.
+
+Who hands solutions out gets what they showed, too; see `grader.site.solution`.
+"""
 
 import functools
 import hashlib

@@ -1,0 +1,40 @@
+"""What the site ran, as a notebook to hand out: sliders as they stand, answers without guesses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import nbformat
+from nbformat import NotebookNode
+from nbformat.v4 import new_output
+
+from grader.site.recording import ANSWER, POSITION, QUESTION
+from utils.predictions import told
+
+
+def as_notebook(ran: bytes) -> bytes:
+    """A solved notebook with what a reader of notebooks can show.
+
+    Parameters
+    ----------
+    ran : bytes
+        As `grader.site.running.solved_runs` returns it.
+    """
+    notebook = nbformat.reads(ran.decode(), as_version=4)
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.outputs = list(_outputs(cell.outputs))
+    return (nbformat.writes(notebook) + "\n").encode()
+
+
+def _outputs(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
+    positions = 0  # the first is the lesson's own
+    for output in outputs:
+        data = output.get("data", {})
+        positions += POSITION in data
+        if ANSWER in data:
+            about = data[ANSWER]
+            html, text = told(about["question"], {"Answer": about["answer"]}, about["why"])
+            yield new_output("display_data", data={"text/html": html, "text/plain": text})
+        elif positions < 2 and POSITION not in data and QUESTION not in data:
+            yield output
