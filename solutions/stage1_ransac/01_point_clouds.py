@@ -221,10 +221,11 @@ counted = {}
 for beams in (32, 16, 8, 4):
     returns = np.bincount(scan_with(beams).scan.objects, minlength=100)
     counted[f"{beams} beams"] = [returns[box.identity] for box in cars + pedestrians]
-show_table(["", *(f"{box.kind} at {distance_of(box):.1f} m" for box in cars + pedestrians)],
-           [(name, *counts) for name, counts in counted.items()])
+show_table(["returns of a", *counted],
+           [(f"{box.kind} at {distance_of(box):.1f} m", *numbers)
+            for box, *numbers in zip(cars + pedestrians, *counted.values())])
 left_over.compare(sum(n >= 5 for n in counted["4 beams"]),
-                  "The last line of the table: all four cars, and no pedestrian. A car is "
+                  "The last column of the table: all four cars, and no pedestrian. A car is "
                   "long and tall, so some ring crosses it; a pedestrian fits between two rings.")
 
 # %% [markdown]
