@@ -15,7 +15,7 @@ from utils.beginning import STYLE
 # For each cell of code: how high it is, and how far it reaches beyond its right edge.
 MEASURE = """<script>addEventListener("load", () => {
   document.body.dataset.measured = JSON.stringify(
-    [...document.querySelectorAll(".jp-InputArea-editor")].map(
+    [...document.querySelectorAll(".cm-editor")].map(
       cell => [cell.clientHeight, cell.querySelector("pre").scrollWidth - cell.clientWidth]));
 });</script>"""
 

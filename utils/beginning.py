@@ -17,7 +17,7 @@ STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
 [data-jp-theme-light="false"] .jp-RenderedHTML iframe[srcdoc],
 .vscode-dark .output :is(img, iframe[srcdoc]) { filter: invert(0.9) hue-rotate(180deg); }
-body.jp-Notebook .celltag_folded .jp-InputArea-editor {
+body.jp-Notebook .celltag_folded .cm-editor {
   height: 2.2em; overflow: auto; resize: vertical;
 }
 body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere; }
