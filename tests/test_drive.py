@@ -11,7 +11,7 @@ from PIL import Image
 from grader.course.driving import drive_all
 from grader.course.variants import ANOTHER_CELL, variants_of
 from tests.students import functions_in
-from utils.drive import STREETS, Trip, drive_street, occupied_squares, on_time
+from utils.drive import STREETS, Trip, askew, chain, drive_street, occupied_squares, on_time
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
 from utils.drive.clock import Clock, ticks
@@ -529,6 +529,54 @@ def test_what_is_stored_of_others_is_what_they_do(name):
         stored = standards([number])[name]
         assert result.metres == pytest.approx(stored.metres, abs=1.0), number
         assert (result.needless, result.collisions) == (stored.needless, stored.collisions), number
+
+
+def level(metres):
+    return chain(ground=lambda points: points[points[:, 2] >= metres])
+
+
+def half_width(metres):
+    return chain(region=lambda points: points[(np.abs(points[:, 1]) <= metres)])
+
+
+def smallest(count):
+    return chain(keep=lambda labels: np.where(np.bincount(labels)[labels] < count, 0, labels))
+
+
+def along_the_axes(points, labels):
+    ends = [[pick(points[labels == one], axis=0) for pick in (np.min, np.max)]
+            for one in np.unique(labels[labels > 0])]  # fmt: skip
+    rows = [[[ends_[k >> axis & 1][axis] for axis in range(3)] for k in range(8)] for ends_ in ends]
+    return np.reshape(rows, (-1, 8, 3))
+
+
+# What lessons say of ten seconds: a street, a detector, words of the drive, and words that
+# are not in it.
+SAID = {
+    "06: -1.2 m is asphalt": (6, level(-1.2), "road taken for an obstacle", "ends"),
+    "06: -0.6 m drives on": (6, level(-0.6), "", "needless"),
+    "06: -0.6 m hits a child": (7, level(-0.6), "The drive ends at a person", "needless"),
+    "07: 1.6 m is too narrow": (2, half_width(1.6), "The drive ends at a person", "needless"),
+    "07: 6 m is enough": (2, half_width(6.0), "a person", "ends"),
+    "09: 100 points drop a cyclist": (3, smallest(100), "The drive ends at a cyclist", "needless"),
+    "09: 10 points do not": (3, smallest(10), "a cyclist", "ends"),
+    "09: 1 point is rain": (8, smallest(1), "rain taken for an obstacle", "ends"),
+    "08: 12 degrees": (
+        1,
+        askew(chain(boxes=along_the_axes), 12.0),
+        "a car beside our lane",
+        "ends",
+    ),
+    "08: 0 degrees": (1, askew(chain(boxes=along_the_axes), 0.0), "", "needless"),
+}
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("claim", SAID)
+def test_a_lesson_says_what_happens(claim):
+    street, detect, words, others = SAID[claim]
+    said = str(drive_street(street, detect, seconds=10.0, clock=on_time))
+    assert words in said and others not in said, said
 
 
 # A wrong detector, a street, and what its drive says.

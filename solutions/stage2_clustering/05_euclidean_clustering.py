@@ -510,6 +510,31 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
     plots.clusters(yard, numbers, like=right, limits=window, axes=axes, title=title)
 
 # %% [markdown]
+# ## Let it drive
+#
+# *Who shares a cluster shares a box.*
+#
+# Five minutes, without points; skip it if you like. A car drives five seconds through a street with parked cars and poles on your `euclidean_clustering`. The rest is given, up to a driver who brakes for every box in the lane that is nearer than the way it needs to stop. It thins so much, and waits for you, that your time does not count.
+
+# %%
+from utils.drive import chain, drive_street, on_time
+from utils.lent import own
+
+
+def drive_with(threshold, seconds=5):
+    """The first seconds of a street, clustered by you."""
+    mine = own(euclidean_clustering)
+    return drive_street(11, chain(cluster=lambda points: mine(points, threshold), voxel=0.4),
+                        seconds=seconds, clock=on_time)
+
+
+drive_with(2.5) if is_written(euclidean_clustering) else print(
+    "euclidean_clustering is not written yet.")
+
+# %% [markdown]
+# Open the braking below the strip: things on both sides of the lane hang together, and a box around them blocks it. Try `drive_with(0.5, seconds=12)`: nine seconds on, two people cross side by side.
+
+# %% [markdown]
 # ## In practice
 #
 # - Libraries do this in three lines. In scikit-learn it is DBSCAN for which one neighbour is enough (the point itself counts):

@@ -551,6 +551,30 @@ for (name, keep), axes in zip(wrong.items(), panels):
     axes.add_patch(plt.Circle((0, 0), 10, fill=False, linestyle="--"))
 
 # %% [markdown]
+# ## Let it drive
+#
+# *A region is judged by who steps into it.*
+#
+# Five minutes, without points; skip it if you like. A car drives ten seconds at 30 km/h, and sees what your `crop_region` leaves. The rest is given, up to a driver who brakes for what is in the lane, or will be, within the stopping distance from above. Eight seconds on, a child runs out from the kerb. Our lane reaches 1.3 m to either side.
+
+# %%
+from utils.drive import chain, drive_street, on_time
+from utils.lent import is_written, own
+
+
+def drive_with(half_width):
+    """Ten seconds of a street, seen as far as this to either side."""
+    mine, low, high = own(crop_region), (-5, -half_width, -2.5), (35, half_width, 1)
+    return drive_street(2, chain(region=lambda points: mine(points, low, high)), seconds=10,
+                        clock=on_time)
+
+
+drive_with(1.6) if is_written(crop_region) else print("crop_region is not written yet.")
+
+# %% [markdown]
+# The region holds all of our lane, and it is too narrow: what will be in the lane in a second is not in it yet. Try `drive_with(6)`. How narrow may it be before the braking gets harsh?
+
+# %% [markdown]
 # ## In practice
 #
 # - The region is not a fixed box. It follows the planned path and the lanes of a map, and it grows with the speed, because the stopping distance does.

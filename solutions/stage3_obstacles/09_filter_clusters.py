@@ -481,6 +481,30 @@ for (name, kept), axes in zip(wrong.items(), rows):
         plots.ring(axes, x, y, radius=1.4)
 
 # %% [markdown]
+# ## Let it drive
+#
+# *What is dropped is driven into.*
+#
+# Five minutes, without points; skip it if you like. A car drives ten seconds at 30 km/h, and your `filter_clusters` says what is too small to brake for. The rest is given; it thins the scan, so a cyclist has 50 to 100 points. Nine seconds on, one comes out of a side street.
+
+# %%
+from utils.drive import chain, drive_street, on_time
+from utils.lent import is_written, own
+
+
+def drive_with(min_num_points, street=3):
+    """Ten seconds of a street, without clusters that are smaller."""
+    mine = own(filter_clusters)
+    return drive_street(street, chain(keep=lambda labels: mine(labels, min_num_points)), seconds=10,
+                        clock=on_time)
+
+
+drive_with(100) if is_written(filter_clusters) else print("filter_clusters is not written yet.")
+
+# %% [markdown]
+# Try `drive_with(10)`. And what does a minimum of 1 do in the rain, `drive_with(1, street=8)`?
+
+# %% [markdown]
 # ## In practice
 #
 # Libraries take the smallest size as a setting of the clustering itself:

@@ -1005,6 +1005,28 @@ for person in pedestrians:
     plots.ring(rows[1], *person.centre[:2], radius=1.2, text="nobody here?");
 
 # %% [markdown]
+# ## Let it drive
+#
+# *A detector is judged by boxes, a car by what it does.*
+#
+# No points, no end. A car drives on your detector: ten scans a second from where it is, your boxes, and a driver that is given (`utils/drive/planner.py`, one screen). It brakes for what is in its lane, or will be, within the stopping distance of lesson 07. What has no box is driven into; a box where nothing is stops it; and who takes longer than a tenth of a second sees the world later.
+
+# %%
+from utils.drive import drive_street
+
+drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacles) else print(
+    "detect_obstacles is not written yet.")
+
+# %% [markdown]
+# Below the strip each braking opens its frame, with what lies in the box. `drive_street(3, detect_obstacles).save("film.mp4")` makes a film. There are twenty streets: people who step off the kerb, climbs, rain, a dirty bonnet. Save this notebook, and drive them all:
+#
+# ```
+# python -m utils.drive 12_streaming_obstacles.ipynb
+# ```
+#
+# It puts your drive beside one with true boxes, the course's detector, and the naive squares from above. How far do you come without braking for nothing?
+
+# %% [markdown]
 # ## In practice
 #
 # - Trackers hold position and speed in a *Kalman filter*, which weighs prediction against measurement by how far each can be trusted. Ours weighs them half and half.

@@ -54,9 +54,7 @@ class Actor:
         return replace(self.obstacle, pose=there, speed=speed)
 
 
-def crossing(
-    thing: Obstacle, x: float, y: float, pace: float, speed: float, late: float = 0.0
-) -> Actor:
+def crossing(thing: Obstacle, x: float, y: float, pace: float, speed: float) -> Actor:
     """Somebody who crosses at `x`, from the side at `y`, in our way if we drive on as before.
 
     Parameters
@@ -67,27 +65,25 @@ def crossing(
         Where they wait, in road coordinates.
     pace, speed : float
         Theirs and ours, in m/s.
-    late : float
-        Seconds by which they begin later than for being hit in the middle of the lane.
     """
-    needs = abs(y - EGO_LANE) / pace - late
+    needs = abs(y - EGO_LANE) / pace
     waiting = placed(thing, x, y, np.copysign(np.pi / 2, EGO_LANE - y))
     return Actor(waiting, x - BUMPER - speed * needs, ((0.0, pace),))
 
 
-def child(x: float, speed: float, side: int = -1, late: float = 0.0) -> Actor:
-    """A child that runs out from the kerb at 5 km/h."""
-    return crossing(pedestrian(1.2, 0.25), x, side * 5.0, 1.39, speed, late)
+def child(x: float, speed: float) -> Actor:
+    """A child that runs out from the right kerb at 5 km/h."""
+    return crossing(pedestrian(1.2, 0.25), x, -5.0, 1.39, speed)
 
 
-def adult(x: float, speed: float, side: int = -1, pace: float = 1.39, late: float = 0.0) -> Actor:
-    """An adult who crosses from the kerb, at 5 km/h or faster."""
-    return crossing(pedestrian(1.75, 0.3), x, side * 5.2, pace, speed, late)
+def adult(x: float, speed: float, side: int = -1, pace: float = 1.39) -> Actor:
+    """An adult who crosses from the kerb, at 5 km/h or faster; `side` is 1 for the left."""
+    return crossing(pedestrian(1.75, 0.3), x, side * 5.2, pace, speed)
 
 
-def crossing_cyclist(x: float, speed: float, side: int = 1) -> Actor:
-    """A cyclist who comes out of a side street at 15 km/h."""
-    return crossing(cyclist(), x, side * 13.0, 4.17, speed)
+def crossing_cyclist(x: float, speed: float, pace: float = 4.17) -> Actor:
+    """A cyclist who comes out of a side street on the left, at 15 km/h or slower."""
+    return crossing(cyclist(), x, 13.0, pace, speed)
 
 
 def peeping(x: float, speed: float) -> Actor:

@@ -12,7 +12,7 @@ References
 - Comfort: adaptive cruise control may brake with at most 3.5 m/s² at speeds above 20 m/s and
   5 m/s² below 5 m/s (ISO 15622:2018); 3 m/s² is felt as braking and not as an emergency.
 - Who crosses: Euro NCAP's tests of emergency braking for vulnerable road users send adults at
-  5 and 8 km/h, children at 5 km/h out from behind parked cars, cyclists at 15 to 20 km/h; its
+  5 and 8 km/h, children at 5 km/h out from behind parked cars, cyclists at 10 to 20 km/h; its
   car-to-car tests brake the car ahead with 2 and 6 m/s².
 """
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 EGO = np.array([(-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)])
-REGION = np.array([(-5.0, -6.0, -2.5), (35.0, 8.0, 1.0)])
+REGION = np.array([(-5.0, -6.0, -2.5), (35.0, 9.2, 1.0)])
 """Corners of our own car as the scanner sees it, and of what is looked at, in metres."""
 
 

@@ -175,7 +175,7 @@ def _streets() -> Iterable[Street]:
     lorry = standing(truck(width=2.3), 70.0, -3.85)
     yield Street(1, "A quiet street", traffic=True)
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))
-    yield Street(3, "A cyclist crosses", actors=(crossing_cyclist(75, v30),))
+    yield Street(3, "A cyclist crosses", actors=(crossing_cyclist(75, v30, 2.78),))
     yield Street(4, "Somebody behind a parked lorry", 20, actors=(lorry, peeping(75.5, 20 / 3.6)))
     yield Street(
         5,

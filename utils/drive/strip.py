@@ -6,6 +6,7 @@ import base64
 import html
 import io
 import os
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,8 @@ PAGE = """<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <style>body {{ font: 1rem/1.5 system-ui, sans-serif; margin: 1rem auto; max-width: 46rem;
-padding: 0 1rem }}</style></head><body><h1>{title}</h1>{body}</body></html>
+padding: 0 1rem }} h1 {{ font-size: 1.3rem }}</style></head>
+<body><h1>{title}</h1>{body}</body></html>
 """
 
 
@@ -56,6 +58,12 @@ def write_page(drive: Drive, report: Report, path: str | os.PathLike) -> Path:
     return path
 
 
+def _token(drive: Drive) -> str:
+    """What tells the marks of this drive from those of others on the same page."""
+    way = np.array([moment.position for moment in drive.moments])
+    return f"{drive.street.number}-{zlib.crc32(way.tobytes()):08x}"
+
+
 def _row(drive: Drive, braking: Braking, number: int) -> str:
     """A braking in words; its frame opens below it."""
     kind = "needless: " if braking.needless else ""
@@ -64,7 +72,7 @@ def _row(drive: Drive, braking: Braking, number: int) -> str:
     picture = _picture(drive, braking.scan, braking)
     return (
         f"<details><summary>{mark} {number} · {time} · {kind}{html.escape(str(braking))}"
-        f"</summary><div id='braking-{drive.street.number}-{number}'>{picture}</div></details>"
+        f"</summary><div id='braking-{_token(drive)}-{number}'>{picture}</div></details>"
     )
 
 
@@ -79,20 +87,21 @@ def _svg(drive: Drive, report: Report) -> str:
     def down(speed: float) -> float:
         return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * 3.6 * speed / top
 
+    token = _token(drive)
     parts = [
         f"<rect width='{WIDTH}' height='{HEIGHT}' fill='{PAPER}'/>",
-        "<defs><pattern id='needless' width='8' height='8' patternUnits='userSpaceOnUse' "
+        f"<defs><pattern id='needless-{token}' width='8' height='8' patternUnits='userSpaceOnUse' "
         f"patternTransform='rotate(45)'><rect width='3.5' height='8' fill='{VERMILION}'/>"
         "</pattern></defs>",
     ]
     for number, braking in enumerate(report.brakings, start=1):
         left, right = across(braking.first), across(max(braking.last, braking.first + 1))
-        fill = "url(#needless)" if braking.needless else ORANGE
+        fill = f"url(#needless-{token})" if braking.needless else ORANGE
         box = (
             f"x='{left:.1f}' y='{TOP}' width='{right - left:.1f}' height='{HEIGHT - TOP - BOTTOM}'"
         )
         parts.append(
-            f"<a href='#braking-{drive.street.number}-{number}'><rect {box} fill='{fill}' "
+            f"<a href='#braking-{token}-{number}'><rect {box} fill='{fill}' "
             f"fill-opacity='0.55'><title>{html.escape(str(braking))}</title></rect>"
             f"<text x='{(left + right) / 2:.1f}' y='{TOP - 8}' text-anchor='middle' "
             f"font-weight='bold'>{'✗' if braking.needless else ''}{number}</text></a>"
@@ -136,7 +145,7 @@ def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
 
     axes = draw(drive, number, braking)
     buffer = io.BytesIO()
-    axes.figure.savefig(buffer, format="png", dpi=90)
+    axes.figure.savefig(buffer, format="png", dpi=90, bbox_inches="tight")
     plt.close(axes.figure)
     data = base64.b64encode(buffer.getvalue()).decode()
     words = f"frame {number} from above" + (f": {braking}" if braking else "")

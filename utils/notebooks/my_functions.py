@@ -26,6 +26,7 @@ _PROJECT = Path(__file__).resolve().parents[2]
 # take seconds to simulate.
 _STORY = (
     "matplotlib.pyplot",
+    "utils.drive",
     "utils.films",
     "utils.plots",
     "utils.recording",
