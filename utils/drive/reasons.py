@@ -80,9 +80,14 @@ def brakings(drive: Drive) -> Iterator[Braking]:
     for first, last in _spans(drive):
         moment = drive.moments[first]
         cause = moment.decision.cause
-        needless = not _is_needed(drive, first)
-        reason = _mistaken(drive, first, cause) if needless else _meant(drive, first, cause)
-        yield Braking(first, last, moment.seen or 0, moment.decision.gap, needless, reason)
+        needed = _needed(drive, first)
+        reason = _meant(drive, first, cause, needed)
+        if not reason:
+            reason = _mistaken(drive, first, cause)
+            if needed:  # by chance, and nobody is accused
+                other = WORDS[drive.street.kind_of(min(needed))]
+                reason += f", and {other} is in the way, too"
+        yield Braking(first, last, moment.seen or 0, moment.decision.gap, not needed, reason)
 
 
 def _spans(drive: Drive) -> list[tuple[int, int]]:
@@ -98,14 +103,16 @@ def _spans(drive: Drive) -> list[tuple[int, int]]:
     return spans
 
 
-def _is_needed(drive: Drive, first: int) -> bool:
+def _needed(drive: Drive, first: int) -> set[int]:
+    """Identities of all that would have the planner brake, about then."""
     numbers = range(max(first - AROUND, 0), min(first + AROUND + 1, len(drive.moments)))
-    return any(
-        room(thing, drive.moments[number].speed, WIDER)
-        <= FARTHER * needed_room(thing, drive.moments[number].speed)
+    return {
+        obstacle.identity
         for number in numbers
-        for _, thing in true_things(drive.world(number))
-    )
+        for obstacle, thing in true_things(drive.world(number))
+        if room(thing, drive.moments[number].speed, WIDER)
+        <= FARTHER * needed_room(thing, drive.moments[number].speed)
+    }
 
 
 def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.ndarray]:
@@ -151,16 +158,15 @@ def _mistaken(drive: Drive, number: int, cause: Thing) -> str:
     return f"box of {first} beside our lane reaches into it"
 
 
-def _meant(drive: Drive, number: int, cause: Thing) -> str:
-    """What a braking with a reason was for."""
-    classes, objects = contents(drive, number, cause)
+def _meant(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:
+    """What a braking with a reason was for; empty where that is not in the box."""
+    _, objects = contents(drive, number, cause)
     identities, returns = np.unique(objects[objects > 0], return_counts=True)
-    if not len(identities):
-        kind = KINDS[int(np.bincount(classes).argmax())] if len(classes) else ""
-        return MISTAKEN.get(kind, "a box with nothing in it") + ", just before a real one"
-    thing = WORDS[drive.street.kind_of(int(identities[returns.argmax()]))]
-    now = Thing(cause.corners)
-    comes = not np.isfinite(room(now, drive.moments[number].speed))
+    held = [int(identities[row]) for row in np.argsort(-returns) if identities[row] in needed]
+    if not held:
+        return ""
+    thing = WORDS[drive.street.kind_of(held[0])]
+    comes = not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed))
     return f"{thing} about to come into our lane" if comes else f"{thing} in our lane"
 
 

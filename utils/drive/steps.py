@@ -116,14 +116,13 @@ def _large(labels: np.ndarray) -> np.ndarray:
 
 
 def _bounds(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """The smallest rectangle of any direction around each cluster, as a box."""
+    """Boxes along x and y, by the bounds that a library finds."""
     import shapely
 
     found = []
     for label in np.unique(labels[labels > 0]):
         own = points[labels == label]
-        # A hair around it: a rectangle without width has no corners.
-        spot = shapely.multipoints(own[:, :2]).buffer(0.01, quad_segs=1)
-        floor = shapely.get_coordinates(shapely.oriented_envelope(spot))[:4]
+        west, south, east, north = shapely.bounds(shapely.multipoints(own[:, :2]))
+        floor = ((west, south), (east, south), (east, north), (west, north))
         found.append([(*corner, z) for z in (own[:, 2].min(), own[:, 2].max()) for corner in floor])
     return np.reshape(found, (-1, 8, 3)).astype(float)
