@@ -151,7 +151,12 @@ for notebook, functions in useful.items():
         print(f"{name:33} in {notebook:26} {state}")
 
 # %% [markdown]
-# That is handy for trying things out. For handing in there is one rule: **the judge sees this notebook only.** A `detect_obstacles` that loads functions from elsewhere finds nothing there. So copy what you need into the next cell, or into as many cells as you like: imports included, and the helper functions that yours call, such as `plane_through` and `turned`.
+# That is handy for trying things out. For handing in there is one rule: **the judge sees this notebook only.** A `detect_obstacles` that loads functions from elsewhere finds nothing there. So what you need has to stand here, with its imports and the functions that it calls. With `paste` all of that is printed, ready for the next cell, or for as many cells as you like: a function with `load_my_functions("09_filter_clusters.ipynb", paste="filter_clusters")`, or everything once it is ready:
+#
+# ```python
+# for notebook, functions in useful.items():
+#     load_my_functions(notebook, paste=functions)
+# ```
 #
 # <details><summary>Spare parts, if one of your functions is missing or wrong</summary>
 #
