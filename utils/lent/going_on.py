@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from utils.lent import is_written
 from utils.lent.again import Plan, free_names, is_about_ones_own, key_of_cell, plan
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
@@ -89,8 +90,9 @@ class GoingOn:
             self._broken.add(place)  # until it comes to its end
             wrong = self._wrong_at(place)
             self._lender.put_aside(wrong & self._switched)
-            if any(self._failed[name].hangs for name in wrong - self._switched):
-                self._do_without(self._plan(place))
+            hanging = [name for name in wrong - self._switched if self._failed[name].hangs]
+            if hanging and (found := self._plan(place, hanging)).functions:
+                self._do_without(found)
         self._say_of(free_names(source))
 
     def after_cell(self, result: ExecutionResult | None) -> None:
@@ -134,7 +136,7 @@ class GoingOn:
         function = self._lender.mine(exercise)
         if passed:
             self._cell.passed.add(exercise)
-        elif self._cell.place is not None and function is not None:
+        elif self._cell.place is not None and function is not None and is_written(function):
             self._failed[exercise] = _Failed(function, self._cell.place, hangs)
 
     def _wrong_at(self, place: int) -> set[str]:
