@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grader.course.build import COMMON_CELLS, HIDDEN, leaks
-from grader.course.lessons import Lesson, all_lessons
+from grader.course.lessons import Lesson, all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.course.writing import write_atomically
 
@@ -27,6 +27,13 @@ ABOUT = (
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 400_000  # bytes
+# Rooms that some lessons enter, and what stands in those.
+ENTERED = {
+    "utils/drive": "utils.drive",
+    "utils/replays": "replay",
+    "utils/replays/clustering": "replay(euclidean_clustering)",
+    "utils/replays/ransac": "replay(ransac_",
+}
 
 
 class NotReleased(Exception):
@@ -117,15 +124,16 @@ def setup_cell(lesson: str) -> str:
 def packed_tools(lesson: str) -> bytes:
     """``utils`` for one lesson, compressed; the same bytes for the same files."""
     others = {f"lesson_{one.number}" for one in all_lessons() if one.name != lesson}
-    (released,) = [one.released for one in all_lessons() if one.name == lesson]
-    if b"utils.drive" not in released.read_bytes():
-        others.add("drive")  # where nobody drives, the car stays at home
+    text = find_lesson(lesson).released.read_text("utf-8")
+    closed = [room for room, sign in ENTERED.items() if sign not in text]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):
             name = path.relative_to(PROJECT)
             of_others = others & {name.stem, *name.parts}
             if path.suffix not in (".py", ".html", ".json") or of_others or not path.is_file():
+                continue
+            if any(name.is_relative_to(room) for room in closed):
                 continue
             entry = tarfile.TarInfo(name.as_posix())
             content = path.read_bytes()
