@@ -12,7 +12,7 @@ from utils.tracebacks import show_no_frames_of_ours
 # and turned back in hue: blue stays blue. JupyterLab, then VS Code.
 # A page that a notebook is exported to has open what the notebook folds: one line of it is enough,
 # and can be dragged open. Lines of code are wrapped there, and in JupyterLab on a phone, which
-# shows 45 columns of the hundred that code may have.
+# shows 43 columns of the hundred that code may have.
 STYLE = """<style>
 [data-jp-theme-light="false"] :is(.jp-RenderedImage, .jp-RenderedMarkdown) img,
 [data-jp-theme-light="false"] .jp-RenderedHTML iframe[srcdoc],
