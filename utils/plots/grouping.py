@@ -84,7 +84,7 @@ def clusters(
     if names:
         _write_names(axes, across, up, labels)
     count, noise = len(np.unique(labels[labels > 0])), np.count_nonzero(labels <= 0)
-    key(axes, counted(count, "cluster"), "o", colour=BLUE)
+    key(axes, counted(count, "cluster"))  # without a dot: they are of all colours
     if noise:
         key(axes, counted(noise, "noise point"), "x", colour=PALE)
     note(axes, remark)
