@@ -14,6 +14,7 @@ HEAVY = {"matplotlib", "pyvista", "vtk", "vtkmodules", "scipy", "sklearn", "rosb
 WITHOUT_A_PICTURE = (
     "utils",
     "utils.boxes",
+    "utils.breaking",
     "utils.checks",
     "utils.clouds",
     "utils.datasets",

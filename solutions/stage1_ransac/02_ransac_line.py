@@ -43,6 +43,7 @@ import numpy as np
 from ipywidgets import FloatSlider, IntSlider, SelectionSlider, interact
 
 from utils import check, load_cloud, plots, predict, replay, show_table
+from utils.breaking import show_broken, tell_apart
 
 
 def quiz_points(rng):
@@ -719,6 +720,23 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
 # 2. Stop early: after each new best line, compute from its inlier ratio how many rounds suffice for 99 %.
 # 3. Draw the second point of a sample only among the quarter of the points that is nearest to the first, or only among the farthest quarter. Try both on the twenty points with ten rounds and many seeds. How often are fewer than eight of the wall's ten points inliers? Explain the difference.
 #    <details><summary>An answer</summary>Far apart is better: roughness turns a short line more than a long one. Of 1,000 runs, 10 % missed the wall in this way with any second point, 18 % with a near one and 3 % with a far one. On a street with many things it may be the other way round: neighbours more often belong to the same wall.</details>
+
+# %% [markdown]
+# ### Breaking it on purpose
+#
+# *Whoever tests looks for the smallest input on which right and wrong part.*
+#
+# Three colleagues have sent in their `ransac_line`, without the code. Here is what they find in fifteen points, with a threshold of 0.5 m; yours is beside them. What is wrong with A, B and C?
+
+# %%
+show_broken(ransac_line)
+
+# %% [markdown]
+# Write a cloud for each on which it answers otherwise than yours, in as few rows as you can; best is one that accuses nobody else. This is not graded. As soon as a cloud tells a version, you read what it does.
+
+# %%
+# For each of A, B and C its rows, a point [x, y] each: A=[[...], [...]].
+tell_apart(ransac_line, A=None, B=None, C=None)
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -46,6 +46,7 @@ import numpy as np
 from ipywidgets import FloatSlider, interact
 
 from utils import check, is_written, load_cloud, plots, predict, replay, show_table
+from utils.breaking import show_broken, tell_apart
 from utils.scene3d import Scene
 
 # One row per return: x forward, y left, z up in metres from the sensor, and intensity.
@@ -567,6 +568,23 @@ drive_with(2.5) if is_written(euclidean_clustering) else print(
 # 2. Let only points with at least five neighbours pass on their label. That is DBSCAN proper. Does it part the two pedestrians? What becomes of the points that are never reached?
 # 3. Find the neighbours with your `KdTree` from lesson 04 (its tolerance is `<=`, ours `<`). At how many points does it overtake NumPy?
 # 4. Count how often points enter the queue if they are labelled on leaving. Begin with the seven points, and stop at a thousand entries.
+
+# %% [markdown]
+# ### Breaking it on purpose
+#
+# *Whoever tests looks for the smallest input on which right and wrong part.*
+#
+# Three colleagues have sent in their `euclidean_clustering`, without the code. Here is what they make of sixteen points, with a threshold of 0.8 m; yours is beside them. What is wrong with A, B and C?
+
+# %%
+show_broken(euclidean_clustering)
+
+# %% [markdown]
+# Write a cloud for each on which it answers otherwise than yours, in as few rows as you can; best is one that accuses nobody else. This is not graded. As soon as a cloud tells a version, you read what it does.
+
+# %%
+# For each of A, B and C its rows, a point [x, y, z] each: A=[[...], [...]].
+tell_apart(euclidean_clustering, A=None, B=None, C=None)
 
 # %% [markdown] tags=["footer"]
 # (footer)

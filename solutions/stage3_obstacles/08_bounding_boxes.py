@@ -40,6 +40,7 @@ import numpy as np
 from ipywidgets import IntSlider, interact
 
 from utils import check, load_cloud, plots, predict
+from utils.breaking import show_broken, tell_apart
 from utils.datasets import DATA
 
 cloud = load_cloud("cloud.txt")
@@ -494,6 +495,23 @@ drive_with(12) if is_written(get_bounding_boxes) else print("get_bounding_boxes 
 # 1. Get rid of the loop: sort the points by label and use `np.minimum.reduceat`. How much faster is it with a thousand clusters?
 # 2. Give every box a margin of 0.2 m and count which of them now overlap. What does that say about the free gaps in this street?
 # 3. Replace minimum and maximum by percentiles. How many points of the street leave their boxes?
+
+# %% [markdown]
+# ### Breaking it on purpose
+#
+# *Whoever tests looks for the smallest input on which right and wrong part.*
+#
+# Three colleagues have sent in their `get_bounding_boxes`, without the code. Here are their boxes from above: dots have label 1, squares 3, and crosses 0. What is wrong with A, B and C?
+
+# %%
+show_broken(get_bounding_boxes)
+
+# %% [markdown]
+# Write a cloud for each on which it answers otherwise than yours, in as few rows as you can; best is one that accuses nobody else. This is not graded. As soon as a cloud tells a version, you read what it does.
+
+# %%
+# For each of A, B and C its rows, a point and its label [x, y, z, label] each: A=[[...], [...]].
+tell_apart(get_bounding_boxes, A=None, B=None, C=None)
 
 # %% [markdown] tags=["footer"]
 # (footer)

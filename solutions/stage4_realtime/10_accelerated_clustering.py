@@ -49,6 +49,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from utils import check, is_written, load_cloud, plots, predict, show_table
+from utils.breaking import show_broken, tell_apart
 
 cloud = load_cloud("cloud.txt")  # one row per return: x, y, z in metres, and intensity
 own_car = np.hypot(cloud[:, 0], cloud[:, 1]) < 2
@@ -1037,6 +1038,23 @@ if "yours" in times:
                   "For cells and for pairs the threshold means opposite things. Larger cells are "
                   "fewer cells, and fewer pairs of them are open; a list of all pairs of points "
                   "grows.")
+
+# %% [markdown]
+# ### Breaking it on purpose
+#
+# *Whoever tests looks for the smallest input on which right and wrong part.*
+#
+# Three colleagues have made clustering quicker, and keep the code to themselves. Here is what they make of fourteen points, with a threshold of 0.8 m; yours is beside them. What is wrong with A, B and C?
+
+# %%
+show_broken(euclidean_clustering_accelerated)
+
+# %% [markdown]
+# Write a cloud for each on which it answers otherwise than yours, in as few rows as you can; best is one that accuses nobody else. This is not graded. As soon as a cloud tells a version, you read what it does.
+
+# %%
+# For each of A, B and C its rows, a point [x, y, z] each: A=[[...], [...]].
+tell_apart(euclidean_clustering_accelerated, A=None, B=None, C=None)
 
 # %% [markdown] tags=["footer"]
 # (footer)

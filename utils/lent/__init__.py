@@ -31,6 +31,8 @@ _HERE = Path(__file__).resolve().parent
 CELLS = _HERE / "cells.json"
 # Of the lesson that lends in this kernel, by its number.
 _LENDING: dict[str, GoingOn] = {}
+# What asks functions on its own account, and not on the notebook's.
+_UNHEARD = ("check", "replay", "show_broken", "tell_apart")
 
 
 class NotLent(NotImplementedError):
@@ -264,7 +266,7 @@ class Lender:
 
 
 class Recorder(Lender):
-    """Writes down what the functions of a solved notebook answer, but for `check` and `replay`.
+    """Writes down what the functions of a solved notebook answer, but for what `_UNHEARD` asks.
 
     Parameters
     ----------
@@ -292,7 +294,7 @@ class Recorder(Lender):
                 if callable(function) and not hasattr(function, "is_recorded"):
                     # Without what was stored before and may be lent already.
                     self._namespace[name] = self._lending(name, own(function), answers)
-        for name in ("check", "replay"):
+        for name in _UNHEARD:
             asks = self._namespace.get(name)
             if callable(asks) and not hasattr(asks, "is_unheard"):
                 self._namespace[name] = self._unheard(asks)

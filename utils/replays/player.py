@@ -84,9 +84,8 @@ def play(run: Run) -> None:
     """
     import ipywidgets
 
-    if run.remark:
-        show(f"<p>{escape(run.remark)}</p>", run.remark)
     if not run.steps:
+        show(f"<p>{escape(run.remark)}</p>", run.remark)
         return
     count, begin = len(run.steps), run.wrong.step + 1 if run.wrong else 1
 
@@ -118,6 +117,8 @@ def _show(run: Run, position: int) -> None:
             f"✗ <b>The first wrong step.</b> {escape(wrong.why)}</div>"
         )
         text += f"\n✗ The first wrong step. {wrong.why}"
+    if run.remark:  # with each step: what stands before a slider is not kept where it is exported
+        html, text = f"{html}<p>{escape(run.remark)}</p>", f"{text}\n{run.remark}"
     show(html, text)
 
 

@@ -54,7 +54,8 @@ def walk(
 
     def step(number: int) -> Step:
         says = told(root, visited, number, target, tolerance)
-        return Step(f"{says}.".replace("..", "."), lambda title: draw(number, title))
+        says = f"{says[0].upper()}{says[1:]}".removesuffix(".") + "."
+        return Step(says, lambda title: draw(number, title))
 
     def draw(number: int, title: str) -> None:
         import matplotlib.pyplot as plt

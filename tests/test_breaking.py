@@ -1,0 +1,168 @@
+"""Broken versions are wrong as they say, and the smallest cloud is the smallest."""
+
+from collections import deque
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import cdist
+
+from tests.lessons.taught import source_of
+from utils import breaking
+from utils.breaking.puzzles import PUZZLES
+
+# What students write, by the letter of the version that shall answer as that does.
+THE_SAME = {
+    "euclidean_clustering": {
+        "A": "forgets the height",
+        "B": "compares with the first point of the cluster only",
+        "C": "squared distance against plain threshold",
+    },
+    "ransac_line": {"C": "the tolerance is squared"},
+    "get_bounding_boxes": {
+        "A": "minimum and maximum started at zero",
+        "C": "a box around label 0, too",
+    },
+}
+TELLING = {
+    "ransac_line": {
+        "A": [[1, 0], [1, 3]],
+        "B": [[0, 0], [5, 2]],
+        "C": [[0, 0], [4, 0], [2, 0.4]],
+    },
+    "euclidean_clustering": {
+        "A": [[0, 0, 0], [0, 0, 2]],
+        "B": [[0, 0, 0], [0.7, 0, 0], [1.4, 0, 0]],
+        "C": [[0, 0, 0], [0.85, 0, 0]],
+    },
+    "get_bounding_boxes": {"A": [[1, 1, 1, 1]], "B": [[1, 1, 1, 2]], "C": [[1, 1, 1, 0]]},
+    "euclidean_clustering_accelerated": {
+        "A": [[0.05, 0, 0], [0.42, 0, 0], [1.2, 0, 0]],
+        "B": [[0, 0, 0], [0.9, 0, 0]],
+        "C": [[0, 0, 0], [0, 0, 2]],
+    },
+}
+
+
+def accelerated(cloud, threshold=0.5):
+    """By SciPy, without any of the lesson's short cuts."""
+    return connected_components(cdist(cloud, cloud) < threshold)[1] + 1
+
+
+def function_of(exercise, name="the hints followed to the letter"):
+    if exercise == "euclidean_clustering_accelerated":
+        accelerated.__name__ = exercise
+        return accelerated
+    space = {"np": np, "deque": deque}
+    helpers = ("line_through", "point_line_distance") if exercise == "ransac_line" else ()
+    for helper in helpers:
+        exec(source_of(helper), space)
+    exec(source_of(exercise, name), space)
+    return space[exercise]
+
+
+def some_cloud(rng, exercise, count):
+    """Points that often lie close together, or above each other, or on a grid."""
+    size = PUZZLES[exercise].shown.shape[1]
+    cloud = rng.integers(0, 9, (count, size)) * rng.choice([0.2, 0.31, 0.45])
+    if exercise == "get_bounding_boxes":
+        cloud[:, 3] = rng.integers(0, 4, count)
+    return cloud + rng.choice([0, 1]) * rng.normal(0, 0.05, cloud.shape) * [1, 1, 1, 0][:size]
+
+
+def differs(exercise, letter, function, cloud):
+    puzzle = PUZZLES[exercise]
+    right = puzzle.seen_as(puzzle.ask(function, cloud))
+    wrong = puzzle.seen_as(puzzle.versions[letter].answer(function, cloud))
+    return right.shape != wrong.shape or not np.allclose(right, wrong)
+
+
+EACH = [(exercise, letter) for exercise, one in PUZZLES.items() for letter in one.versions]
+
+
+@pytest.mark.parametrize(("exercise", "letter"), EACH)
+def test_the_smallest_cloud_tells_and_no_smaller_one_does(exercise, letter):
+    function, cloud = function_of(exercise), np.array(TELLING[exercise][letter], dtype=float)
+    smallest = PUZZLES[exercise].versions[letter].smallest
+    assert len(cloud) == smallest and differs(exercise, letter, function, cloud)
+    rng = np.random.default_rng(1)
+    for count in range(1, smallest):
+        for _ in range(40 if exercise == "ransac_line" else 400):
+            assert not differs(exercise, letter, function, some_cloud(rng, exercise, count))
+
+
+@pytest.mark.parametrize(("exercise", "letter"), EACH)
+def test_the_picture_shows_that_it_is_wrong(exercise, letter):
+    assert differs(exercise, letter, function_of(exercise), PUZZLES[exercise].shown)
+
+
+@pytest.mark.parametrize(
+    ("exercise", "letter"), [(one, letter) for one in THE_SAME for letter in THE_SAME[one]]
+)
+def test_a_version_answers_as_who_makes_that_mistake(exercise, letter):
+    puzzle, right = PUZZLES[exercise], function_of(exercise)
+    wrong = function_of(exercise, THE_SAME[exercise][letter])
+    rng, told = np.random.default_rng(2), 0
+    for _ in range(10 if exercise == "ransac_line" else 60):
+        cloud = some_cloud(rng, exercise, 8)
+        made = puzzle.seen_as(puzzle.versions[letter].answer(right, cloud))
+        written = puzzle.seen_as(puzzle.ask(wrong, cloud))
+        assert made.shape == written.shape and np.allclose(made, written)
+        told += differs(exercise, letter, right, cloud)
+    assert told
+
+
+def test_it_says_who_is_told_and_what_more_there_is_to_find(capsys):
+    cluster = function_of("euclidean_clustering")
+    chain = [[0, 0, 0], [0.7, 0, 0], [1.4, 0, 0]]
+    breaking.tell_apart(cluster, A=chain, B=[*chain, [9, 9, 9]], C=[[0, 0, 0], [0.85, 0, 0]])
+    a, b, c = capsys.readouterr().out.splitlines()
+    assert a == "A ✗ With these 3 rows A answers as yours does."
+    assert b.startswith("B ✓ Told with 4 rows.") and b.endswith("3 rows can be enough.")
+    assert c == "C ✓ Told with 2 rows. It compares the squared distance with the threshold."
+    breaking.tell_apart(function_of("ransac_line"), A=[[1, 0], [1, 3]])
+    a, b, c = capsys.readouterr().out.splitlines()
+    assert a.endswith("B is wrong with this cloud, too.") and b == "B … no cloud yet."
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("abc", "list of at most 50 rows [x, y, z]"),
+        ([1, 2, 3], "list of at most 50 rows"),
+        ([[1, 2]], "list of at most 50 rows"),
+        (np.zeros((51, 3)), "list of at most 50 rows"),
+        ([[1, 2, float("nan")]], "Finite numbers"),
+    ],
+)
+def test_what_is_no_cloud_gets_a_sentence(given, said, capsys):
+    breaking.tell_apart(function_of("euclidean_clustering"), A=given)
+    assert said in capsys.readouterr().out
+
+
+def test_who_breaks_himself_a_stub_and_a_stranger(capsys):
+    def euclidean_clustering(cloud, threshold=0.5):
+        raise KeyError("mine")
+
+    breaking.tell_apart(euclidean_clustering, A=[[0, 0, 0]])
+    assert "Your own function raised KeyError" in capsys.readouterr().out
+    breaking.show_broken(euclidean_clustering)
+    assert "Your own function raised KeyError" in capsys.readouterr().out
+    space = {}
+    exec("def ransac_line(*about):\n    raise NotImplementedError", space)
+    breaking.tell_apart(space["ransac_line"], A=[[0, 0]])
+    assert "not written yet" in capsys.readouterr().out
+    with pytest.raises(LookupError, match="no broken versions of 'len'"):
+        breaking.show_broken(len)
+    with pytest.raises(TypeError, match="no version Z"):
+        breaking.tell_apart(function_of("euclidean_clustering"), Z=[[0, 0, 0]])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", PUZZLES)
+def test_four_pictures_are_drawn(exercise, monkeypatch):
+    monkeypatch.setattr(plt, "show", lambda: None)
+    breaking.show_broken(function_of(exercise))
+    titles = [axes.get_title(loc="left") for axes in plt.gcf().axes]
+    assert titles == ["yours", "A", "B", "C"]

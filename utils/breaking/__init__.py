@@ -1,0 +1,127 @@
+"""Breaking it on purpose: versions that are wrong, seen in pictures, to be told by small clouds.
+
+>>> show_broken(euclidean_clustering)
+>>> tell_apart(euclidean_clustering, A=[[0, 0, 0], [0, 0, 2]])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from utils.breaking.puzzles import PUZZLES, Puzzle
+from utils.lent import is_written, own
+from utils.showing import show
+
+MOST_ROWS = 50
+
+
+def show_broken(function: Callable) -> None:
+    """Draw what a function of yours answers, and what broken versions of it do.
+
+    Parameters
+    ----------
+    function : callable
+        `ransac_line`, `euclidean_clustering`, `get_bounding_boxes` or
+        `euclidean_clustering_accelerated`.
+    """
+    if (puzzle := _puzzle_of(function)) is None:
+        return
+    import matplotlib.pyplot as plt
+
+    function, shown = own(function), puzzle.shown
+    try:
+        right = puzzle.ask(function, shown)
+        puzzle.seen_as(right)
+        answers = {letter: one.answer(function, shown) for letter, one in puzzle.versions.items()}
+    except Exception as error:
+        print(_raised(error))
+        return
+    _, grid = plt.subplots(2, 2, figsize=(8.5, 7), layout="compressed")
+    for (name, answer), axes in zip({"yours": right, **answers}.items(), grid.flat, strict=True):
+        puzzle.draw(shown, answer, right, axes)
+        axes.set_title(name, loc="left", fontsize=12, fontweight="bold")
+    plt.show()
+
+
+def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
+    """Say which broken versions a cloud tells from a function of yours.
+
+    Parameters
+    ----------
+    function : callable
+        As for `show_broken`.
+    **clouds : array_like
+        By the letter of the version. None, or an empty one, where there is none yet.
+    """
+    if (puzzle := _puzzle_of(function)) is None:
+        return
+    unknown = [letter for letter in clouds if letter not in puzzle.versions]
+    if unknown:
+        raise TypeError(f"There is no version {unknown[0]}: they are {', '.join(puzzle.versions)}.")
+    lines = {
+        letter: _told(puzzle, own(function), letter, clouds.get(letter))
+        for letter in puzzle.versions
+    }
+    rows = "".join(f"<p><b>{letter}</b> {escape(line)}</p>" for letter, line in lines.items())
+    show(rows, "\n".join(f"{letter} {line}" for letter, line in lines.items()))
+
+
+def _puzzle_of(function: Callable) -> Puzzle | None:
+    name = getattr(own(function), "__name__", str(function))
+    if name not in PUZZLES:
+        raise LookupError(
+            f"There are no broken versions of {name!r}, only of {', '.join(PUZZLES)}."
+        )
+    if not is_written(function):
+        print(f"{name} is not written yet: there is nothing to break.")
+        return None
+    return PUZZLES[name]
+
+
+def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | None) -> str:
+    """What a cloud says about a version."""
+    if given is None or len(given) == 0:
+        return "… no cloud yet."
+    try:
+        cloud = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        cloud = np.empty(0)
+    if cloud.ndim != 2 or cloud.shape[1] != puzzle.shown.shape[1] or len(cloud) > MOST_ROWS:
+        return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
+    if not np.isfinite(cloud).all():
+        return "✗ Finite numbers, please: the versions differ on ordinary points."
+    version, others = puzzle.versions[letter], [one for one in puzzle.versions if one != letter]
+    try:
+        right = puzzle.seen_as(puzzle.ask(function, cloud))
+        differ = [
+            one
+            for one in (letter, *others)
+            if not _same(right, puzzle.seen_as(puzzle.versions[one].answer(function, cloud)))
+        ]
+    except Exception as error:
+        return f"✗ {_raised(error)}"
+    if letter not in differ:
+        return f"✗ With these {_rows(len(cloud))} {letter} answers as yours does."
+    said = f"✓ Told with {_rows(len(cloud))}. {version.says}"
+    if len(cloud) > version.smallest:
+        said += f" {_rows(version.smallest).capitalize()} can be enough."
+    if also := [one for one in differ if one != letter]:
+        is_wrong = "is" if len(also) == 1 else "are"
+        said += f" {' and '.join(also)} {is_wrong} wrong with this cloud, too."
+    return said
+
+
+def _raised(error: Exception) -> str:
+    return f"Your own function raised {type(error).__name__}, so nothing can be compared: {error}"
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    return one.shape == other.shape and bool(np.allclose(one, other))
+
+
+def _rows(count: int) -> str:
+    return "1 row" if count == 1 else f"{count} rows"
