@@ -15,7 +15,7 @@ from grader.course.lessons import all_lessons, find_lesson, load_reference
 from grader.course.variants import ANOTHER_CELL, variants_of
 from grader.judging.asking import run_tests
 from tests.students import student_with
-from utils.checks.lesson_12 import cubes
+from utils.checks.lesson_12.match_boxes import cubes
 
 SEED = 7
 MOST = 0.1  # of an exercise's points, for an answer that does not look at its task

@@ -26,7 +26,7 @@ from utils.checks.detections import (
     assert_sees,
     detected,
 )
-from utils.checks.lesson_12 import (
+from utils.checks.lesson_12.match_boxes import (
     assert_finds_again,
     assert_matched,
     assert_one_to_one,

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from utils.boxes import Box, plane_iou
 from utils.scoring.counting import match
 from utils.simulator.frames import Frame
+from utils.tables import show_table
 
 OVERLAPS = (0.3, 0.5, 0.7)
 ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
@@ -146,7 +147,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Card:
-    """What is said of boxes; shows itself in a notebook, and prints elsewhere."""
+    """What is said of boxes, row by row."""
 
     title: str
     rows: tuple[Row, ...]
@@ -154,25 +155,10 @@ class Card:
     def __getitem__(self, name: str) -> Row:
         return next(row for row in self.rows if row.name == name)
 
-    def __str__(self) -> str:
-        head = "".join(f"{f'IoU {overlap}':>14}" for overlap in OVERLAPS)
-        lines = [f"{self.title}\n{'':22}{'of':>5}{head}"]
-        for row in self.rows:
-            lines.append(f"{row.name:22}{row.count:5}" + "".join(f"{t:>14}" for t in row.texts))
-        return "\n".join(lines)
-
-    def _repr_html_(self) -> str:
-        head = "".join(f"<th>IoU {overlap}</th>" for overlap in OVERLAPS)
-        body = "".join(
-            f"<tr><th style='text-align:left'>{row.name}</th><td>{row.count}</td>"
-            + "".join(f"<td>{text.replace(' ', '&nbsp;')}</td>" for text in row.texts)
-            + "</tr>"
-            for row in self.rows
-        )
-        return (
-            f"<table><caption>{self.title}</caption>"
-            f"<thead><tr><th></th><th>of</th>{head}</tr></thead><tbody>{body}</tbody></table>"
-        )
+    def show(self) -> None:
+        """Show the card as a table."""
+        headings = [self.title, "of", *(f"IoU {overlap}" for overlap in OVERLAPS)]
+        show_table(headings, [[row.name, row.count, *row.texts] for row in self.rows])
 
 
 def score_card(

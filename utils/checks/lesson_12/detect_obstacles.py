@@ -1,0 +1,270 @@
+"""Visible checks of `detect_obstacles`: each property is looked at where cars are found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import CodeType, SimpleNamespace
+
+import numpy as np
+
+from utils.checks.core import noted, visible
+from utils.checks.detections import (
+    as_boxes,
+    assert_boxes_real,
+    assert_boxes_turned,
+    assert_cars_found,
+    assert_cars_seen,
+    assert_dry,
+    assert_nothing_at_sensor,
+    assert_own_car_free,
+    assert_people_found,
+    assert_reached,
+    assert_sees,
+    assert_upright,
+    detected,
+)
+from utils.checks.failures import fixed
+from utils.checks.scans import (
+    car_across,
+    crossing,
+    own_car,
+    rain,
+    square,
+    street,
+    street_before,
+    walk,
+    with_invalid,
+)
+from utils.checks.using import functions_used
+from utils.checks.vocabulary import (
+    CheckFailed,
+    assert_left_alone,
+    brief,
+    observe,
+)
+
+SQUARE, WALK = 25, 7
+
+
+@visible(
+    "detect_obstacles",
+    weight=5,
+    title="Each car that stands free near the sensor has a box of its own",
+    why="This is what the other eleven lessons were for.",
+    hint="Follow the returns near that place: how many are left after each step, and at which do "
+    "they vanish?",
+)
+def finds_cars(detect_obstacles: Callable) -> None:
+    frames = [street(), street_before()]
+    assert_cars_found([detected(detect_obstacles, frame) for frame in frames], frames)
+
+
+@visible(
+    "detect_obstacles",
+    weight=9,
+    title="People who stand free near the sensor have boxes, too",
+    why="They are the smallest that there is on a road, and the ones that matter most.",
+    hint="How many points of a person are left before clustering? min_num_points must be smaller.",
+)
+def finds_people(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, walk(WALK))
+    assert_people_found(detected(detect_obstacles, walk(WALK)), walk(WALK))
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="A car across the road has a box, 8 to 10 m ahead",
+    why="At 30 km/h a car needs 9 m to stop: who looks less far brakes too late.",
+    hint="Where does your region of interest end? It must reach 10 m ahead, and a little more.",
+)
+def looks_far_enough(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    frame = crossing(SQUARE)
+    assert_reached(detected(detect_obstacles, frame), car_across(frame), frame)
+
+
+@visible(
+    "detect_obstacles",
+    weight=3,
+    title="Boxes are around obstacles, not around road or nothing",
+    why="A car that brakes for its own road will not be driven for long.",
+    hint="Look at the ghosts from the side: road that rises above the ground level, where a plane "
+    "(lesson 03) would rise with it? Pieces of a few points, which filter_clusters should have "
+    "removed?",
+)
+def leaves_the_road(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, street_before())
+    assert_boxes_real([detected(detect_obstacles, street_before())], [street_before()])
+
+
+@visible(
+    "detect_obstacles",
+    weight=9,
+    title="Does not take its own car for an obstacle",
+    why="An obstacle at 0 m means full braking, for ever.",
+    hint="Call remove_ego_returns with the whole box of the own car, from (-1.5, -1.7, -1.0) to "
+    "(2.6, 1.7, -0.4), before anything is averaged or clustered. Here the scanner sees bonnet "
+    "and roof from edge to edge.",
+)
+def forgets_itself(detect_obstacles: Callable) -> None:
+    frame = square(SQUARE)
+    answer = detect_obstacles(np.vstack([frame.cloud, own_car(SQUARE)]))
+    assert_sees(answer, frame)
+    assert_own_car_free(answer, frame)
+
+
+@visible(
+    "detect_obstacles",
+    weight=9,
+    title="Boxes turn with the cars",
+    why="A car that pulls out of a parking space stands at an angle; a box along the axes "
+    "would close the lane beside it.",
+    hint="Let get_oriented_boxes of lesson 11 fit the boxes: it turns each with its points, seen "
+    "from above.",
+)
+def turns_boxes(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    assert_boxes_turned(detected(detect_obstacles, square(SQUARE)), square(SQUARE))
+
+
+@visible(
+    "detect_obstacles",
+    weight=2,
+    title="Boxes stand upright: a level floor, right angles, a corner above each corner",
+    why="Whoever plans a path asks of each corner how high it stands and what lies between.",
+    hint="Let the last step be your get_oriented_boxes of lesson 11: it turns about z alone.",
+)
+def stands_upright(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    assert_upright(detected(detect_obstacles, square(SQUARE)))
+
+
+@visible(
+    "detect_obstacles",
+    weight=11,
+    title="Single returns in the air, such as drops of rain, are no obstacles",
+    why="In a shower the car would stop at every drop.",
+    hint="filter_clusters returns new labels, without the clusters of a few points. Are these the "
+    "labels that get boxes?",
+)
+def ignores_rain(detect_obstacles: Callable) -> None:
+    frame, drops = square(SQUARE), rain(SQUARE)
+    answer = detect_obstacles(np.vstack([frame.cloud, drops]))
+    assert_sees(answer, frame)
+    assert_dry(answer, frame, drops)
+
+
+@visible(
+    "detect_obstacles",
+    weight=2,
+    title="Copes with returns that are not a number, and hundreds at (0, 0, 0)",
+    why="Whatever the scanner loses comes as such a row. A stream has no pause button.",
+    hint="Let drop_invalid be the very first step.",
+)
+def drops_invalid(detect_obstacles: Callable) -> None:
+    frame = square(SQUARE)
+    answer = detect_obstacles(with_invalid(frame.cloud, 1))
+    assert_sees(answer, frame)
+    assert_nothing_at_sensor(answer, frame)
+
+
+@visible(
+    "detect_obstacles",
+    weight=1,
+    title="Takes an empty scan",
+    why="A bad frame must not stop the stream.",
+    hint="Return np.empty((0, 8, 3)) as soon as nothing is left, after every filter that can "
+    "leave nothing.",
+)
+def takes_an_empty_scan(detect_obstacles: Callable) -> None:
+    assert_cars_seen(detect_obstacles, square(SQUARE))
+    boxes = as_boxes(detect_obstacles(np.empty((0, 4))))
+    if len(boxes):
+        raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
+
+
+@visible(
+    "detect_obstacles",
+    weight=4,
+    title="Takes scans without intensity: three columns",
+    why="Not every scanner measures it, and a cloud may come from elsewhere.",
+    hint="Use cloud[:, :3] from the start.",
+)
+def takes_three_columns(detect_obstacles: Callable) -> None:
+    frame = square(SQUARE)
+    assert_cars_seen(detect_obstacles, frame)
+    assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
+
+
+@visible(
+    "detect_obstacles",
+    weight=1,
+    title="Leaves its input untouched",
+    why="The next cells score and draw the very cloud that the detector was given.",
+    hint="Choose rows with a mask, which makes a new array, and write into none that came in.",
+)
+def leaves_the_cloud(detect_obstacles: Callable) -> None:
+    cloud = square(SQUARE).cloud.copy()
+    cloud[::50, 3] = np.nan  # who mends a cloud in place, mends these
+    seen = observe(detect_obstacles, cloud)
+    assert_sees(seen.result, square(SQUARE))
+    assert_left_alone(seen, cloud)
+
+
+@noted(
+    "detect_obstacles",
+    title="Returns an array",
+    why="score and follow, in the next cells, choose boxes with a mask: a list takes none.",
+)
+def returns_an_array(detect_obstacles: Callable) -> None:
+    for cloud in (street_before().cloud.copy(), np.empty((0, 4))):
+        answer = detect_obstacles(cloud)
+        if np.shape(answer)[1:] != (8, 3) or not isinstance(answer, np.ndarray):
+            raise CheckFailed(
+                fixed(
+                    "np.array(boxes).reshape(-1, 8, 3) is an array also where there are no boxes."
+                ),
+                yours=brief(answer),
+            )
+
+
+@noted(
+    "detect_obstacles",
+    title="The four corners of the floor come first, or those of the roof",
+    why="score, in the next cells, takes the first four for the ground that a box covers.",
+)
+def has_the_floor_first(detect_obstacles: Callable) -> None:
+    for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
+        if np.ptp(box[:4, 2]) > 2e-3:
+            raise CheckFailed("The first four corners are not at one height.", yours=brief(box))
+
+
+@noted(
+    "detect_obstacles",
+    title="Stands in this notebook, with all that it calls",
+    why="The judge sees this notebook only. There the detector would find nothing and earn "
+    "nothing: paste what it needs into the cells above it.",
+)
+def stands_alone(detect_obstacles: Callable) -> None:
+    if name := _from_elsewhere(detect_obstacles):
+        raise CheckFailed(f"The detector uses {name}, which brings functions of another notebook.")
+
+
+def _from_elsewhere(function: Callable) -> str | None:
+    """The name by which a function, or one that it calls, reaches into another notebook."""
+    parts = [function, *functions_used(function).values()]
+    waiting = [(part.__code__, part.__globals__) for part in parts if hasattr(part, "__code__")]
+    while waiting:
+        code, names = waiting.pop(0)
+        waiting += [(inner, names) for inner in code.co_consts if isinstance(inner, CodeType)]
+        for name in code.co_names:
+            value = names.get(name)
+            inside = vars(value).values() if isinstance(value, SimpleNamespace) else [value]
+            # `load_my_functions` gives the functions of a notebook its name for a module.
+            homes = {str(getattr(one, "__module__", "")) for one in inside}
+            if name == "load_my_functions" or any(
+                home.endswith(".ipynb") and home != function.__module__ for home in homes
+            ):
+                return name
+    return None
