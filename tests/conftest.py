@@ -139,6 +139,8 @@ A_FEW_OF_MANY = {
     "test_many_recordings_of_any_content": (),
     "test_solved_notebook_runs_to_its_end_and_gives_what_is_lent": (),
     "test_untouched_notebook_runs_to_its_end": (),
+    "test_every_cell_below_a_wrong_answer_comes_to_its_end": (),
+    "test_a_right_answer_to_a_lesson_shows_no_banner": ("08",),
     "test_everything_that_a_lesson_allows_can_be_imported": (),
     "test_right_classes_earn_everything_in_the_judge": (
         "private helpers that call each other-in the cell",
