@@ -441,7 +441,7 @@ def interactive(monkeypatch):
 def test_begins_at_the_first_wrong_step_and_moves_by_buttons(shown, monkeypatch):
     made = interactive(monkeypatch)
     play(run_of("euclidean_clustering", "forgets the height"))
-    assert shown[0] == "figure" and "✗ The first wrong step." in shown[1]
+    assert shown[0] == "figure" and "✗ Wrong here." in shown[1]
     (steps,) = made
     _, back, forth = steps.children
     begin = steps.value

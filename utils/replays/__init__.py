@@ -1,7 +1,7 @@
 """Your own run, step by step: ``replay(my_function)`` in a notebook.
 
 A run is recorded from the function as it is, however it is written; the player shows it step by
-step, and begins at the first step that is wrong. Wrong is what certainly is: where nobody can
+step, and begins where it is wrong. Wrong is what certainly is: where nobody can
 know, nothing is said.
 """
 

@@ -35,7 +35,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Wrong:
-    """The first step that is certainly wrong.
+    """A step that is certainly wrong: where a run goes wrong, as far as anybody can know.
 
     Attributes
     ----------
@@ -107,16 +107,16 @@ def _show(run: Run, position: int) -> None:
     step, wrong = run.steps[position], run.wrong
     title = f"step {position + 1} of {len(run.steps)}"
     if wrong and wrong.step == position:
-        title += ": here it goes wrong"
+        title += ": here it is wrong"
     step.draw(title)
     plt.show()
     html, text = f"<p>{escape(step.says)}</p>", step.says
     if wrong and wrong.step == position:
         html += (
             "<div style='border-left:4px solid #D55E00;padding:0.2em 0.8em'>"
-            f"✗ <b>The first wrong step.</b> {escape(wrong.why)}</div>"
+            f"✗ <b>Wrong here.</b> {escape(wrong.why)}</div>"
         )
-        text += f"\n✗ The first wrong step. {wrong.why}"
+        text += f"\n✗ Wrong here. {wrong.why}"
     if run.remark:  # with each step: what stands before a slider is not kept where it is exported
         html, text = f"{html}<p>{escape(run.remark)}</p>", f"{text}\n{run.remark}"
     show(html, text)
