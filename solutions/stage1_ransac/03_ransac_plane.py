@@ -60,7 +60,8 @@ plots.from_side(street, limits=side, title="The street around the car, from the 
 
 # %%
 share = predict("What share of these points is ground?", between=(0, 100), unit="%")
-all_three = predict("You pick three of these points at random. How likely is it that all three lie on the ground?",
+all_three = predict("You pick three of these points at random. "
+                    "How likely is it that all three lie on the ground?",
                     between=(0, 100), unit="%")
 
 # %% [markdown]
@@ -74,7 +75,8 @@ names = truth["class_names"].tolist()
 kinds = truth["classes"][rows]
 is_ground = kinds == names.index("ground")
 share.compare(100 * is_ground.mean(),
-              "Most beams look down, so more than half of the points are ground. Most of the others are cars: they stand close to the sensor and are tall.")
+              "Most beams look down, so more than half of the points are ground. Most of the "
+              "others are cars: they stand close to the sensor and are tall.")
 
 # %% [markdown]
 # ## The naive idea: the best plane for all points
@@ -90,7 +92,8 @@ naive = np.array([alpha, beta, -1.0, gamma])  # the same as alpha x + beta y - z
 above = (table @ [alpha, beta, gamma] - street[:, 2])[is_ground]
 print(f"The plane runs {np.median(above):.2f} m above the ground.")
 print(f"{(np.abs(above) < 0.2).sum()} of {is_ground.sum():,} ground points lie within 0.2 m of it.")
-plots.plane_model(street, naive, limits=side, title="Least squares over all points: a plane in mid-air");
+plots.plane_model(street, naive, limits=side,
+                  title="Least squares over all points: a plane in mid-air");
 
 # %% [markdown]
 # The plane floats above the ground, because every car pulls it upwards, and squares make that worse: a point that is 1 m away counts as much as a hundred points that are 10 cm away. A better tool must find the points that agree, and ignore the rest.
@@ -247,7 +250,8 @@ def point_plane_distance(points, plane):
 # **A case to do by hand.** The level road again, $(0, 0, 1, 1.7)$: here the distance is $|z + 1.7|$. Four points: one on the road, one on a kerb, a car's roof, the bottom of a pothole. Expected: 0, 0.13, 1.5 and 0.1. The pothole is 10 cm *below* the plane, and 0.1 all the same.
 
 # %%
-four = np.array([[5.0, 2.0, -1.7, 0.3], [6.0, 4.0, -1.57, 0.3], [9.0, 0.0, -0.2, 0.8], [7.0, 1.0, -1.8, 0.2]])
+four = np.array([[5.0, 2.0, -1.7, 0.3], [6.0, 4.0, -1.57, 0.3],
+                 [9.0, 0.0, -0.2, 0.8], [7.0, 1.0, -1.8, 0.2]])
 print(np.round(point_plane_distance(four, (0.0, 0.0, 1.0, 1.7)), 2))
 
 # %% [markdown]
@@ -255,7 +259,8 @@ print(np.round(point_plane_distance(four, (0.0, 0.0, 1.0, 1.7)), 2))
 
 # %%
 distances = point_plane_distance(street, plane)
-plots.from_side(street, values=distances, label="distance from the plane (m)", limits=side, span=(0, 1.5),
+plots.from_side(street, values=distances, label="distance from the plane (m)",
+                limits=side, span=(0, 1.5),
                 title="The road has the colour of 0 m, what stands on it has not");
 
 # %% nbgrader={"grade": true, "grade_id": "test_point_plane_distance", "locked": true, "points": 10, "schema_version": 3, "solution": false, "task": false}
@@ -293,8 +298,9 @@ for number, axes in enumerate(panels, start=1):
 
 picks = rng.integers(len(street), size=(1_000_000, 3))
 all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
-                  "Counted in a million picks. By formula: each point is ground with the probability w, "
-                  f"so all three are with w x w x w = {is_ground.mean() ** 3:.0%}. That is rare for one round, and common among fifty.")
+                  "Counted in a million picks. By formula: each point is ground with the "
+                  f"probability w, so all three are with w x w x w = {is_ground.mean() ** 3:.0%}. "
+                  "That is rare for one round, and common among fifty.")
 
 # %% [markdown]
 # A sample that touches a car gives a plane that cuts through the street at an odd angle and has few inliers. As soon as all three points are ground and lie well apart, the count jumps. So: play many rounds, and keep the plane with the most inliers. Nothing about roads goes into it, only one assumption: the ground is the largest plane there is.
@@ -365,7 +371,8 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 # **A small case first.** Seven points: five on a floor at z = −1.7 m, two above it. Sixty rounds with a threshold of 0.1 m. Expected: the plane $(0, 0, 1, 1.7)$ or its negative, and a mask of five times `True`, then twice `False`.
 
 # %%
-seven = np.array([[0.0, 0.0, -1.7], [4.0, 0.0, -1.7], [1.0, 3.0, -1.7], [5.0, 4.0, -1.7], [2.0, 5.0, -1.7],
+seven = np.array([[0.0, 0.0, -1.7], [4.0, 0.0, -1.7], [1.0, 3.0, -1.7],
+                  [5.0, 4.0, -1.7], [2.0, 5.0, -1.7],
                   [1.5, 1.0, -0.2], [3.0, 2.0, 0.5]])
 model, inliers = ransac_plane(seven, 60, 0.1, 1)
 print("plane:", np.asarray(model), "\nmask: ", inliers)
@@ -501,7 +508,8 @@ figure, (seen, curve) = plt.subplots(2, 1, figsize=(8.5, 7), layout="compressed"
 plots.line_model(section, [*last, 0], limits=((-5, 5), (-2.2, 2.2)), axes=seen,
                  title="Twelve points and the line with the smallest squares")
 seen.set(xlabel="x, forward (m)", ylabel="z, up (m)")
-for name, direction, length in (("first", first * np.sign(first[0]), 2.0), ("last", last * np.sign(last[1]), 1.4)):
+for name, direction, length in (("first", first * np.sign(first[0]), 2.0),
+                                ("last", last * np.sign(last[1]), 1.4)):
     seen.annotate("", length * direction, (0, 0), arrowprops={"arrowstyle": "->", "lw": 2})
     seen.text(*(length * direction + [0.45, -0.1]), name, ha="left", va="center", fontsize=11)
 marks = {name: (np.degrees(np.arctan2(*direction[::-1])) % 180, ((section @ direction) ** 2).sum())
@@ -590,8 +598,9 @@ def slope_of(plane):
 
 
 def slopes_of(seeds):
-    """Slopes of RANSAC's planes of the street, one for each seed, and of what is fitted to their inliers."""
-    slopes = {"three points": [], "all inliers": [], "again, within 0.1 m": [], "inliers on the ground": []}
+    """Slopes of RANSAC's planes of the street, one for each seed, and of what fits their inliers."""
+    slopes = {"three points": [], "all inliers": [], "again, within 0.1 m": [],
+              "inliers on the ground": []}
     for seed in seeds:
         found, near = ransac_plane(street, 50, 0.2, seed)
         refitted = fit_plane(street[near])
@@ -612,8 +621,10 @@ print(f"{'as built':>22}: {BUILT:.3f} %")
 shown = {name: (np.arange(30), slopes[name]) for name in list(slopes)[:3]}
 built = {"as built": ([0, 29], [BUILT, BUILT])}
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 7.4), layout="compressed")
-plots.curves(built, shown, up="slope of the street (%)", axes=panels[0], title="Refitting calms the plane")
-plots.curves(built, shown, across="seed", up="slope of the street (%)", axes=panels[1], title="The same, closer: some of the triangles are outside")
+plots.curves(built, shown, up="slope of the street (%)", axes=panels[0],
+             title="Refitting calms the plane")
+plots.curves(built, shown, across="seed", up="slope of the street (%)", axes=panels[1],
+             title="The same, closer: some of the triangles are outside")
 panels[1].set_ylim(1.92, 2.24)
 panels[1].get_legend().remove()
 
@@ -622,7 +633,10 @@ off = abs(np.mean(fitted) - BUILT) > 3 * np.std(fitted) / len(fitted) ** 0.5
 answer = ("as much as before" if np.std(fitted) > 0.5 * np.std(before)
           else "less, but to one side of it" if off
           else "less, and around the true slope")
-calmer.compare(answer, "Averaging removes what differs from run to run. What is the same in every run stays: here wheels and bumpers that lie within the threshold. Most of them are behind us and lift the plane there, so that it climbs less.")
+calmer.compare(answer,
+               "Averaging removes what differs from run to run. What is the same in every run "
+               "stays: here wheels and bumpers that lie within the threshold. Most of them are "
+               "behind us and lift the plane there, so that it climbs less.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_fit_plane", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(fit_plane)
@@ -820,7 +834,7 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 
 # %%
 def good_samples(points, ground):
-    """Of 2000 samples, the share with three ground points, the share of these that succeed, and the share of all that do."""
+    """Shares of 2000 samples: all three on the ground; of these, a success; of all, a success."""
     rng = np.random.default_rng(3)
     pure, success = np.zeros((2, 2000), dtype=bool)
     for number in range(2000):
@@ -833,7 +847,7 @@ def good_samples(points, ground):
 
 # %%
 def flattened(points, ground):
-    """The same points, with the ground laid into its own least-squares plane, but for 2 cm of noise."""
+    """The same points, the ground laid into its own least-squares plane, but for 2 cm of noise."""
     table = np.column_stack([points[:, :2], np.ones(len(points))])
     level = table @ np.linalg.lstsq(table[ground], points[ground, 2], rcond=None)[0]
     flat = points.copy()
@@ -879,7 +893,8 @@ for name, cut, marker in (("one level", -1.2, "o"), ("your plane", 0.2, "s")):
     print(f"{name}, cut at {cut} m: {lost:.1%} of the obstacle points go, "
           f"{left:.2%} of the ground stays")
     for where, part in (("behind us", street[:, 0] < 0), ("ahead of us", street[:, 0] >= 0)):
-        print(f"    {where} {(heights[name][is_obstacle & part] < cut).mean():.1%} of the obstacle points go")
+        print(f"    {where} {(heights[name][is_obstacle & part] < cut).mean():.1%} "
+              "of the obstacle points go")
 axes.legend();
 
 # %% [markdown]
@@ -913,7 +928,8 @@ plots.plane_model(beside, ground, near, 0.2, limits=((-2, 14), (-2.6, 1.2)),
 # Until now you had one scan. A car has ten [frames](#Words-of-the-course) a second. We drive for three seconds at 5 m/s through another street, which climbs by 2.2 %, too, and take every third frame: the same piece of street around the car, the number of rounds from your formula for a share of 0.3, a search, a refit. Making the frames takes some seconds.
 
 # %%
-won_by_ground = predict("In how many of the ten frames is the largest plane the ground?", between=(0, 10))
+won_by_ground = predict("In how many of the ten frames is the largest plane the ground?",
+                        between=(0, 10))
 
 # %%
 def open_drive(source):
@@ -930,8 +946,8 @@ def around_us(cloud):
 
 
 def drive(source):
-    """For every third frame: |c| of the largest plane; of the ground plane its share, slope, the sensor's
-    height above it, and how many points are near the ground plane of the frame before, compared with it."""
+    """For every third frame: |c| of the largest plane; of the ground plane its share, its slope, the
+    sensor's height above it, and how many points are near that of the frame before, compared."""
     rounds, frames, before, lines = iterations_needed(0.3, 3, 0.99), open_drive(source), None, []
     for number in range(0, len(frames), 3):
         points = around_us(frames[number].cloud)
@@ -939,9 +955,11 @@ def drive(source):
         plane, found = ground_plane(points, rounds)
         plane = fit_plane(points[found])
         height = abs(plane[3] / plane[2])  # at x = y = 0, below the sensor
-        near, near_before = ((point_plane_distance(points, one) <= 0.2).sum() for one in (plane, plane if before is None else before))
+        near, near_before = ((point_plane_distance(points, one) <= 0.2).sum()
+                             for one in (plane, plane if before is None else before))
         still = math.nan if before is None else near_before / near
-        lines.append((number, abs(largest[2]), len(found) / len(points), slope_of(plane), height, still))
+        lines.append((number, abs(largest[2]), len(found) / len(points), slope_of(plane),
+                      height, still))
         before = plane
     return lines
 
@@ -954,7 +972,9 @@ show_table(["frame", "|c| of the largest plane", "share of ground", "slope", "he
              "-" if math.isnan(still) else f"{still:.0%}")
             for number, upright, part, slope, height, still in lines])
 won_by_ground.compare(sum(upright > 0.9 for _, upright, *_ in lines),
-                      "Where |c| is near 0, the largest plane stands upright. The next picture shows what it is. The search for the largest plane whose normal points up finds the ground in those frames, too.")
+                      "Where |c| is near 0, the largest plane stands upright. The next picture "
+                      "shows what it is. The search for the largest plane whose normal points up "
+                      "finds the ground in those frames, too.")
 
 # %% [markdown]
 # Read the table. The sensor is mounted 1.73 m above the road, and the street climbs by 2.2 %: the plane finds both in every frame, from nothing but points. It is off by a centimetre and by a tenth of a per cent or so at most, in each frame in another way: scatter and bias again. The last column says how good the plane of 0.3 s ago still is.
