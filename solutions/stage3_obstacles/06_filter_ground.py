@@ -506,17 +506,17 @@ from utils.drive import chain, drive_street, on_time
 from utils.lent import is_written, own
 
 
-def drive_with(level, street=6):
+def drive_with(level, street=6, seconds=10):
     """Ten seconds of a street, seen through your filter."""
     mine = own(filter_ground)
-    return drive_street(street, chain(ground=lambda points: mine(points, level)), seconds=10,
-                        clock=on_time)
+    return drive_street(street, chain(ground=lambda points: mine(points, level)),
+                        seconds=seconds, clock=on_time)
 
 
 drive_with(-1.2) if is_written(filter_ground) else print("filter_ground is not written yet.")
 
 # %% [markdown]
-# It stands before bare asphalt: 0.53 m above the road under us, a climb of 6 % reaches the level 9 m ahead. Open a braking below the strip to see its frame. Which level drives through? And does it still stop for the child in `drive_with(level, street=7)`, who is 1.2 m tall? No level does both: lesson 03 has a plane that climbs along.
+# It brakes for bare asphalt: 0.53 m above the road under us, a climb of 6 % reaches the level 9 m ahead. Open a braking below the strip to see its frame. Which level drives through? Then send the same level downhill, where somebody crosses after ten seconds: `drive_with(level, street=16, seconds=13)`. A level is right for one slope; lesson 03 has a plane that climbs along.
 
 # %% [markdown]
 # ## In practice

@@ -1161,7 +1161,7 @@ drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacle
 # python -m utils.drive 12_streaming_obstacles.ipynb
 # ```
 #
-# It puts your drive beside one with true boxes, the course's detector, and the naive squares from above. How far do you come without braking for nothing?
+# It adds up metres, collisions and brakings for nothing; without a notebook, the car sees the true boxes. How far do you come?
 
 # %% [markdown]
 # ## In practice

@@ -58,17 +58,18 @@ def result_of(report: Report) -> Result:
 
 
 def standards(streets: Iterable[int]) -> dict[str, Result]:
-    """What each of `DRIVERS` did in some streets together.
+    """What each of `DRIVERS` did in some streets together, where that is stored.
 
     Parameters
     ----------
     streets : iterable of int
         Their numbers.
     """
-    numbers = list(streets)
+    numbers = {str(number) for number in streets}
     return {
-        name: sum((Result(*drives[str(number)]) for number in numbers), start=Result())
+        name: sum((Result(*drives[number]) for number in numbers), start=Result())
         for name, drives in _stored().items()
+        if numbers <= drives.keys()
     }
 
 
