@@ -464,6 +464,7 @@ def test_results_add_up():
 def test_in_a_notebook_each_braking_opens_its_frame():
     trip = drive_street(STREETS[0], occupied_squares, seconds=1.0, clock=on_time)
     page = trip._repr_html_()
+    assert repr(trip) == str(trip)
     assert page.count("<details>") == len(trip.report.brakings) > 0
     assert page.count("data:image/png;base64,") == len(trip.report.brakings)
     assert "<script" not in page and "needless" in page and "aria-label" in page

@@ -14,7 +14,7 @@ from utils.drive.streets import STREETS, Street
 from utils.tracking import Tracker
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trip:
     """A drive; in a notebook it shows itself.
 
@@ -63,6 +63,9 @@ class Trip:
             failed, first = len(self.drive.problems), self.drive.problems[0]
             words.append(f"  The detector failed for {failed} of the scans; first: {first}")
         return "\n".join(words)
+
+    def __repr__(self) -> str:
+        return str(self)  # where a notebook shows no HTML
 
     def _repr_html_(self) -> str:
         import html
