@@ -30,13 +30,8 @@ def student_with(lesson, answers):
 
 def answers_in(lesson, cells):
     """The functions that a notebook of a lesson defines, by name."""
-    return functions_in(lesson.names, cells)
-
-
-def functions_in(names, cells):
-    """Some of the functions that a notebook defines, by name."""
     statements, _ = slicing.parse_notebook(cells)
     space = {"__name__": "__main__", "display": lambda *values: None}
-    for statement in slicing.slice_for(names, statements):
+    for statement in slicing.slice_for(lesson.names, statements):
         exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), space)
-    return {name: space[name] for name in names}
+    return {name: space[name] for name in lesson.names}

@@ -10,8 +10,8 @@ from PIL import Image
 from sklearn.cluster import DBSCAN
 
 from grader.course.driving import drive_all
-from grader.course.variants import ANOTHER_CELL, variants_of
-from tests.students import functions_in
+from grader.course.lessons import all_lessons
+from grader.course.variants import fill_in, variants_of
 from utils.drive import STREETS, Trip, askew, chain, drive_street, occupied_squares, on_time
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
@@ -24,6 +24,7 @@ from utils.drive.rules import stopping_distance
 from utils.drive.standards import Result, standards
 from utils.drive.streets import Street
 from utils.drive.truth import distances
+from utils.play import load_detector
 from utils.simulator.pose import Pose
 from utils.simulator.scanner import CLASSES
 from utils.simulator.sensor import Sensor, layers
@@ -610,8 +611,10 @@ WRONG = [
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("name", "street", "words"), WRONG, ids=[row[0] for row in WRONG])
-def test_a_wrong_detector_does_worse_for_the_reason_it_should(name, street, words):
+def test_a_wrong_detector_does_worse_for_the_reason_it_should(name, street, words, tmp_path):
     (variant,) = [one for one in variants_of("detect_obstacles") if one.name == name]
-    cells = variant.source.split(ANOTHER_CELL)
-    trip = drive_street(street, *functions_in(["detect_obstacles"], cells).values(), clock=on_time)
-    assert words in str(trip)
+    (lesson,) = [one for one in all_lessons() if one.number == "12"]
+    notebook = tmp_path / "12_streaming_obstacles.ipynb"
+    notebook.write_text(fill_in(lesson, {"detect_obstacles": variant.source}), "utf-8")
+    detect, _ = load_detector(str(notebook))
+    assert words in str(drive_street(street, detect, clock=on_time))
