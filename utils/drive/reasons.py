@@ -154,7 +154,9 @@ def _mistaken(drive: Drive, number: int, cause: Thing) -> str:
     if not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed)):
         return f"{first} beside our lane, taken to move into it"
     if len(things) > 1:
-        return f"{first} and {WORDS[drive.street.kind_of(things[1])]} in one box"
+        second = WORDS[drive.street.kind_of(things[1])]
+        other = f"another {second.partition(' ')[2]}" if second == first else second
+        return f"{first} and {other} in one box"
     return f"box of {first} beside our lane reaches into it"
 
 
