@@ -172,7 +172,7 @@ def _streets() -> Iterable[Street]:
     v30, v50 = 30 / 3.6, 50 / 3.6
     empty = Plan(parked=math.inf, furniture=16.0, walkers=30.0)
     crowded = Plan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
-    lorry = standing(truck(width=2.3), 70.0, -3.85)
+    lorry = standing(truck(width=2.3), 70.0, -4.05)
     yield Street(1, "A quiet street", traffic=True)
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))
     yield Street(3, "A cyclist crosses", actors=(crossing_cyclist(75, v30, 2.78),))
