@@ -24,11 +24,16 @@ NEEDED_BY = {
     "grader/site/": "requirements-site.txt",
     "tests/": "requirements-dev.txt",
 }
-FILES = ("requirements.txt", *sorted({*NEEDED_BY.values()} - {"requirements.txt"}))
+FILES = (
+    "requirements.txt",
+    "requirements-compiled.txt",
+    *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
+)
 HANDED_IN = PROJECT / "grader" / "variants"  # students' answers: some import what they must not
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
 OURS = {"grader", "utils", "tests"} | INSIDE
-PEERS = {"dbscan", "open3d"}  # what a benchmark is compared with, where somebody has installed it
+# What is used where somebody has installed it: peers of a benchmark, and lesson 13's compiler.
+PEERS = {"dbscan", "open3d", "numba"}
 BROWSER = {"selenium"}  # of tests/hub.py, for which .ci/hub makes an environment of its own
 
 

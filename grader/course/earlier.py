@@ -45,8 +45,11 @@ def filled(text: str) -> str:
         found[0]: statements_of(found[1], found[2].split(", ")) for found in LINE.finditer(text)
     }
     imports = [part for code in parts.values() for part in code if pasting.is_import(part)]
+    copied: set[str] = set()
     for line, code in parts.items():
-        definitions = [part for part in code if not pasting.is_import(part)]
+        # What two lessons have alike is copied once.
+        definitions = [part for part in code if not pasting.is_import(part) and part not in copied]
+        copied.update(definitions)
         above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
         imports = []  # all of them stand before the first lesson's functions
         text = text.replace(line, f"{above}{line}\n" + "\n\n\n".join(definitions) + "\n\n")

@@ -17,6 +17,9 @@ from grader.course.header import Header, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
 
+# The folder of lessons that belong to no stage.
+OPTIONAL = "optional"
+
 
 @dataclass(frozen=True)
 class Exercise:
@@ -138,6 +141,13 @@ def all_lessons() -> tuple[Lesson, ...]:
     return tuple(Lesson(source.stem, source.parent.name) for source in sources)
 
 
+@functools.cache
+def optional_lessons() -> tuple[Lesson, ...]:
+    """Lessons beside the course: in no stage, without points, handed in by nobody."""
+    sources = sorted((PROJECT / "solutions" / OPTIONAL).glob("[0-9][0-9]_*.py"))
+    return tuple(Lesson(source.stem, OPTIONAL) for source in sources)
+
+
 def stages() -> tuple[str, ...]:
     """Names of the stages, in order."""
     return tuple(dict.fromkeys(lesson.stage for lesson in all_lessons()))
@@ -182,7 +192,8 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     -------
     types.SimpleNamespace
     """
-    lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
+    every = all_lessons() + optional_lessons()
+    lesson = next(lesson for lesson in every if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
         raise ValueError(f"{lesson.source.name}: {problems[0]}")

@@ -1,168 +1,160 @@
-"""Exact clustering of a full scan: the lessons' solutions against other libraries.
+"""Exact clustering of full scans, and boxes from raw ones: the lessons against other libraries.
 
-All cluster the same cloud in the same run, in turn, so that a busy machine slows all of them
-alike; ratios compare the times of one round. Peers that are not installed are left out, with a
-word. To install them beside the project, and not into it:
+All work on the same cloud in the same run, in turn; ratios compare the times of one round. The
+clouds are `cloud.txt`, a random street, and whatever lies in the folder REAL_CLOUDS (KITTI's
+frames, which are no part of the project). `peers.py` says how to install the peers; who is missing
+is left out, with a word. ROUNDS and PATIENCE (seconds for a slow peer) say how long it takes.
 
-    .venv/bin/pip install --target /tmp/peers dbscan open3d
-    PEERS=/tmp/peers make bench
+Prints a table in Markdown, and writes `.bench/clustering.json` and `.bench/clustering.png`.
 """
 
+from __future__ import annotations
+
+import json
 import os
+import platform
 import sys
-import time
-import tracemalloc
+from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
-from grader.course.lessons import load_reference
-from utils import load_cloud
+from grader.course.paths import PROJECT
+from tests.benchmarks.peers import CLUSTERING, DETECTORS, RADIUS, all_pairs
+from tests.benchmarks.racing import PATIENCE, ROUNDS, Result, exponent, race, same_partition
+from utils import load_cloud, scenes
 
-RADIUS = 0.5
-ROUNDS = int(os.environ.get("ROUNDS", 9))
-# A slow peer has one round at least, and no more than this many seconds.
-PATIENCE = 20.0
-
-
-LESSON = load_reference("10_accelerated_clustering", "clustering_at_full_speed")
+FOLDER = PROJECT / ".bench"
+OURS = "ours, full speed"
+SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
 
 
-def ours(cloud):
-    """Labels by the fast version of lesson 10."""
-    return LESSON.clustering_at_full_speed(cloud, RADIUS)
+def scans() -> Iterator[tuple[str, np.ndarray]]:
+    """Name and points of every cloud; a street is another one each time, and says its seed."""
+    yield "cloud.txt", load_cloud("cloud.txt")[:, :3]
+    seed = int(os.environ.get("SEED", np.random.SeedSequence().entropy % 10**6))
+    yield f"random street {seed}", scenes.city_block(seed=seed, frames=1)[0].cloud[:, :3]
+    folder = os.environ.get("REAL_CLOUDS")
+    for path in sorted(Path(folder).rglob("*")) if folder else ():
+        if path.suffix in (".bin", ".pcd") and path.stat().st_size > 1_000_000:
+            yield f"{path.parent.name}/{path.name}", load_cloud(path)[:, :3]
 
 
-def taught(cloud):
-    """Labels by the plan that lesson 10 teaches."""
-    return LESSON.euclidean_clustering_accelerated(cloud, RADIUS)
+def row(name: str, result: Result, mine: Result, right: str) -> list[str]:
+    """A line of the table."""
+    middle, low, high = result.times_as_long_as(mine)
+    spread = np.nanpercentile(result.seconds, (25, 75)) * 1000
+    return [
+        name,
+        f"{1000 * result.median:,.1f}",
+        f"{spread[0]:,.1f} to {spread[1]:,.1f}",
+        f"{middle:.2f} ({low:.2f} to {high:.2f})",
+        f"{result.memory / 1e6:,.0f}",
+        right,
+    ]
 
 
-def all_pairs(cloud):
-    """Labels by SciPy: a list of all pairs, and the pieces of their graph."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(cloud).query_pairs(RADIUS, output_type="ndarray")
-    graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(len(cloud), len(cloud)))
-    return connected_components(graph, directed=False)[1]
+def print_table(title: str, rows: list[list[str]], last: str) -> None:
+    """In Markdown."""
+    head = ["", "median ms", "quartiles", "times as long", "memory MB", last]
+    print(f"\n{title}\n\n| {' | '.join(head)} |\n|---|---:|---:|---:|---:|---|")
+    for cells in rows:
+        print(f"| {' | '.join(cells)} |")
 
 
-def scikit_learn(cloud):
-    """Labels by scikit-learn's DBSCAN."""
-    from sklearn.cluster import DBSCAN
-
-    return DBSCAN(eps=RADIUS, min_samples=1).fit_predict(cloud)
-
-
-def dbscan_of_pypi(cloud):
-    """Labels by the parallel DBSCAN of Wang, Gu and Shun (2020)."""
-    from dbscan import DBSCAN
-
-    return DBSCAN(cloud, eps=RADIUS, min_samples=1)[0]
-
-
-def open3d(cloud):
-    """Labels by Open3D's DBSCAN."""
-    import open3d
-
-    shell = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(cloud))
-    return np.asarray(shell.cluster_dbscan(RADIUS, 1))
-
-
-WAYS = {
-    "lesson 10, fast": ours,
-    "lesson 10, taught": taught,
-    "dbscan (PyPI)": dbscan_of_pypi,
-    "Open3D": open3d,
-    "scikit-learn": scikit_learn,
-    "SciPy, all pairs": all_pairs,
-}
+def compare(ways: dict, name: str, cloud: np.ndarray, mine: str, truth: np.ndarray | None) -> dict:
+    """Race on one cloud, print the table; what goes into the JSON."""
+    results = race(ways, cloud)
+    rows, record = [], {}
+    for way, result in results.items():
+        if truth is None:
+            right = str(len(result.answer))
+        else:
+            right = "right" if same_partition(result.answer, truth) else "WRONG"
+        rows.append(row(way, result, results[mine], right))
+        record[way] = {
+            "seconds": result.seconds.tolist(),
+            "bytes": result.memory,
+            "answer": right,
+            "times as long": result.times_as_long_as(results[mine]),
+        }
+    last = "boxes" if truth is None else "partition"
+    print_table(f"**{name}**, {len(cloud):,} points, {ROUNDS} rounds", rows, last)
+    return {"points": len(cloud), "ways": record}
 
 
-def available(cloud):
-    """The ways that work here, after one call each to import and to warm up; their labels."""
-    labels = {}
-    for name, way in WAYS.items():
-        try:
-            labels[name] = way(cloud)
-        except ImportError as error:
-            print(f"{name:>18}: left out, {error}")
-    return labels
+def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
+    """So many points: whole turns of the scanner, 300 m apart, and part of one."""
+    turns = [scan + [0, 300.0 * number, 0] for number in range(-(-count // len(scan)))]
+    few = np.random.default_rng(0).permutation(turns.pop())[: count - len(scan) * len(turns)]
+    return np.ascontiguousarray(np.vstack([*turns, few]))
 
 
-def measure(names, cloud):
-    """Seconds of each way, round by round; shape (ROUNDS,) each, NaN where left out."""
-    seconds = {name: np.full(ROUNDS, np.nan) for name in names}
-    for number in range(ROUNDS):
-        for name in names:
-            if np.nansum(seconds[name]) < PATIENCE:
-                begin = time.perf_counter()
-                WAYS[name](cloud)
-                seconds[name][number] = time.perf_counter() - begin
-    return seconds
+def scale(scan: np.ndarray) -> dict[str, dict]:
+    """Seconds of each way at growing sizes, until one would take too long; printed, too."""
+    found: dict[str, dict] = {}
+    ways = dict(CLUSTERING)
+    for size in SIZES:
+        results = race(ways, turns_side_by_side(scan, size), memory=False)
+        for name, result in results.items():
+            series = found.setdefault(name, {"points": [], "seconds": []})
+            series["points"].append(size)
+            series["seconds"].append(result.median)
+        ways = {
+            name: way
+            for name, way in ways.items()
+            if name in results and 4 * results[name].median < PATIENCE
+        }
+    print("\n**Growing clouds**: whole turns side by side; seconds, and the fitted exponent\n")
+    for name, series in found.items():
+        series["exponent"] = exponent(series["points"], series["seconds"])
+        times = ", ".join(f"{seconds:.3f}" for seconds in series["seconds"])
+        print(f"- {name}: {times}; n to the power of {series['exponent']:.2f}")
+    return found
 
 
-def peak_memory(way, cloud):
-    """Bytes that Python and NumPy held at most, beyond the cloud; libraries in C++ hide theirs."""
-    tracemalloc.start()
-    way(cloud)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    return peak
+def draw(record: dict, path: Path) -> None:
+    """Medians on the first cloud, and growth."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, (bars, lines) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
+    name, first = next(iter(record["clustering"].items()))
+    medians = {
+        way: 1000 * float(np.nanmedian(one["seconds"])) for way, one in first["ways"].items()
+    }
+    ordered = sorted(medians, key=medians.get, reverse=True)
+    drawn = bars.barh(ordered, [medians[way] for way in ordered], color="#0072B2")
+    bars.bar_label(drawn, [f"{medians[way]:,.0f} ms" for way in ordered], padding=3)
+    bars.set(xscale="log", xlabel="ms", title=f"{name}, {first['points']:,} points")
+    bars.margins(x=0.2)
+    bars.spines[["top", "right"]].set_visible(False)
+    for number, (way, series) in enumerate(record["scaling"].items()):
+        label = f"{way}: n^{series['exponent']:.2f}"
+        marker = "os^vD<>P"[number % 8]
+        lines.loglog(series["points"], series["seconds"], marker=marker, label=label)
+    lines.set(xlabel="points", ylabel="s", title="Turns of the scanner, side by side")
+    lines.legend(fontsize="small", frameon=False)
+    figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
-def same_partition(labels, others):
-    """Whether two labellings group the points alike."""
-    pairs = np.unique(np.stack([labels, others]), axis=1).shape[1]
-    return pairs == len(np.unique(labels)) == len(np.unique(others))
-
-
-def compare(title, cloud):
-    """Measure on one cloud and print a table."""
-    print(f"\n{title}: {len(cloud):,} points, radius {RADIUS} m, {ROUNDS} rounds")
-    labels = available(cloud)
-    exact = all_pairs(cloud)
-    seconds = measure(labels, cloud)
-    mine = seconds["lesson 10, fast"]
-    for name in labels:
-        median, ratio = np.nanmedian(seconds[name]), np.nanmedian(seconds[name] / mine)
-        remark = "" if same_partition(labels[name], exact) else "  NOT the exact partition"
-        print(
-            f"{name:>18}: {1000 * median:9.1f} ms  {ratio:7.2f} x  "
-            f"{peak_memory(WAYS[name], cloud) / 1e6:7.1f} MB{remark}"
-        )
-
-
-def traps():
-    """Clouds that break careless short cuts; name and points."""
-    rng = np.random.default_rng(0)
-    heap = rng.uniform(0, 0.2, (60_000, 3))
-    yield "two dense heaps, apart", np.vstack([heap, heap[:, [1, 2, 0]] + [0.71, 0, 0]])
-    yield "two dense heaps, joined", np.vstack([heap, heap[:, [1, 2, 0]] + [0.69, 0, 0]])
-    ball = rng.normal(size=(60_000, 3))
-    ball *= 0.3 * rng.uniform(0, 1, (60_000, 1)) ** (1 / 3) / np.linalg.norm(ball, axis=1)[:, None]
-    yield "two dense balls, askew", np.vstack([ball, ball + [0.9, 0.4, 0.3]])
-    yield "evenly filled space", rng.uniform(0, 14.5, (120_000, 3))
-    yield "a million dense points", rng.uniform(0, 10, (1_000_000, 3))
-
-
-def main():
-    """Measure and print."""
-    if os.environ.get("PEERS"):
-        sys.path.append(os.environ["PEERS"])  # last, so that the project's own libraries win
-    cloud = np.ascontiguousarray(load_cloud("cloud.txt")[:, :3])
-    compare("full scan", cloud)
-    compare("without the road", np.ascontiguousarray(cloud[cloud[:, 2] > -1.2]))
-    print("\nlesson 10, fast, on difficult clouds")
-    for name, points in traps():
-        begin = time.perf_counter()
-        count = ours(points).max()
-        seconds = time.perf_counter() - begin
-        print(
-            f"{name:>26}: {1000 * seconds:7.1f} ms, {peak_memory(ours, points) / 1e6:6.1f} MB, "
-            f"{count:,} clusters of {len(points):,} points"
-        )
+def main() -> None:
+    """Measure, print, write."""
+    about = {"python": sys.version.split()[0], "machine": platform.machine(), "rounds": ROUNDS}
+    record = about | {"radius": RADIUS, "clustering": {}, "detector": {}}
+    clouds = {name: np.ascontiguousarray(cloud, dtype=float) for name, cloud in scans()}
+    for name, cloud in clouds.items():
+        record["clustering"][name] = compare(CLUSTERING, name, cloud, OURS, all_pairs(cloud)())
+    print("\n## From the raw scan to boxes")
+    for name, cloud in clouds.items():
+        record["detector"][name] = compare(DETECTORS, name, cloud, "ours", None)
+    record["scaling"] = scale(clouds["cloud.txt"])
+    FOLDER.mkdir(exist_ok=True)
+    (FOLDER / "clustering.json").write_text(json.dumps(record, indent=1) + "\n")
+    draw(record, FOLDER / "clustering.png")
+    print(f"\nWritten: {FOLDER / 'clustering.json'} and {FOLDER / 'clustering.png'}")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,207 @@
+"""The ways to cluster a scan, and to find its boxes: ours, and those of other libraries.
+
+Peers stand in an environment of their own, or beside the project in a folder:
+
+    python -m venv .bench/peers && .bench/peers/bin/pip install -r tests/benchmarks/requirements.txt
+    PEERS=$(echo .bench/peers/lib/python3*/site-packages) make bench
+
+PCL is C++: Debian's `libpcl-dev`, `g++` and `pkg-config` make `pcl_peer` out of `pcl_peer.cpp`;
+or PCL_PEER names one that somebody has made.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from grader.course.lessons import load_reference
+from tests.benchmarks.racing import Missing, Way
+
+RADIUS = 0.5
+PCL_SOURCE = Path(__file__).with_name("pcl_peer.cpp")
+PCL_LIBRARIES = ("segmentation", "filters", "sample_consensus", "search", "kdtree", "common")
+
+if os.environ.get("PEERS"):
+    sys.path.append(os.environ["PEERS"])  # last, so that the project's own libraries win
+
+
+def _called(function: Callable[[np.ndarray], np.ndarray]) -> Way:
+    """The way that is a function of the cloud."""
+
+    @functools.wraps(function)
+    def way(cloud: np.ndarray) -> Callable[[], np.ndarray]:
+        return functools.partial(function, cloud)
+
+    return way
+
+
+def _compiled(name: str) -> Callable[[np.ndarray], np.ndarray]:
+    import numba  # noqa: F401  without it the lesson works, hundreds of times as slowly
+
+    return getattr(load_reference("13_compiled_loops", name), name)
+
+
+@_called
+def taught(cloud: np.ndarray) -> np.ndarray:
+    """Lesson 10, the plan that it teaches."""
+    lesson = load_reference("10_accelerated_clustering")
+    return lesson.euclidean_clustering_accelerated(cloud, RADIUS)
+
+
+@_called
+def full_speed(cloud: np.ndarray) -> np.ndarray:
+    """Lesson 10, the fast version."""
+    lesson = load_reference("10_accelerated_clustering", "clustering_at_full_speed")
+    return lesson.clustering_at_full_speed(cloud, RADIUS)
+
+
+@_called
+def by_numba(cloud: np.ndarray) -> np.ndarray:
+    """Lesson 13."""
+    return _compiled("cluster_compiled")(cloud, RADIUS)
+
+
+@_called
+def all_pairs(cloud: np.ndarray) -> np.ndarray:
+    """SciPy: a list of all pairs, and the pieces of their graph."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(cloud).query_pairs(RADIUS, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(len(cloud), len(cloud)))
+    return connected_components(graph, directed=False)[1]
+
+
+@_called
+def scikit_learn(cloud: np.ndarray) -> np.ndarray:
+    """DBSCAN of scikit-learn."""
+    from sklearn.cluster import DBSCAN
+
+    return DBSCAN(eps=RADIUS, min_samples=1).fit_predict(cloud)
+
+
+@_called
+def dbscan(cloud: np.ndarray) -> np.ndarray:
+    """The parallel DBSCAN of Wang, Gu and Shun (2020)."""
+    from dbscan import DBSCAN
+
+    return DBSCAN(cloud, eps=RADIUS, min_samples=1)[0]
+
+
+@_called
+def open3d(cloud: np.ndarray) -> np.ndarray:
+    """DBSCAN of Open3D."""
+    import open3d
+
+    shell = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(cloud))
+    return np.asarray(shell.cluster_dbscan(RADIUS, 1))
+
+
+def pcl(cloud: np.ndarray) -> PclPeer:
+    """EuclideanClusterExtraction of PCL."""
+    return PclPeer("cluster", cloud)
+
+
+@_called
+def detect(cloud: np.ndarray) -> np.ndarray:
+    """Lesson 12."""
+    return load_reference("12_streaming_obstacles").detect_obstacles(cloud)
+
+
+@_called
+def detect_by_numba(cloud: np.ndarray) -> np.ndarray:
+    """Lesson 13."""
+    return _compiled("detect_compiled")(cloud)
+
+
+def detect_by_pcl(cloud: np.ndarray) -> PclPeer:
+    """The same steps made of PCL's parts."""
+    return PclPeer("detect", cloud)
+
+
+CLUSTERING: dict[str, Way] = {
+    "ours, Numba": by_numba,
+    "ours, full speed": full_speed,
+    "ours, taught": taught,
+    "dbscan (PyPI)": dbscan,
+    "PCL": pcl,
+    "Open3D": open3d,
+    "scikit-learn": scikit_learn,
+    "SciPy, all pairs": all_pairs,
+}
+DETECTORS: dict[str, Way] = {"ours, Numba": detect_by_numba, "ours": detect, "PCL": detect_by_pcl}
+
+
+class PclPeer:
+    """A program that works each time it is told to.
+
+    Parameters
+    ----------
+    work : {"cluster", "detect"}
+    cloud : ndarray, shape (n, 3)
+
+    Raises
+    ------
+    tests.benchmarks.racing.Missing
+        There is neither the program nor what it is made of.
+    """
+
+    def __init__(self, work: str, cloud: np.ndarray) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        points, self._answer = Path(self._folder.name, "points"), Path(self._folder.name, "answer")
+        points.write_bytes(cloud.astype("<f4").tobytes())
+        self._work, self._count = work, len(cloud)
+        self._program = subprocess.Popen(
+            [pcl_program(), work, points, str(RADIUS), self._answer],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.process = self._program.pid
+
+    def __call__(self) -> np.ndarray:
+        """Labels of the points, or as many zeros as there are boxes."""
+        try:
+            self._program.stdin.write("\n")
+            self._program.stdin.flush()
+        except BrokenPipeError:
+            raise Missing("pcl_peer does not run; it says why above") from None
+        if not self._program.stdout.readline():
+            raise Missing("pcl_peer does not run; it says why above")
+        if self._work == "detect":
+            return np.zeros(int(self._answer.read_text()))
+        return np.fromfile(self._answer, "<i4")
+
+    def __del__(self) -> None:
+        if hasattr(self, "_program"):
+            self._program.kill()
+            self._program.communicate()
+
+
+@functools.cache
+def pcl_program() -> str:
+    """The path of `pcl_peer`, which is made where that is possible."""
+    if os.environ.get("PCL_PEER"):
+        return os.environ["PCL_PEER"]
+    if not shutil.which("pkg-config") or not shutil.which("g++"):
+        raise Missing("no g++ and pkg-config")
+    libraries = [f"pcl_{name}" for name in PCL_LIBRARIES]
+    flags = subprocess.run(
+        ["pkg-config", "--cflags", "--libs", *libraries], capture_output=True, text=True
+    )
+    if flags.returncode:
+        raise Missing("no libpcl-dev")
+    program = Path(tempfile.gettempdir(), f"pcl_peer-{os.getuid()}")
+    if not program.exists() or program.stat().st_mtime < PCL_SOURCE.stat().st_mtime:
+        command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", PCL_SOURCE, "-o", program]
+        subprocess.run([*command, *flags.stdout.split()], check=True)
+    return str(program)

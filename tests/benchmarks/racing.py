@@ -1,0 +1,125 @@
+"""Races: several ways to one answer, timed in turn, so that a busy machine slows all alike."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+ROUNDS = int(os.environ.get("ROUNDS", 9))
+# A slow way has one round at least, and no more than this many seconds.
+PATIENCE = float(os.environ.get("PATIENCE", 20))
+
+# From a cloud to what does the work once and returns the answer.
+Way = Callable[[np.ndarray], Callable[[], np.ndarray]]
+
+
+class Missing(Exception):
+    """A way cannot be tried here; `str()` says what is not installed."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one way on one cloud.
+
+    Attributes
+    ----------
+    seconds : ndarray, shape (rounds,)
+        Of each round; NaN for rounds that were left out.
+    answer : ndarray
+    memory : float
+        Bytes that a process of its own held at most, beyond what it held before; NaN where the
+        system does not tell.
+    """
+
+    seconds: np.ndarray
+    answer: np.ndarray
+    memory: float
+
+    @property
+    def median(self) -> float:
+        """Seconds in the middle of all rounds."""
+        return float(np.nanmedian(self.seconds))
+
+    def times_as_long_as(self, other: Result) -> tuple[float, float, float]:
+        """Median, lowest and highest quotient of the seconds of one round."""
+        quotients = self.seconds / other.seconds
+        return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
+
+
+def race(ways: dict[str, Way], cloud: np.ndarray, memory: bool = True) -> dict[str, Result]:
+    """Let all ways that are installed work on a cloud, in turn.
+
+    Parameters
+    ----------
+    ways : dict of str to callable
+    cloud : ndarray, shape (n, 3)
+    memory : bool
+        Whether to ask for memory, too, which takes a process for each.
+
+    Returns
+    -------
+    dict of str to Result
+        Without those that are missing, of which a line is printed.
+    """
+    ready, answers = {}, {}
+    for name, way in ways.items():
+        try:
+            work = way(cloud)
+            answers[name] = work()  # imports, compiles, warms up
+            ready[name] = work
+        except (ImportError, Missing) as reason:
+            print(f"  {name} is left out: {reason}")
+    seconds = {name: np.full(ROUNDS, np.nan) for name in ready}
+    for number in range(ROUNDS if ready else 0):
+        names = list(ready)
+        for name in names[number % len(names) :] + names[: number % len(names)]:
+            if np.nansum(seconds[name]) < PATIENCE:
+                begin = time.perf_counter()
+                ready[name]()
+                seconds[name][number] = time.perf_counter() - begin
+    return {
+        name: Result(
+            seconds[name], answers[name], peak_of(ways[name], cloud) if memory else float("nan")
+        )
+        for name in ready
+    }
+
+
+def peak_of(way: Way, cloud: np.ndarray) -> float:
+    """Bytes at the peak of a second call in a process of its own, beyond those before it."""
+    if not Path("/proc/self/clear_refs").exists():
+        return float("nan")
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(_peak, (way, cloud))
+
+
+def _peak(way: Way, cloud: np.ndarray) -> float:
+    way(cloud[:: len(cloud) // 1000 + 1])()
+    work = way(cloud)
+    process = getattr(work, "process", "self")
+    before = _resident(process, "VmRSS")
+    Path(f"/proc/{process}/clear_refs").write_text("5")  # the peak begins anew
+    work()
+    return _resident(process, "VmHWM") - before
+
+
+def _resident(process: int | str, entry: str) -> float:
+    lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith(entry))
+
+
+def same_partition(labels: np.ndarray, others: np.ndarray) -> bool:
+    """Whether two labellings group the points alike."""
+    pairs = np.unique(np.stack([labels, others]), axis=1).shape[1]
+    return pairs == len(np.unique(labels)) == len(np.unique(others))
+
+
+def exponent(sizes: Iterable[float], seconds: Iterable[float]) -> float:
+    """Slope of the line through sizes and seconds on logarithmic axes."""
+    return float(np.polyfit(np.log(list(sizes)), np.log(list(seconds)), 1)[0])

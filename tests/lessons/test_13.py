@@ -1,0 +1,145 @@
+"""The optional lesson: its loops answer as the lessons before, compiled or not."""
+
+import numpy as np
+import pytest
+from sklearn.cluster import DBSCAN
+
+from grader.course.lessons import (
+    all_lessons,
+    find_lesson,
+    load_reference,
+    optional_lessons,
+    stages,
+)
+from utils import load_cloud
+
+NAME = "13_compiled_loops"
+FUNCTIONS = (
+    "any_close",
+    "ascending",
+    "cluster_compiled",
+    "count_near",
+    "detect_compiled",
+    "root_of",
+    "snuggest_turn",
+    "sort_by_cell",
+    "unite",
+    "voxel_means",
+)
+LESSON = next(lesson for lesson in optional_lessons() if lesson.name == NAME)
+TEXT = LESSON.source.read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """The functions as Python runs them, whether Numba is installed or not."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(__import__("sys").modules, "numba", None)
+        load_reference.cache_clear()
+        functions = load_reference(NAME, *FUNCTIONS)
+    load_reference.cache_clear()
+    return functions
+
+
+def in_order(labels):
+    """The same groups, numbered 1, 2, ... by first appearance."""
+    number = {}
+    return np.array([number.setdefault(label, len(number) + 1) for label in labels.tolist()], int)
+
+
+def test_it_belongs_to_no_stage_and_gives_no_points():
+    assert LESSON not in all_lessons() and LESSON.stage not in stages()
+    assert find_lesson(f"{NAME}.ipynb") is None and LESSON.exercises == ()
+    assert LESSON.released.exists() and LESSON.solved.exists()
+
+
+def test_what_is_expected_is_what_comes(plain):
+    parent = np.arange(7)
+    for a, b in ((0, 2), (4, 0), (5, 2), (1, 3)):
+        plain.unite(parent, a, b)
+    assert f"expected: {[int(plain.root_of(parent, node)) for node in range(7)]}" in TEXT
+    row = np.outer([0.0, 0.2, 1.0, 0.6], [1.0, 0.0, 0.0])
+    answers = [plain.any_close(row, 0, 2, 2, 4, limit**2) for limit in (0.5, 0.3)]
+    assert f"expected: {answers[0]} {answers[1]}" in TEXT
+    assert not plain.any_close(row, 0, 2, 2, 4, 0.4**2 - 1e-9)
+    assert plain.any_close(row, 0, 2, 2, 4, 0.4**2 + 1e-9)
+
+
+def test_a_counting_sort_is_stable(plain):
+    numbers = np.random.default_rng(1).integers(0, 2**40, 300) // 2**30 * 2**25
+    assert np.array_equal(plain.ascending(numbers), np.argsort(numbers, kind="stable"))
+    assert plain.ascending(np.zeros(3, np.int64)).tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize(("seed", "threshold", "width"), [(1, 0.5, 4), (2, 0.2, 3), (3, 1.7, 12)])
+def test_the_clusters_are_exact(plain, seed, threshold, width):
+    cloud = np.random.default_rng(seed).uniform(-width, width, (400, 4))
+    cloud[200:, :3] = cloud[:200, :3] * 0.3
+    truth = DBSCAN(eps=threshold, min_samples=1).fit_predict(cloud[:, :3])
+    labels = plain.cluster_compiled(cloud, threshold)
+    assert truth.max() > 2 and np.array_equal(labels, in_order(truth))
+
+
+def test_clusters_of_the_street(plain):
+    cloud = load_cloud("cloud.txt")
+    cloud = cloud[cloud[:, 2] > -1.2][::40]
+    truth = DBSCAN(eps=0.9, min_samples=1).fit_predict(cloud[:, :3])
+    assert np.array_equal(plain.cluster_compiled(cloud, 0.9), in_order(truth))
+
+
+@pytest.mark.parametrize(("gap", "clusters"), [(0.51, 2), (0.49, 1)])
+def test_crowded_cells_are_left_to_a_tree(plain, gap, clusters):
+    heaps = np.random.default_rng(4).uniform(0, 0.1, (2, 400, 3))
+    heaps[0, 0], heaps[1, 0] = (0.1, 0.05, 0.05), (0.0, 0.05, 0.05)
+    heaps[1, :, 0] += 0.1 + gap
+    labels = plain.cluster_compiled(heaps.reshape(-1, 3), 0.5)
+    assert labels.max() == clusters and len(set(labels[:400])) == 1
+
+
+def test_the_smallest_clouds(plain):
+    assert plain.cluster_compiled(np.empty((0, 4))).shape == (0,)
+    assert plain.cluster_compiled(np.ones((1, 3))).tolist() == [1]
+    assert plain.cluster_compiled(np.ones((3, 4))).tolist() == [1, 1, 1]
+    assert plain.detect_compiled(np.empty((0, 4))).shape == (0, 8, 3)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e12])
+def test_what_has_no_cell_is_refused_in_words(plain, bad):
+    cloud = np.vstack([np.zeros(3), np.full(3, bad)])
+    with pytest.raises(ValueError, match="drop"):
+        plain.cluster_compiled(cloud)
+
+
+def test_voxels_are_those_of_lesson_06(plain):
+    cloud = load_cloud("cloud.txt")[::60, :3]
+    expected = load_reference("06_filter_ground").voxel_grid(cloud, 0.7)
+    assert len(expected) < len(cloud) / 1.2
+    assert np.allclose(plain.voxel_means(np.ascontiguousarray(cloud), 0.7), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_snuggest_turn_is_that_of_lesson_11(plain, seed):
+    area = load_reference("11_pca_boxes", "floor_area_at").floor_area_at
+    points = np.random.default_rng(seed).normal(size=(40, 3)) * [3, 1, 1]
+    turns = np.radians(np.arange(90))
+    assert plain.snuggest_turn(points) == area(points, turns).argmin()
+
+
+@pytest.mark.slow
+def test_the_boxes_are_those_of_lesson_12(plain):
+    cloud = load_cloud("cloud.txt")[::8]
+    expected = load_reference("12_streaming_obstacles").detect_obstacles(cloud)
+    boxes = plain.detect_compiled(cloud)
+    assert len(expected) > 10 and np.allclose(boxes, expected, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_compiled_it_answers_alike():
+    pytest.importorskip("numba", reason="pip install -r requirements-compiled.txt")
+    functions = load_reference(NAME, *FUNCTIONS)
+    cloud = load_cloud("cloud.txt")
+    lesson = load_reference("10_accelerated_clustering")
+    labels = functions.cluster_compiled(cloud)
+    assert np.array_equal(labels, lesson.euclidean_clustering_accelerated(cloud))
+    expected = load_reference("12_streaming_obstacles").detect_obstacles(cloud)
+    assert np.allclose(functions.detect_compiled(cloud), expected, atol=1e-9)
