@@ -71,7 +71,7 @@ def told(monkeypatch, tmp_path, *sources):
     (tmp_path / "cells.json").write_text(json.dumps({"99": cells}))
     monkeypatch.setattr(lent, "_HERE", tmp_path)
     monkeypatch.setattr(lent, "CELLS", tmp_path / "cells.json")
-    monkeypatch.setattr(lent, "_LENDING", {})
+    monkeypatch.setattr(lent, "_LENDING", set())
 
     def begin(shell):
         from utils.tracebacks import show_no_frames_of_ours

@@ -18,7 +18,8 @@ from utils.checks.remembering import one_run
 from utils.checks.story import resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.using import forbidden_in, functions_used, refused_modules
-from utils.lent import hear, own
+from utils.lent.hearing import hear
+from utils.lent.stubs import own
 
 if TYPE_CHECKING:
     from utils.checks.display import Table

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
-from utils.lent import own
+from utils.lent.stubs import own
 
 # Written by `python -m grader build` from the headers of the lessons.
 _FORBIDDEN = Path(__file__).with_name("forbidden.json")

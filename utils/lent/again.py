@@ -7,12 +7,12 @@ import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from utils.lent.stubs import ASKING
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
 
 _IMPORTS = (ast.Import, ast.ImportFrom)
 _PLAIN = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr)
-_OWN = ("check", "replay")
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
@@ -45,10 +45,10 @@ def key_of_cell(source: str) -> str:
 
 
 def is_about_ones_own(source: str) -> bool:
-    """Whether a cell checks or replays an answer: of the course's there is nothing to see."""
+    """Whether a cell checks an answer, or replays it: of the course's there is nothing to see."""
     nodes = [statement.node for statement in slicing.parse_notebook([source])[0]]
     calls = [node.value for node in nodes if isinstance(node, ast.Expr)]
-    return any(getattr(getattr(call, "func", None), "id", None) in _OWN for call in calls)
+    return any(getattr(getattr(call, "func", None), "id", None) in ASKING for call in calls)
 
 
 def free_names(source: str) -> set[str]:

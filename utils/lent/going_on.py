@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from utils.lent import is_written
+from utils.checks.using import functions_used
 from utils.lent.again import Plan, free_names, is_about_ones_own, key_of_cell, plan
+from utils.lent.stubs import is_written
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
 from utils.showing import shell
@@ -26,7 +27,7 @@ from utils.showing import shell
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult
 
-    from utils.lent import Lender
+    from utils.lent.lender import Lender
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class GoingOn:
             self._ran[place] = source
             self._broken.add(place)  # until it comes to its end
             wrong = self._wrong_at(place)
-            self._lender.put_aside(wrong & self._switched)
+            self._put_aside(wrong & self._switched)
             hanging = [name for name in wrong - self._switched if self._failed[name].hangs]
             if hanging and (found := self._plan(place, hanging)).functions:
                 self._do_without(found)
@@ -139,6 +140,18 @@ class GoingOn:
         elif self._cell.place is not None and function is not None and is_written(function):
             self._failed[exercise] = _Failed(function, self._cell.place, hangs)
 
+    def _put_aside(self, names: Collection[str]) -> None:
+        self._lender.put_aside(names, set().union(*map(self._callers_of, names)))
+
+    def _callers_of(self, name: str) -> set[str]:
+        """The exercises that are written, and call a function of this name."""
+        written = {other: self._lender.mine(other) for other in self._lender.exercises}
+        return {
+            other
+            for other, function in written.items()
+            if other != name and function is not None and name in functions_used(function)
+        }
+
     def _wrong_at(self, place: int) -> set[str]:
         """The functions that have failed a check above a place, and are still what they were."""
         return {
@@ -157,7 +170,7 @@ class GoingOn:
         self, place: int, functions: Collection[str] | None = None, spoilt: bool = False
     ) -> Plan:
         wrong = self._wrong_at(place) if functions is None else functions
-        callers = {name: {name, *self._lender.callers_of(name)} for name in wrong}
+        callers = {name: {name, *self._callers_of(name)} for name in wrong}
         cells = [self._ran.get(number, "") for number in range(place + 1)]
         return plan(cells, callers, self._broken - {place}, spoilt)
 
@@ -187,7 +200,7 @@ class GoingOn:
 
     def _do_without(self, found: Plan) -> bool:
         """Put functions aside, and do again quietly what was done with them."""
-        self._lender.put_aside(found.functions)
+        self._put_aside(found.functions)
         if not self._again(found.statements):
             self._lender.give_back()
             return False
