@@ -54,7 +54,7 @@ def test_one_small_notebook_a_lesson(written):
         lesson.name for lesson in all_lessons()
     ]
     for path in written.iterdir():
-        assert path.stat().st_size < 400_000
+        assert path.stat().st_size < 450_000
         nbformat.validate(nbformat.read(path, as_version=4))
 
 
