@@ -997,7 +997,7 @@ plots.ring(axes, -2.8, 4.1, radius=1.3, text="what is this box?");
 #
 # *A film shows at a glance what tables hide: flicker, jumps, boxes that come and go.*
 #
-# The next cell makes a film of every second frame. In text: parked cars stream towards us on both sides and keep their names as they pass; boxes far ahead flicker, because they have hardly enough points; a name appears when a thing has been followed for a second. `film.save("city.gif", writer="pillow")` keeps it as a file. `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes, names and trails; a trail that goes on in front of its box belongs to somebody who is waited for.
+# The next cell makes a film of every second frame. In text: parked cars stream towards us on both sides and keep their names as they pass; boxes far ahead flicker, because they have hardly enough points; a name appears when a thing has been followed for a second. `film.save("city.gif", writer="pillow")` keeps it as a file. `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes, names and trails; a trail without a box at its end belongs to somebody who is waited for.
 
 # %% tags=["folded"]
 # @title A film of every second frame (you need not read this)
