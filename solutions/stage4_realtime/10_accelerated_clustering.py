@@ -1001,7 +1001,7 @@ else:
           "of the time of the three steps: a full scan, road included, in less than one turn.")
 
 # %% [markdown]
-# With compiled code one can go further still: [Numba](https://numba.pydata.org) compiles such loops from Python. It is not among the course's packages, and the judge has none: keep it out of the graded function. `make bench` compares the course's own versions with libraries on your machine.
+# With compiled code one can go further still: the optional lesson 13, `notebooks/optional/13_compiled_loops.ipynb`, writes this grid as loops and lets [Numba](https://numba.pydata.org) compile them. The judge has no Numba: keep it out of the graded function. `make bench` compares the course's own versions with libraries on your machine.
 
 # %% [markdown]
 # ### What a threshold costs
