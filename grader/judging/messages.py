@@ -6,7 +6,6 @@ notebook; but a neighbour's may be in the answer. There the student's own `check
 """
 
 import functools
-import itertools
 import re
 from collections.abc import Callable, Sequence
 
@@ -127,18 +126,23 @@ def without_numbers(message: str, few: int = 0) -> str:
 
 def in_common(messages: Sequence[str]) -> str:
     """What messages say that are alike without their numbers: those stay in which they agree."""
-    places = itertools.count()
-
-    def agree(number: str) -> bool:
-        place = next(places)
-        return len({_with_one_number(message, place) for message in messages}) == 1
-
-    return _with_some_numbers(messages[0], agree)
+    bare, numbers = zip(*map(_apart, messages), strict=True)
+    if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # nobody knows which belong together
+        return without_numbers(messages[0])
+    agree = iter([len({*column}) == 1 for column in zip(*numbers, strict=True)])
+    return _with_some_numbers(messages[0], lambda number: next(agree))
 
 
-def _with_one_number(message: str, place: int) -> str:
-    places = itertools.count()
-    return _with_some_numbers(message, lambda number: next(places) == place)
+def _apart(message: str) -> tuple[str, list[str]]:
+    """A message less its numbers, and these."""
+    numbers = []
+
+    def take(number: str) -> str:
+        numbers.append(number)
+        return "…"
+
+    bare = with_numbers(_EXAMPLE.sub("", message), take)
+    return bare.replace("… row ", "… rows "), numbers
 
 
 def _with_some_numbers(message: str, is_told: Callable[[str], bool]) -> str:

@@ -327,7 +327,7 @@ def has_two_ends(correct_boxes: Callable) -> None:
     _, yours = _corrected(correct_boxes, 0.0, 0.1)
     if not np.allclose(yours, _SPEEDS, atol=1e-3):
         raise CheckFailed(
-            "With a gain of 0 a velocity stays as it is.",
+            fixed("With a gain of 0 a velocity stays as it is."),
             given=_told(0, 0.0, 0.1),
             yours=brief(yours[0]),
             expected=brief(_SPEEDS[0]),
