@@ -75,7 +75,7 @@ A_FEW_OF_MANY = {
     "test_no_cheap_answer_earns_more_than_a_tenth": ("01",),
     "test_what_is_right_in_part_earns_its_part": (),
     "test_no_cheap_answer_is_one_edit_from_a_right_one": (),
-    "test_an_edit_of_a_right_answer_loses_points_or_is_right": ("line_through: the solution",),
+    "test_an_edit_of_a_right_answer_loses_points_or_is_right": (),
     "test_few_lose_more_than_three_fifths_for_one_edit": (),
     "test_a_mistake_that_a_cheap_answer_makes_says_so": (),
     "test_an_endless_loop_costs_no_process_for_each_edit": (),

@@ -194,10 +194,11 @@ def test_jupytext_reads_and_writes_a_source_unchanged(lesson):
     assert [cell.source for cell in again.cells] == [cell.source for cell in notebook.cells]
 
 
-def test_nbgrader_sees_the_stages_and_nothing_else():
+def test_nbgrader_sees_the_stages_and_beside_them_the_optional_lesson():
+    """Each folder of sources is one to it; the judge gives no points for that one."""
     config = configure(Config(), PROJECT)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
-    assert api.get_source_assignments() == set(stages())
+    assert api.get_source_assignments() == {*stages(), "optional"}
 
 
 TOY = """# %% [markdown]

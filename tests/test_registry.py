@@ -211,6 +211,7 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
         "wrote notebooks/stage4_realtime/13_toy.ipynb",
         "wrote solutions/stage4_realtime/13_toy.ipynb",
         "wrote utils/checks/forbidden.json",
+        "wrote utils/lent/cells.json",
     ]
     assert "is what its source says" in run(copy, "grader", "build", "--check")
 

@@ -24,7 +24,7 @@ from utils.checks.vocabulary import (
     observe,
 )
 
-_NONE = np.empty((0, 8, 3))
+_NONE = frozen(np.empty((0, 8, 3)))
 
 
 def _centres(boxes: np.ndarray) -> np.ndarray:
