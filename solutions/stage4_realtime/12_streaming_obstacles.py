@@ -699,7 +699,7 @@ coming = np.array([[-5.0, 0, 0], [-13.0, 0, 0]])
 if is_written(predict_boxes):
     print(predict_boxes(two, coming, 0.1).mean(axis=1)[:, 0])
 
-# %%
+# %% tags=["raises-exception"]
 check(predict_boxes)
 
 # %% [markdown]
@@ -755,7 +755,7 @@ if is_written(predict_boxes) and is_written(correct_boxes):
     believed, faster = correct_boxes(should_be, coming, should_be + [0.4, 0, 0], 0.5, 0.1)
     print(believed.mean(axis=1)[:, 0], faster[:, 0].round(2))
 
-# %%
+# %% tags=["raises-exception"]
 check(correct_boxes)
 
 # %% [markdown]
@@ -798,7 +798,7 @@ def coast(missed, partners, patience):
 if is_written(coast):
     print(*coast(np.array([0, 3, 2, 1]), np.array([3, 0, -1]), 3))
 
-# %%
+# %% tags=["raises-exception"]
 check(coast)
 
 # %% [markdown]
