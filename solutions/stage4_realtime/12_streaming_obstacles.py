@@ -844,6 +844,7 @@ def mistakes_of(max_distance, use, gain=0.5):
     return scoring.name_mistakes(things, follow(detected, max_distance, gain, use)[0])
 
 
+# %%
 ways = {"matching alone": (), "and prediction": ("predict",),
         "and correction": ("predict", "correct"),
         "and coasting": ALL}
