@@ -159,6 +159,19 @@ def test_who_breaks_himself_a_stub_and_a_stranger(capsys):
         breaking.tell_apart(function_of("euclidean_clustering"), Z=[[0, 0, 0]])
 
 
+def test_a_loop_that_never_ends_is_ended(capsys, monkeypatch):
+    monkeypatch.setattr(breaking, "SECONDS", 0.3)
+
+    def euclidean_clustering(cloud, threshold=0.5):
+        while True:
+            pass
+
+    breaking.tell_apart(euclidean_clustering, A=[[0, 0, 0]])
+    assert "A ✗ Your own function did not answer within 0.3 seconds" in capsys.readouterr().out
+    breaking.show_broken(euclidean_clustering)
+    assert "a loop that never ends?" in capsys.readouterr().out
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", PUZZLES)
 def test_four_pictures_are_drawn(exercise, monkeypatch):

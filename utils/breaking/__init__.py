@@ -13,10 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from utils.breaking.puzzles import PUZZLES, Puzzle
+from utils.checks.limits import TimeUp, limited
 from utils.lent import is_written, own
 from utils.showing import show
 
 MOST_ROWS = 50
+SECONDS = 10
+"""For a few dozen points, asked four times: much more than any right answer needs."""
 
 
 def show_broken(function: Callable) -> None:
@@ -34,9 +37,12 @@ def show_broken(function: Callable) -> None:
 
     function, shown = own(function), puzzle.shown
     try:
-        right = puzzle.ask(function, shown)
-        puzzle.seen_as(right)
-        answers = {letter: one.answer(function, shown) for letter, one in puzzle.versions.items()}
+        with limited(SECONDS):
+            right = puzzle.ask(function, shown)
+            puzzle.seen_as(right)
+            answers = {
+                letter: one.answer(function, shown) for letter, one in puzzle.versions.items()
+            }
     except Exception as error:
         print(_raised(error))
         return
@@ -96,12 +102,13 @@ def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | No
         return "✗ Finite numbers, please: the versions differ on ordinary points."
     version, others = puzzle.versions[letter], [one for one in puzzle.versions if one != letter]
     try:
-        right = puzzle.seen_as(puzzle.ask(function, cloud))
-        differ = [
-            one
-            for one in (letter, *others)
-            if not _same(right, puzzle.seen_as(puzzle.versions[one].answer(function, cloud)))
-        ]
+        with limited(SECONDS):
+            right = puzzle.seen_as(puzzle.ask(function, cloud))
+            differ = [
+                one
+                for one in (letter, *others)
+                if not _same(right, puzzle.seen_as(puzzle.versions[one].answer(function, cloud)))
+            ]
     except Exception as error:
         return f"✗ {_raised(error)}"
     if letter not in differ:
@@ -116,6 +123,11 @@ def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | No
 
 
 def _raised(error: Exception) -> str:
+    if isinstance(error, TimeUp):
+        return (
+            f"Your own function did not answer within {SECONDS} seconds, so nothing can be "
+            "compared. Is there a loop that never ends?"
+        )
     return f"Your own function raised {type(error).__name__}, so nothing can be compared: {error}"
 
 
