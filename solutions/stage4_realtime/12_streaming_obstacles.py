@@ -954,7 +954,7 @@ for axes, values, up, title in (
     axes.get_legend().remove()
 
 # %% [markdown]
-# Too small a gain is slow to learn that somebody comes towards us, and loses the name. Too large a gain takes every wobble for speed: at 0.9 the median error of a velocity is a third of a metre per second, at 0.5 a tenth. The gain from the wobble is about the smallest that costs no names. Over the eight streets switches are 39 ± 14 at a gain of 0.3, 17 ± 6 at 0.5 and 16 ± 6 at 0.7, so between the last two nobody can choose by names; the errors of the velocity are 0.06, 0.09 and 0.15 m/s, each ± 0.01. That is what *correct* is for: who has to brake for a car wants its velocity.
+# Too small a gain is slow to learn that somebody comes towards us, and loses the name. Too large a gain takes every wobble for speed: at 0.9 the median error of a velocity is 0.3 metres per second, at 0.5 less than 0.1. The gain from the wobble is about the smallest that costs no names. Over the eight streets switches are 39 ± 14 at a gain of 0.3, 17 ± 6 at 0.5 and 16 ± 6 at 0.7, so between the last two nobody can choose by names; the errors of the velocity are 0.06, 0.09 and 0.15 m/s, each ± 0.01. That is what *correct* is for: who has to brake for a car wants its velocity.
 #
 # ## Names
 #
