@@ -233,6 +233,24 @@ def test_a_tracker_of_the_students_own_is_asked_for_velocities():
         assert np.allclose([thing.velocity for thing in things], [(0, 0), (0, 1.4)], atol=0.1)
 
 
+def test_a_drive_asks_a_tracker_for_each_scan_with_the_time_since_the_one_before():
+    asked = []
+
+    def predict(boxes, velocities, seconds):
+        asked.append(seconds)
+        return boxes + velocities[:, None] * seconds
+
+    tracker = Tracker(
+        closest_pairs,
+        predict=predict,
+        correct=lambda expected, velocities, found, gain, seconds: (found, velocities),
+    )
+    boxes = np.stack([box(12, 5), box(20, -5)])
+    driven = drive(STREETS[0], lambda cloud: boxes, tracker, seconds=1.0, clock=on_time,
+                   sensor=BLINKERED)  # fmt: skip
+    assert len(driven.moments) == 10 and np.allclose(asked, 0.1) and len(asked) == 8
+
+
 def test_a_tracker_that_only_matches_gets_the_rest():
     motion = motion_by(Tracker(closest_pairs))
     for scan in range(10):

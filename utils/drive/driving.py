@@ -155,7 +155,7 @@ def drive(
     clock = on_time if detect is None else clock or Clock()
     eyes = _Eyes(detect, clock)
     planner, motion, things = Planner(), motion_by(tracker), []
-    base = _Answer(0, 0, 0.0, NO_BOXES)
+    base = _Answer(-1, 0, 0.0, NO_BOXES)  # a scan before the first, of which nobody knows
     position, speed, acceleration = 0.0, street.limit, 0.0
     moments, began, pending, hit = [], {}, None, None
     for number in progress(range(round(seconds / TICK)), f"Driving, street {street.number}"):
@@ -167,7 +167,7 @@ def drive(
         gaps = distances(world)
         hit = next((one for one, gap in gaps.items() if gap <= 0.0 and speed > ROLLING), None)
         if pending and pending.ready <= number:
-            since = TICK * (pending.scan - base.scan) if moments else TICK
+            since = TICK * (pending.scan - base.scan)
             things = motion.update(pending.boxes, pending.position - base.position, since)
             base, pending = pending, None
         busy, boxes = pending is not None, NO_BOXES
