@@ -98,20 +98,27 @@ def _release_solutions(options: argparse.Namespace) -> int:
 def run_site(options: argparse.Namespace) -> int:
     """Run ``site [--to DIR] [--live]``."""
     from grader.course.build import read_origin
-    from grader.course.lessons import all_lessons
+    from grader.course.lessons import all_lessons, optional_lessons
     from grader.course.standalone import NotReleased
-    from grader.site.running import solved_runs
+    from grader.site.running import not_installed, solved_runs
     from grader.site.trouble import SiteTrouble
     from grader.site.writing import ready, write_site
 
+    missing = {lesson: not_installed(lesson) for lesson in optional_lessons()}
+    can_run = [lesson for lesson, packages in missing.items() if not packages]
     try:
         ready(options.to)
         with console.progress_bar("Running the lessons") as advance:
-            ran = solved_runs(all_lessons(), options.workers, advance)
+            ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
         write_site(options.to, ran, read_origin(), options.live)
     except (NotReleased, SiteTrouble) as error:
         print(error, file=sys.stderr)
         return FAULT
+    for lesson, packages in missing.items():
+        if packages:
+            print(
+                f"The page of {lesson.name} shows no outputs: install {', '.join(packages)} first."
+            )
     print(f"wrote {options.to / 'index.html'}")
     return GOOD
 

@@ -5,6 +5,7 @@ import html
 import io
 import json
 import re
+from types import SimpleNamespace
 
 import ipywidgets
 import matplotlib.pyplot as plt
@@ -17,7 +18,7 @@ from PIL import Image
 from grader import cli
 from grader.course import standalone
 from grader.course.build import Origin, read_origin
-from grader.course.lessons import all_lessons, find_lesson
+from grader.course.lessons import all_lessons, every_lesson, find_lesson, optional_lessons
 from grader.course.paths import PROJECT
 from grader.site import front, guides, live, proof, recording, running, words, writing
 from grader.site.lesson import links_of, page_of
@@ -258,9 +259,36 @@ def test_a_guide_links_to_pages_to_files_or_to_nothing():
 
 def test_the_front_page_has_every_lesson():
     page = front.page(read_origin(), Pictures())
-    assert re.findall(r'class="lesson-card" href="stage\w+/(\w+)\.html"', page) == [
-        lesson.name for lesson in all_lessons()
+    assert re.findall(r'class="lesson-card" href="(\w+/\w+)\.html"', page) == [
+        f"{lesson.stage}/{lesson.name}" for lesson in every_lesson()
     ]
+    _, beside = page.split("### Optional: beside the course")
+    assert "13 · Compiled loops" in beside and "<code>snuggest_turn</code>" in beside
+
+
+def test_what_a_lesson_needs_is_looked_for_where_it_is_imported():
+    text = """
+import json, no_such_compiler.jit as jit
+try:
+    from another_one.that_is_missing import njit
+except ImportError:
+    from numpy.linalg import norm
+"""
+    missing = running.not_installed(SimpleNamespace(text=text))
+    assert missing == ["another_one", "no_such_compiler"]
+    assert not [lesson.name for lesson in all_lessons() if running.not_installed(lesson)]
+
+
+@pytest.mark.parametrize("missing", [[], ["numba"]])
+def test_an_optional_lesson_runs_where_it_can(monkeypatch, tmp_path, capsys, missing):
+    asked = []
+    monkeypatch.setattr(running, "not_installed", lambda lesson: missing)
+    monkeypatch.setattr(running, "solved_runs", lambda lessons, *_: asked.extend(lessons) or {})
+    monkeypatch.setattr(writing, "write_site", lambda *_: None)
+    assert cli.main(["site", "--to", str(tmp_path)]) == 0
+    assert tuple(asked) == (all_lessons() if missing else every_lesson())
+    said = "The page of 13_compiled_loops shows no outputs: install numba first."
+    assert (said in capsys.readouterr().out) == bool(missing)
 
 
 # ---- what is proven -----------------------------------------------------------------------------
@@ -270,11 +298,11 @@ def secrets():
     """Each line of a solution that no student's notebook says in any way."""
     notebooks = "\n".join(
         "".join(cell["source"])
-        for lesson in all_lessons()
+        for lesson in every_lesson()
         for cell in json.loads(lesson.released.read_text("utf-8"))["cells"]
     )
     known = re.sub(r"[`*]", "", notebooks)
-    for lesson in all_lessons():
+    for lesson in every_lesson():
         text = lesson.source.read_text("utf-8")
         for region in re.findall("### BEGIN SOLUTION\n(.*?)### END SOLUTION", text, re.S):
             for line in map(str.strip, region.splitlines()):
@@ -357,6 +385,16 @@ def test_the_stub_is_on_its_page_and_so_is_what_was_shown(site):
 
 
 @pytest.mark.slow
+def test_what_did_not_run_has_a_page_without_outputs(site):
+    (lesson,) = optional_lessons()
+    page = (site / lesson.stage / f"{lesson.name}.html").read_text("utf-8")
+    assert "def snuggest_turn" in text_of(site / lesson.stage / f"{lesson.name}.html")
+    assert "cell_input" in page and "cell_output" not in page
+    front_page = (site / "index.html").read_text("utf-8")
+    assert front_page.count(f'href="{lesson.stage}/{lesson.name}.html"') >= 2, "a card, a contents"
+
+
+@pytest.mark.slow
 def test_search_finds_words_of_titles_and_of_text(site):
     index = (site / "searchindex.js").read_text("utf-8")
     assert index.startswith("Search.setIndex({"), "a script, which a page loads from a disk, too"
@@ -372,7 +410,7 @@ def test_what_a_page_loads_is_beside_it(site):
     assert (site / "_static" / "mathjax" / "tex-chtml.js").is_file()
     assert len([*(site / "_static" / "mathjax").rglob("*.woff")]) > 10
     assert not [*site.rglob("*.map"), *site.rglob("fontawesome.js")]
-    for lesson in all_lessons():
+    for lesson in every_lesson():
         notebook = json.loads((site / "notebooks" / f"{lesson.name}.ipynb").read_text("utf-8"))
         assert notebook["metadata"]["lidar_obstacle_lab"]["standalone"]
 
@@ -390,7 +428,7 @@ def test_a_notebook_for_the_browser_gets_its_sliders_first():
 def test_every_lesson_has_a_page_on_which_it_runs(tmp_path):
     live.write_live(tmp_path / "pages", tmp_path / "work")
     pages = tmp_path / "pages" / "live"
-    for lesson in all_lessons():
+    for lesson in every_lesson():
         page, _, query = live.address_of(lesson).partition("?path=")
         assert (tmp_path / "pages" / page).is_file()
         assert (pages / "files" / query).read_bytes() == live.notebook_of(lesson)

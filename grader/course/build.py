@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.course import earlier, minutes
-from grader.course.lessons import Lesson, all_lessons, optional_lessons
+from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 if TYPE_CHECKING:
@@ -81,8 +81,8 @@ def check() -> list[str]:
         f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
         for path in _strays()
     ]
-    for lesson in _every_lesson():
-        others = [built[other.released] for other in _every_lesson() if other != lesson]
+    for lesson in every_lesson():
+        others = [built[other.released] for other in every_lesson() if other != lesson]
         if b"](pictures/" in built[lesson.solved]:
             faults.append(f"{lesson.name} shows a picture that is not there. Run: make pictures")
         faults += [
@@ -95,15 +95,9 @@ def check() -> list[str]:
 def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
     """Bytes of every generated file by path; `origin` is pyproject.toml's unless given."""
     origin = origin or read_origin()
-    solved = {
-        lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in _every_lesson()
-    }
+    solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
     released = _released(solved)
     return {**solved, **released, FORBIDDEN: _forbidden(), CELLS: _cells(released)}
-
-
-def _every_lesson() -> tuple[Lesson, ...]:
-    return all_lessons() + optional_lessons()
 
 
 def _forbidden() -> bytes:
@@ -263,7 +257,7 @@ def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
             copy = root / path.relative_to(PROJECT)
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(text)
-        for stage in dict.fromkeys(lesson.stage for lesson in _every_lesson()):
+        for stage in dict.fromkeys(lesson.stage for lesson in every_lesson()):
             generate = converter(GenerateAssignment, root, stage)
             generate.no_database = True
             generate.preprocessors = [
@@ -275,12 +269,12 @@ def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
             .read_bytes()
             .rstrip(b"\n")
             + b"\n"
-            for lesson in _every_lesson()
+            for lesson in every_lesson()
         }
 
 
 def _strays() -> list[Path]:
-    known = {path for lesson in _every_lesson() for path in (lesson.solved, lesson.released)}
+    known = {path for lesson in every_lesson() for path in (lesson.solved, lesson.released)}
     found = [*(PROJECT / "solutions").glob("*/*.ipynb"), *(PROJECT / "notebooks").glob("*/*.ipynb")]
     return sorted(set(found) - known)
 
@@ -313,7 +307,7 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
 
 def _linked(lesson: Lesson, found: re.Match) -> str:
     """The line that names the next lesson, with a link to it."""
-    lessons = {lesson.number: lesson for lesson in _every_lesson()}
+    lessons = {lesson.number: lesson for lesson in every_lesson()}
     following = lessons.get(found["number"])
     if following is None:
         return found[0]

@@ -148,6 +148,11 @@ def optional_lessons() -> tuple[Lesson, ...]:
     return tuple(Lesson(source.stem, OPTIONAL) for source in sources)
 
 
+def every_lesson() -> tuple[Lesson, ...]:
+    """Those of the course, and those beside it."""
+    return all_lessons() + optional_lessons()
+
+
 def stages() -> tuple[str, ...]:
     """Names of the stages, in order."""
     return tuple(dict.fromkeys(lesson.stage for lesson in all_lessons()))
@@ -192,8 +197,7 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     -------
     types.SimpleNamespace
     """
-    every = all_lessons() + optional_lessons()
-    lesson = next(lesson for lesson in every if lesson.name == lesson_name)
+    lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
         raise ValueError(f"{lesson.source.name}: {problems[0]}")

@@ -13,7 +13,7 @@ from PIL import Image, ImageSequence
 
 from grader.course import minutes
 from grader.course.build import Origin
-from grader.course.lessons import Lesson, all_lessons, stages
+from grader.course.lessons import OPTIONAL, Lesson, every_lesson, optional_lessons, stages
 from grader.course.paths import PROJECT
 from grader.site.lesson import title_of
 from grader.site.pictures import Pictures
@@ -56,17 +56,17 @@ def page(origin: Origin, pictures: Pictures) -> str:
 
 
 def titles() -> list[tuple[str, str]]:
-    """Each stage with what the README calls it."""
+    """Each stage with what the README calls it, and last what is beside the course."""
     known = dict(STAGE.findall(README.read_text("utf-8")))
     found = []
     for stage in stages():
         number, _, name = stage.removeprefix("stage").partition("_")
         found.append((stage, f"Stage {number}: {known.get(number, name.replace('_', ' '))}"))
-    return found
+    return [*found, (OPTIONAL, "Optional: beside the course")] if optional_lessons() else found
 
 
 def _of(stage: str) -> list[Lesson]:
-    return [lesson for lesson in all_lessons() if lesson.stage == stage]
+    return [lesson for lesson in every_lesson() if lesson.stage == stage]
 
 
 def card(lesson: Lesson, pictures: Pictures) -> Card:
@@ -84,7 +84,7 @@ def card(lesson: Lesson, pictures: Pictures) -> Card:
         f"{lesson.stage}/{lesson.name}.html",
         picture,
         minutes.in_all(nbformat.read(lesson.solved, as_version=4)),
-        tuple(exercise.name for exercise in lesson.machine_graded),
+        tuple(exercise.name for exercise in lesson.machine_graded) or lesson.steps,
     )
 
 

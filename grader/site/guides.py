@@ -6,7 +6,7 @@ import posixpath
 import re
 
 from grader.course.build import Origin
-from grader.course.lessons import all_lessons
+from grader.course.lessons import every_lesson
 from grader.course.paths import PROJECT
 from grader.site.pictures import Pictures
 
@@ -61,7 +61,7 @@ def _pages() -> dict[str, str]:
     """The page, as seen from another guide, of each file that has one."""
     lessons = {
         f"notebooks/{lesson.stage}/{lesson.name}.ipynb": f"{lesson.stage}/{lesson.name}.ipynb"
-        for lesson in all_lessons()
+        for lesson in every_lesson()
     }
     readmes = {path: f"{name}.md" for name, path in PAGES.items()}
     folders = {posixpath.dirname(path): page for path, page in readmes.items()}

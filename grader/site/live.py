@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from grader.course.lessons import Lesson, all_lessons
+from grader.course.lessons import Lesson, every_lesson
 from grader.course.standalone import standalone
 from grader.site.trouble import SiteTrouble
 
@@ -67,7 +67,7 @@ def write_live(pages: Path, place: Path) -> None:
         JupyterLite does not do it.
     """
     (place / "contents").mkdir(parents=True)
-    for lesson in all_lessons():
+    for lesson in every_lesson():
         (place / "contents" / f"{lesson.name}.ipynb").write_bytes(notebook_of(lesson))
     labextensions = Path(sys.prefix, "share", "jupyter", "labextensions")
     settings = {

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
 from grader.course.build import lines_of, secret_lines
-from grader.course.lessons import all_lessons
+from grader.course.lessons import every_lesson
 from grader.course.paths import PROJECT
 from grader.site.guides import PAGES
 from grader.site.live import FOLDER
@@ -79,7 +79,7 @@ class Page(HTMLParser):
 
 def _given_away(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
     """Lines of solutions that no student's notebook has, in whatever a reader can open."""
-    lessons = all_lessons()
+    lessons = every_lesson()
     notebooks = [line for lesson in lessons for line in lines_of(lesson.released.read_bytes())]
     readmes = [(PROJECT / path).read_text("utf-8") for path in PAGES.values()]
     # A hint may say "return `a`", and its page has no such marks.

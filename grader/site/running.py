@@ -3,8 +3,10 @@
 Who hands solutions out gets what they showed, too; see `grader.site.solution`.
 """
 
+import ast
 import functools
 import hashlib
+import importlib.util
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -23,6 +25,17 @@ def solved_runs(
     """Solved notebooks with what a page shows of them; `grader.course.solved` says the rest."""
     show = functools.partial(shown, kept=KEPT, before=first_code())
     return all_shown(lessons, workers, progress, show)
+
+
+def not_installed(lesson: Lesson) -> list[str]:
+    """Packages that a lesson imports, at its top or within a function, and that are not there."""
+    named = set()
+    for node in ast.walk(ast.parse(lesson.text)):
+        if isinstance(node, ast.Import):
+            named |= {one.name.partition(".")[0] for one in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            named.add(node.module.partition(".")[0])
+    return sorted(name for name in named if importlib.util.find_spec(name) is None)
 
 
 def first_code() -> str:

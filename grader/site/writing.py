@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from grader.course.build import Origin
-from grader.course.lessons import Lesson, all_lessons
+from grader.course.lessons import Lesson, every_lesson
 from grader.course.standalone import refuse_to_give_away, standalone
 from grader.site import front, guides, mathjax, proof, sections, words
 from grader.site.lesson import links_of, page_of
@@ -60,7 +60,7 @@ def write_site(
     folder : pathlib.Path
         Replaced, where it holds a site; made, where there is none.
     ran : mapping of Lesson to bytes
-        Of all lessons, by `grader.site.running.solved_runs`.
+        By `grader.site.running.solved_runs`; the page of one that is missing shows no outputs.
     origin : grader.course.build.Origin
     live : bool
         Whether there is a page for each lesson on which it runs in the browser, too.
@@ -108,9 +108,10 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
     files["words.md"] = words.page()
     found = {name: text.encode() for name, text in files.items()}
-    for lesson in all_lessons():
-        links = links_of(lesson, origin, live)
-        found[f"{lesson.stage}/{lesson.name}.ipynb"] = page_of(lesson, ran[lesson], links, pictures)
+    for lesson in every_lesson():
+        links, name = links_of(lesson, origin, live), f"{lesson.stage}/{lesson.name}.ipynb"
+        solved = ran.get(lesson) or lesson.solved.read_bytes()
+        found[name] = page_of(lesson, solved, links, pictures)
         notebook = standalone(lesson.released.read_bytes())
         refuse_to_give_away(lesson, notebook)
         found[f"beside/notebooks/{lesson.name}.ipynb"] = notebook
