@@ -387,7 +387,7 @@ def test_two_points(student, seed):
     p, q = (points[0] for points in some_pairs(seed + 5, 1))
     third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # far from the line of the others
     three = np.array([p, q, third])
-    for line in lines_of_few(student.ransac_line, three):
+    for line in list(lines_of_few(student.ransac_line, three)):
         if line is None:
             raise CheckFailed(
                 "Any two of three points make a line, and in some runs there is none."

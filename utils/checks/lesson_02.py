@@ -1,6 +1,6 @@
 """Visible checks of lesson 02: `line_through`, `point_line_distance` and `ransac_line`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -918,6 +918,7 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
     """
     along = int(three[0, 1] == three[1, 1])  # the axis of the normal
     exact = np.insert(np.eye(2)[along], 2, -three[0, along])
+    seen = 0
     for seed in range(30):
         answer = ransac_line(three.copy(), 3, 1.0, np.random.default_rng(seed))
         line, mask = as_result(answer, 3)
@@ -932,6 +933,9 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
                 yours="False",
                 expected="True",
             )
+        seen += 1
+        if seen == 3:  # a comparison counts it always or never
+            return
 
 
 @visible(
@@ -988,6 +992,8 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
     points, on_line = wall_and_clutter(7, 14, 46)
     found = 0
     for seed in range(48):
+        if found + 48 - seed < 24:  # it cannot become so many any more
+            return
         answer = ransac_line(points.copy(), 1, 0.3, np.random.default_rng(seed))
         found += is_found(as_result(answer, len(points))[0], points[on_line], 0.3)
     if found >= 24:  # with a chance of 1 in 25, never
@@ -1010,7 +1016,7 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
 )
 def draws_different_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
-    runs = lines_of_few(ransac_line, _TRIANGLE)
+    runs = list(lines_of_few(ransac_line, _TRIANGLE))
     lost = sum(line is None for line in runs)
     if lost:
         raise CheckFailed(
@@ -1026,19 +1032,20 @@ _FOUR = frozen(np.array([[1.0, 2.0], [5.0, -1.0], [-2.0, -4.0], [4.0, 6.0]]))
 _TRIANGLE = frozen(_FOUR[:3])
 
 
-def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray | None]:
-    """The lines that 64 seeds find in two rounds, a few at least.
+def lines_of_few(ransac_line: Callable, points: np.ndarray) -> Iterator[np.ndarray | None]:
+    """The lines that 64 seeds find in two rounds, a few at least; each is asked for in its turn.
 
     Whoever draws with replacement finds none in one run of nine, of three points; whoever leaves
     a round out is asked about that elsewhere.
     """
-    lines = [
-        as_result(ransac_line(points.copy(), 2, 0.1, np.random.default_rng(seed)), len(points))[0]
-        for seed in range(64)
-    ]
-    if all(line is None for line in lines):
+    is_there_one = False
+    for seed in range(64):
+        answer = ransac_line(points.copy(), 2, 0.1, np.random.default_rng(seed))
+        line, _ = as_result(answer, len(points))
+        is_there_one |= line is not None
+        yield line
+    if not is_there_one:
         raise NotYet(f"{len(points)} points and two rounds give a line")
-    return lines
 
 
 @visible(
@@ -1051,18 +1058,22 @@ def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray |
 )
 def draws_from_all_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
-    lines = [line for line in lines_of_few(ransac_line, _FOUR) if line is not None]
+    lines, drawn = [], np.zeros(len(_FOUR), dtype=bool)
+    for line in lines_of_few(ransac_line, _FOUR):
+        if line is not None:
+            lines.append(line)
+            drawn |= distances_from(line, _FOUR) < TOLERANCE
+        if drawn.all():
+            return
     if all(_same(line, lines[0]) for line in lines):
         return  # whether other seeds draw other samples is another question
-    drawn = np.array([distances_from(line, _FOUR) < TOLERANCE for line in lines]).any(axis=0)
-    if not drawn.all():
-        row = int(np.flatnonzero(~drawn)[0])
-        raise CheckFailed(
-            f"Of four points the one in row {row} was in no sample.",
-            given="four points, and max_iterations=2",
-            yours=f"no line through row {row} in {len(lines)} runs",
-            expected="through each row in about half of the runs",
-        )
+    row = int(np.flatnonzero(~drawn)[0])
+    raise CheckFailed(
+        f"Of four points the one in row {row} was in no sample.",
+        given="four points, and max_iterations=2",
+        yours=f"no line through row {row} in {len(lines)} runs",
+        expected="through each row in about half of the runs",
+    )
 
 
 @visible(
@@ -1142,15 +1153,16 @@ def follows_its_rng(ransac_line: Callable) -> None:
     for seed in range(20):
         answer = ransac_line(points.copy(), 2, 0.4, np.random.default_rng(seed))
         lines.add(_written(as_result(answer, len(points))[0]))
+        if len(lines) > 1:
+            return
     if lines == {_written(None)}:
         raise NotYet("two rounds give a line")
-    if len(lines) == 1:
-        raise CheckFailed(
-            fixed("20 different seeds gave 20 times the same line."),
-            given="max_iterations=2",
-            yours=f"always {lines.pop()}",
-            expected="nearly 20 different ones",
-        )
+    raise CheckFailed(
+        fixed("20 different seeds gave 20 times the same line."),
+        given="max_iterations=2",
+        yours=f"always {lines.pop()}",
+        expected="nearly 20 different ones",
+    )
 
 
 @visible(

@@ -1,6 +1,6 @@
 """Visible checks of `ransac_plane`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -222,6 +222,8 @@ def tries_no_more(ransac_plane: Callable) -> None:
     points, belongs = scattered_plane(32, 20, 40)
     lucky = 0
     for seed in range(48):
+        if lucky + 48 - seed <= 18:  # it cannot become more any more
+            return
         model, _ = pair_of(ransac_plane(points.copy(), 1, 0.2, np.random.default_rng(seed)))
         if model is not None:
             near = gaps_from(points, as_plane(model)) <= 0.2
@@ -319,7 +321,7 @@ def draws_three_rows(ransac_plane: Callable) -> None:
 
 def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
     """Each run finds a plane where any three points make one."""
-    planes = planes_of_few(ransac_plane, points)
+    planes = list(planes_of_few(ransac_plane, points))
     lost = sum(plane is None for plane in planes)
     if lost:
         raise CheckFailed(
@@ -338,19 +340,19 @@ _FIVE = frozen(
 )
 
 
-def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray | None]:
-    """The planes that 48 seeds find in two rounds, a few at least.
+def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> Iterator[np.ndarray | None]:
+    """The planes that 48 seeds find in two rounds, a few at least; each is asked for in its turn.
 
     Whoever draws with replacement finds none in a quarter of the runs, of five points; whoever
     leaves a round out is asked about that elsewhere.
     """
-    planes = [
-        _plane_or_none(ransac_plane(points.copy(), 2, 0.1, np.random.default_rng(seed)))
-        for seed in range(48)
-    ]
-    if all(plane is None for plane in planes):
+    is_there_one = False
+    for seed in range(48):
+        plane = _plane_or_none(ransac_plane(points.copy(), 2, 0.1, np.random.default_rng(seed)))
+        is_there_one |= plane is not None
+        yield plane
+    if not is_there_one:
         raise NotYet(f"{len(points)} points and two rounds give a plane")
-    return planes
 
 
 @visible(
@@ -363,18 +365,22 @@ def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
-    planes = [plane for plane in planes_of_few(ransac_plane, _FIVE) if plane is not None]
+    planes, drawn = [], np.zeros(len(_FIVE), dtype=bool)
+    for plane in planes_of_few(ransac_plane, _FIVE):
+        if plane is not None:
+            planes.append(plane)
+            drawn |= gaps_from(_FIVE, plane) < 2e-3
+        if drawn.all():
+            return
     if all(_alike(plane, planes[0]) for plane in planes):
         return  # whether other seeds draw other samples is another question
-    drawn = np.array([gaps_from(_FIVE, plane) < 2e-3 for plane in planes]).any(axis=0)
-    if not drawn.all():
-        row = int(np.flatnonzero(~drawn)[0])
-        raise CheckFailed(
-            f"Of five points the one in row {row} was in no sample.",
-            given="five points, and max_iterations=2",
-            yours=f"no plane through row {row} in {len(planes)} runs",
-            expected="through each row in more than half of the runs",
-        )
+    row = int(np.flatnonzero(~drawn)[0])
+    raise CheckFailed(
+        f"Of five points the one in row {row} was in no sample.",
+        given="five points, and max_iterations=2",
+        yours=f"no plane through row {row} in {len(planes)} runs",
+        expected="through each row in more than half of the runs",
+    )
 
 
 @visible(
@@ -401,6 +407,7 @@ def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
     """
     [along] = np.flatnonzero((four[:3] == four[0]).all(axis=0))  # the axis of the normal
     exact = np.append(np.eye(3)[along], -four[0, along])
+    seen = 0
     for seed in range(40):
         answer = ransac_plane(four.copy(), 3, 1.0, np.random.default_rng(seed))
         plane = _plane_or_none(answer)
@@ -415,6 +422,9 @@ def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
                 yours="False",
                 expected="True",
             )
+        seen += 1
+        if seen == 3:  # a comparison counts it always or never
+            return
 
 
 @visible(
