@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+ENDLESS = "is there a loop that never ends?"
+"""What to ask whose function did not come back, unless a check knows better (`Check.slow`)."""
+
 
 class Remote:
     """Marks what lives elsewhere; a class of a student's may have methods of any name.

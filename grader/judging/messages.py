@@ -25,6 +25,7 @@ from utils.checks.failures import (
 from utils.checks.outcomes import Outcome
 from utils.checks.story import Story, hint_for
 from utils.checks.tips import tip_for
+from utils.remote import ENDLESS
 
 # Counts, as "2 of 5 rows", are told of what students see: so many, and below a hundred.
 FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
@@ -85,7 +86,8 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     """Why a test failed, in words that may be told."""
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
-        return Stopped(str(error), error.reason)
+        question = outcome.check.slow or ENDLESS
+        return Stopped(str(error).replace(ENDLESS, question), error.reason)
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):

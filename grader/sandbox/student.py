@@ -19,7 +19,7 @@ from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.quoting import sentence_on_cell
 from grader.sandbox.untrusted import changes, names_a_number, positions, readable, rows, texts
-from utils.remote import Observed, Remote
+from utils.remote import ENDLESS, Observed, Remote
 
 # What may be stopped beside exercises: the cells that these need, and the whole notebook.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
@@ -239,7 +239,7 @@ class Student:
         name = request["name"]
         reply = self._exchange(
             self.exercise,
-            f"{name} did not answer within {{seconds:g}} seconds; is there a loop that never ends?",
+            f"{name} did not answer within {{seconds:g}} seconds; {ENDLESS}",
             self._limits.call_seconds,
             {"id": self._calls, "seconds": self.interrupts_after, **request},
         )

@@ -115,8 +115,8 @@ def course(tmp_path):
     for student in ("mallory", "zoe"):
         path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
-        answer = "It runs in real time." + (HOSTILE if student == "mallory" else "")
-        path.write_bytes(notebook(write_up=answer))
+        hostile = HOSTILE if student == "mallory" else ""
+        path.write_bytes(notebook(hostile, write_up="It runs in real time." + hostile))
     return made
 
 

@@ -20,6 +20,7 @@ from utils.checks.tips import place_in, tip_for
 from utils.checks.using import forbidden_in, functions_used, refused_modules
 from utils.lent.hearing import hear
 from utils.lent.stubs import own
+from utils.remote import ENDLESS
 
 if TYPE_CHECKING:
     from utils.checks.display import Table
@@ -148,7 +149,7 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
     except CheckFailed as failure:
         return Outcome(one_check, failure)
     except TimeUp:
-        question = one_check.slow or "is there a loop that never ends?"
+        question = one_check.slow or ENDLESS
         sentence = (
             f"{one_check.exercise} did not come back after {SECONDS} s: {question} If a cell of "
             "yours hangs, press the stop button ■ above."
