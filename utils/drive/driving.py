@@ -20,6 +20,7 @@ from utils.drive.truth import distances, true_boxes
 from utils.drive.weather import with_dirt, with_rain
 from utils.films.filming import checked_boxes
 from utils.progress import progress
+from utils.remote import RemoteStopped
 from utils.simulator.frames import Frame, observe
 from utils.simulator.sensor import Sensor
 from utils.simulator.world import World
@@ -151,6 +152,8 @@ def drive(
     Exception
         Whatever the detector raises for the first scan. Later failures go into
         `Drive.problems`: for these scans the car sees no box.
+    utils.remote.RemoteStopped
+        The detector lives elsewhere, and is gone.
     """
     clock = on_time if detect is None else clock or Clock()
     eyes = _Eyes(detect, clock)
@@ -216,6 +219,8 @@ class _Eyes:
                 self._detect(frame.cloud.copy())
             found, seconds = self._clock(lambda: self._detect(frame.cloud.copy()))
             boxes = checked_boxes(found)
+        except RemoteStopped:  # nobody is there any more who could see
+            raise
         except Exception as error:
             if not self._looked:
                 raise
@@ -227,8 +232,8 @@ class _Eyes:
 
 def scan_from(world: World, street: Street, sensor: Sensor, number: int) -> Frame:
     """What the scanner sees of a world, in the weather of the street."""
-    frame = observe(world, sensor, (street.number, 31, number), number * TICK)
-    swept, rng = frame.scan, np.random.default_rng((street.number, 32, number))
+    frame = observe(world, sensor, (street.seed, 31, number), number * TICK)
+    swept, rng = frame.scan, np.random.default_rng((street.seed, 32, number))
     if street.rain:
         swept = with_rain(swept, street.rain, rng)
     if street.dirt:

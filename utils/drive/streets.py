@@ -57,7 +57,7 @@ class Street:
     Parameters
     ----------
     number : int
-        From 1; also what everything random in it is drawn from.
+        From 1.
     title : str
     speed : float
         What is allowed, in km/h; we come that fast.
@@ -72,6 +72,8 @@ class Street:
         Whether anything comes towards us.
     plan : Plan
         What stands along it.
+    drawn_from : int, optional
+        What everything random in it is drawn from; by default its number.
     """
 
     number: int
@@ -83,6 +85,12 @@ class Street:
     dirt: bool = False
     traffic: bool = False
     plan: Plan = Plan(parked=5.0, furniture=10.0, walkers=14.0)  # noqa: RUF009
+    drawn_from: int | None = None
+
+    @property
+    def seed(self) -> int:
+        """What everything random in it is drawn from."""
+        return self.number if self.drawn_from is None else self.drawn_from
 
     @property
     def limit(self) -> float:
@@ -94,7 +102,7 @@ class Street:
         """All but the actors, in road coordinates, at the beginning."""
         length = 20.0 * self.limit + AHEAD
         plan = replace(self.plan, spans=((BEHIND, length),), driving=20.0)
-        things = street(np.random.default_rng((self.number, 30)), plan)
+        things = street(np.random.default_rng((self.seed, 30)), plan)
         ground = Ground(slope=self.slope, width=ROAD_WIDTH, crown=0.02, kerb=0.13, verge=0.02)
         return world_of(ground, [thing for thing in things if self._fits(thing)])
 
