@@ -52,10 +52,15 @@ def verdict_key(handed_in: HandedIn, lesson: Lesson, seed: int, student: str = "
 @functools.cache
 def rules_key(lesson: Lesson) -> str:
     """Fingerprint of what decides in one lesson."""
-    digest = hashlib.sha256(lesson.name.encode())
+    return key_of_files(lesson.name, files_that_decide(lesson))
+
+
+def key_of_files(about: str, files: Iterable[Path]) -> str:
+    """Fingerprint of what some files and the libraries decide about something."""
+    digest = hashlib.sha256(about.encode())
     for name, version in versions().items():
         digest.update(f"{name} {version}\0".encode())
-    for path in sorted(files_that_decide(lesson)):
+    for path in sorted(files):
         digest.update(f"{path.relative_to(PROJECT).as_posix()}\0".encode() + _digest_of(path))
     return digest.hexdigest()
 
@@ -65,18 +70,18 @@ def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     entries = {*ENTRIES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
     # The source says what is forbidden; the solution holds right helpers, borrowed ones as well.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    shown = {file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))}
-    return frozenset(_with_all_imported(entries) | notebooks | shown | {TRUTH})
+    return frozenset(with_all_they_run(entries) | notebooks | {TRUTH})
 
 
-def _with_all_imported(files: Iterable[Path]) -> set[Path]:
-    """Some files, and all of this project that they import, directly or not."""
+def with_all_they_run(files: Iterable[Path]) -> set[Path]:
+    """Some files, all of this project that they import, and what runs beside a student's code."""
     found, waiting = set(), set(files)
     while waiting:
         file = waiting.pop()
         found.add(file)
         waiting |= _imported_by(file) - found
-    return found
+    shown = {file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))}
+    return found | shown
 
 
 @functools.cache
