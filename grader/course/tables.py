@@ -1,4 +1,4 @@
-"""Tables that somebody else has written: as CSV, with this separator or that."""
+"""Tables: those that somebody else has written, with this separator or that, and our own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,14 @@ import csv
 import io
 
 SEPARATORS = ",;\t"
+# A cell that begins with one of these is a formula to a spreadsheet, and a command to some.
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
 csv.field_size_limit(2**24)  # for the process: platforms' tables hold whole texts of students
+
+
+def harmless_cell(text: str) -> str:
+    """A text that a spreadsheet takes for text."""
+    return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def separated(text: str) -> tuple[str, list[list[str]]]:

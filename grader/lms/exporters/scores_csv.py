@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from datetime import UTC, timedelta
 
 from grader.course.roster import Person
+from grader.course.tables import harmless_cell
 from grader.lms.exporters.exported import Exported, ExportTrouble, Order
 from grader.lms.notes import not_on_the_roster
 from grader.lms.results import (
@@ -20,8 +21,6 @@ from grader.lms.results import (
     write_number,
 )
 
-# A cell that begins with one of these is a formula to a spreadsheet, and a command to some.
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
 ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
 ABOUT_STAGE = ("handed in", "days late", "late penalty", "standing")
 
@@ -76,7 +75,7 @@ def _row(
     stages: dict[str, dict[str, float]],
 ) -> list[str]:
     about = (person.id, person.last_name, person.first_name, person.email, person.section)
-    cells = [f"'{text}" if text.startswith(FORMULA) else text for text in about]
+    cells = [harmless_cell(text) for text in about]
     for stage in stages:
         of_stage = [one for one in mine if one.stage == stage]
         cells += [_score(one) for one in of_stage]
