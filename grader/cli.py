@@ -202,12 +202,7 @@ def _grade(kinds: argparse._SubParsersAction) -> None:
         "came to be what they are",
     )
     add_judging_options(grade)
-    add_workers(grade)
-    grade.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="judge on the workers of a Dask cluster instead, such as tcp://10.0.0.1:8786",
-    )
+    add_places(grade)
     grade.set_defaults(run=commands.run_grade, workers=None)
 
 
@@ -288,6 +283,16 @@ def _similarity(kinds: argparse._SubParsersAction) -> None:
     similarity.set_defaults(run=commands.run_similarity)
 
 
+def _league(kinds: argparse._SubParsersAction) -> None:
+    league = kinds.add_parser(
+        "league", help="who drives farthest on their detector? A game, and no part of any mark"
+    )
+    league.add_argument("stage", metavar="STAGE", help="such as stage4_realtime")
+    add_judging_options(league)
+    add_places(league)
+    league.set_defaults(run=commands.run_league, workers=None)
+
+
 def _doctor(kinds: argparse._SubParsersAction) -> None:
     doctor = kinds.add_parser("doctor", help="is everything ready to grade?")
     add_workers(doctor)
@@ -325,6 +330,7 @@ COMMANDS = (
     _autograder,
     _feedback,
     _similarity,
+    _league,
     _doctor,
     _demo,
 )
@@ -363,4 +369,14 @@ def add_workers(command: argparse.ArgumentParser) -> None:
         default=processors(),
         metavar="N",
         help="notebooks judged at a time (default: one per core)",
+    )
+
+
+def add_places(command: argparse.ArgumentParser) -> None:
+    """Where to judge: here, or on a cluster."""
+    add_workers(command)
+    command.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="judge on the workers of a Dask cluster instead, such as tcp://10.0.0.1:8786",
     )

@@ -198,12 +198,7 @@ def run_grade(options: argparse.Namespace) -> int:
 
     if not are_stages(options.stages):
         return WRONG_CALL
-    if options.workers and options.scheduler:
-        print(
-            "--workers is for this machine, and --scheduler for a cluster, on which each worker "
-            "judges as many notebooks at a time as it has threads. Name one of the two.",
-            file=sys.stderr,
-        )
+    if not _is_one_place(options):
         return WRONG_CALL
     course = Course()
     read_deadlines(course)  # what cannot be read is told before hours of judging
@@ -225,6 +220,18 @@ def run_grade(options: argparse.Namespace) -> int:
         scheduler=options.scheduler,
         student=student,
     )
+
+
+def _is_one_place(options: argparse.Namespace) -> bool:
+    """Whether one place to judge is named, or none; says so if not."""
+    if options.workers and options.scheduler:
+        print(
+            "--workers is for this machine, and --scheduler for a cluster, on which each worker "
+            "judges as many notebooks at a time as it has threads. Name one of the two.",
+            file=sys.stderr,
+        )
+        return False
+    return True
 
 
 def _sandbox_elsewhere(wish: str) -> Sandbox:
@@ -384,6 +391,51 @@ def run_similarity(options: argparse.Namespace) -> int:
     console.print_similarity(compared)
     print(f"Side by side: {path}")
     return GOOD
+
+
+def run_league(options: argparse.Namespace) -> int:
+    """Run ``league STAGE``."""
+    from grader.classroom.executors import processors
+    from grader.classroom.league.page import write_league
+    from grader.classroom.league.season import drive_class, lesson_of_league
+    from grader.classroom.lock import AlreadyRunning, only_one
+    from grader.classroom.protocol import ExecutorLost
+    from grader.course.seed import course_seed
+
+    if not are_stages([options.stage]) or not _is_one_place(options):
+        return WRONG_CALL
+    course, lesson = Course(), lesson_of_league(options.stage)
+    if lesson is None:
+        print(
+            f"Nobody writes a detector in {options.stage}, and a car needs one. Name one of: "
+            f"{', '.join(filter(lesson_of_league, stages()))}.",
+            file=sys.stderr,
+        )
+        return WRONG_CALL
+    sandbox = (_sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    seed, workers = course_seed(course, options.seed), options.workers or processors()
+    try:
+        with only_one(course):
+            with (
+                _executors(options.scheduler, sandbox) as open_executor,
+                console.progress_bar("Driving") as advance,
+            ):
+                season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)
+            if not season.students:
+                print(
+                    f"Nobody can drive: there is no {course.submitted}/<student>/{options.stage}/"
+                    f"{lesson.name}.ipynb. Put notebooks there, as for grade.",
+                    file=sys.stderr,
+                )
+                return WRONG_CALL
+            page, who = write_league(course, season, seed, sandbox.warning)
+    except (AlreadyRunning, ExecutorLost) as error:
+        print(console.plain(error), file=sys.stderr)
+        return FAULT
+    print(f"League: {page}\nWho is who, which is not for the class: {who}")
+    console.print_faults(season.faults)
+    return FAULT if season.faults else GOOD
 
 
 def run_doctor(options: argparse.Namespace) -> int:

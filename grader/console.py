@@ -111,6 +111,12 @@ def _print_beside(console: Console, mark: str, text: str, style: str = "") -> No
     console.print(grid)
 
 
+def print_faults(faults: Iterable[str]) -> None:
+    """Print what could not be done, for reasons of ours."""
+    for fault in faults:
+        tell(f"Not driven: {fault}")
+
+
 def print_finding(finding: Finding) -> None:
     """Print one finding of the doctor."""
     mark = "good " if finding.good else "MEND "

@@ -200,6 +200,12 @@ def _links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         found.append((quote(path.name), f"which answers of {stage} are alike"))
+    for path in sorted(course.report.glob("league_*.csv")):
+        stage = path.stem.removeprefix("league_")
+        found.append(
+            (f"../league/{quote(stage)}.html", f"the league of {stage}, for a class to see")
+        )
+        found.append((quote(path.name), f"who is who in the league of {stage}"))
     for path in sorted(course.root.glob("scores*.csv")):
         found.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))
     for path in sorted((course.root / "handed_back").glob("*/")):

@@ -1,0 +1,115 @@
+"""The streets of a league, drawn from the course's secret seed: nobody can drive them beforehand.
+
+In each something stands in our lane that drives away only when we have waited, and then somebody
+is in the way whom a car meets that drives on: who sees nothing runs into one of them, fast or slow.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.drive.actors import Actor, adult, child, crossing_cyclist, slow_cyclist
+from utils.drive.streets import Street
+from utils.simulator.streets import EGO_LANE, Plan, placed
+from utils.simulator.traffic import car, truck
+
+SPEED = 30 / 3.6
+CROWDED = Plan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
+
+NOTICED = 18.0
+"""Metres to what waits, from our scanner, at which its time begins: we have to brake by then."""
+
+
+def _waits(rng: np.random.Generator) -> Actor:
+    """A car or a lorry that stands in our lane, and drives off some seconds after we have come."""
+    thing = (
+        truck(width=2.3)
+        if rng.random() < 0.3
+        else car(*rng.uniform((4, 1.7, 1.4), (4.6, 1.8, 1.6)))
+    )
+    place, wait = rng.uniform(37.0, 43.0), rng.uniform(5.0, 6.0)
+    tail = place + thing.size[0] / 2
+    pace = ((0.0, 0.0), (wait, 0.0), (wait + 3.0, 12.0))
+    return Actor(placed(thing, tail, EGO_LANE), place - NOTICED, pace)
+
+
+def _later(rng: np.random.Generator) -> float:
+    """Where along the road somebody comes into the way, once what waited is gone."""
+    return rng.uniform(88.0, 100.0)
+
+
+def _waiting(rng: np.random.Generator) -> dict:
+    return {"title": "Somebody waits in the lane", "traffic": True}
+
+
+def _child(rng: np.random.Generator) -> dict:
+    return {"title": "A child runs out", "actors": (child(_later(rng), SPEED),)}
+
+
+def _cyclist(rng: np.random.Generator) -> dict:
+    rider = crossing_cyclist(_later(rng), SPEED, rng.uniform(2.6, 4.2))
+    return {"title": "A cyclist crosses", "actors": (rider,)}
+
+
+def _climb(rng: np.random.Generator) -> dict:
+    return {
+        "title": "Up, in the rain",
+        "slope": rng.uniform(0.035, 0.06),
+        "rain": int(rng.integers(40, 70)),
+        "actors": (adult(_later(rng), SPEED, side=int(rng.choice((-1, 1)))),),
+    }
+
+
+def _dirt(rng: np.random.Generator) -> dict:
+    rider = slow_cyclist(_later(rng) - 10.0)
+    return {"title": "Behind a dirty bonnet", "dirt": True, "traffic": True, "actors": (rider,)}
+
+
+def _crowd(rng: np.random.Generator) -> dict:
+    x = _later(rng)
+    pair = adult(x, SPEED), adult(x + rng.uniform(0.8, 1.0), SPEED)
+    slope = -rng.uniform(0.02, 0.05)
+    return {"title": "Two people, downhill", "slope": slope, "plan": CROWDED, "actors": pair}
+
+
+KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
+    _waiting,
+    _child,
+    _cyclist,
+    _climb,
+    _dirt,
+    _crowd,
+)
+"""What makes each of the streets what it is; beside that, all of them are alike."""
+
+
+@functools.cache
+def streets_of(seed: int) -> tuple[Street, ...]:
+    """The streets that a course's seed leads to.
+
+    Parameters
+    ----------
+    seed : int
+        The course's secret. All that is drawn here is drawn from digests of it, which lead no
+        further back, and which no hidden question is drawn from.
+    """
+    return tuple(_street(seed, number) for number in range(1, len(KINDS) + 1))
+
+
+def _street(seed: int, number: int) -> Street:
+    source = secret(seed, f"street {number}")
+    rng = np.random.default_rng((source, 29))
+    first = _waits(rng)
+    about = KINDS[number - 1](rng)
+    actors = (first, *about.pop("actors", ()))
+    return Street(number, **about, actors=actors, drawn_from=source)
+
+
+def secret(seed: int, label: str) -> int:
+    """A number for something of a league, from which nobody finds the seed or another one."""
+    digest = hashlib.sha256(f"league: {seed} {label}".encode()).digest()
+    return int.from_bytes(digest, "big")

@@ -1,0 +1,55 @@
+"""Detectors in a league that would rather know the street than see it."""
+
+import numpy as np
+
+from grader.classroom.league.driving import DETECTOR, _unpacked, drive_behind_walls
+from grader.classroom.league.streets import streets_of
+from grader.course.paths import PROJECT
+from grader.sandbox import SANDBOXES, Limits
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student
+from tests.attacks.attacking import SHORT, WALLS
+from utils.simulator.sensor import Sensor, layers
+
+SEED = 2**70 + 1
+BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
+
+LOOKING = """
+import os, sys
+import numpy as np
+
+def detect_obstacles(cloud):
+    found = []
+    try:
+        import grader.classroom.league.streets
+        found.append("the streets")
+    except ImportError:
+        pass
+    found += [name for name in sys.modules if name.startswith("grader.")]
+    for path in {paths!r}:
+        try:
+            found.append(os.listdir(path) if os.path.isdir(path) else open(path, "rb").read(1))
+        except OSError:
+            pass
+    return np.full((1, 8, 3), 100.0 + len(found))
+"""
+
+
+def answers_of(sandbox, source):
+    with Student(Program((source,), (DETECTOR,)), sandbox, Limits(**SHORT)) as student:
+        street = streets_of(SEED)[0]
+        driven = drive_behind_walls(street, student, seconds=0.5, sensor=BLINKERED)
+    assert not driven.stopped and not driven.failed
+    return {float(boxes.max()) / 1000 for boxes in _unpacked(driven.answers)}
+
+
+def test_what_drives_finds_neither_the_street_nor_the_seed_nor_others(tmp_path):
+    """It sees scans. The same code without walls finds something, so it does look."""
+    for name in (".course_seed", "submitted/ada/notebook.ipynb", "verdicts/ada/street_1.json"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("a secret")
+    inside = [str(path) for path in (tmp_path, *sorted(tmp_path.rglob("*")))]
+    ours = [str(PROJECT / name) for name in ("grader/classroom", "grader/tests", "utils/drive")]
+    source = LOOKING.format(paths=[*inside, *ours])
+    assert answers_of(WALLS, source) == {100.0}
+    assert min(answers_of(SANDBOXES["process"], source)) > 103.0

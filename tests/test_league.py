@@ -1,0 +1,553 @@
+"""A league: drives behind walls, what counts in them, and the page on which nobody has a name."""
+
+import csv
+import json
+from concurrent.futures import BrokenExecutor, Executor, Future
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader import cli
+from grader.classroom.league import driving, page, season
+from grader.classroom.league.driving import (
+    DETECTOR,
+    MOST_BOXES,
+    MOST_FAILURES,
+    Driven,
+    drive_behind_walls,
+    driven_again,
+    from_json,
+)
+from grader.classroom.league.page import happened, write_league
+from grader.classroom.league.pseudonyms import pseudonyms
+from grader.classroom.league.ranking import counted, standings
+from grader.classroom.league.season import (
+    OUR_OWN,
+    TRUE_BOXES,
+    Entrant,
+    Season,
+    drive_class,
+    lesson_of_league,
+)
+from grader.classroom.league.streets import streets_of
+from grader.course.paths import PROJECT, Course
+from grader.course.variants import fill_in, variants_of
+from grader.judging.key import with_all_they_run
+from grader.sandbox import Limits
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student
+from utils.drive import Street, on_time
+from utils.drive.actors import standing
+from utils.drive.driving import drive
+from utils.simulator.sensor import Sensor, layers
+from utils.simulator.streets import EGO_LANE, Plan
+from utils.simulator.traffic import car
+
+SEED = 271_828_182_845_904_523_536
+LESSON = lesson_of_league("stage4_realtime")
+FEW = Sensor(layers(6, -2.0, -9.0), np.radians(2.0), maximum_range=30.0)
+BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
+NOTHING = Plan(parked=np.inf, furniture=np.inf, walkers=np.inf)
+FREE = Street(1, "A made-up street", plan=NOTHING)
+BLOCKED = replace(FREE, actors=(standing(car(), 30.0, EGO_LANE),))
+
+IMPORTS = "import numpy as np\n"
+AHEAD = (
+    IMPORTS
+    + """
+def detect_obstacles(cloud):
+    ahead = cloud[(cloud[:, 0] > 3) & (abs(cloud[:, 1]) < 1) & (cloud[:, 2] > -1.2), :3]
+    if not len(ahead):
+        return []
+    (a, c, e), (b, d, f) = ahead.min(axis=0), ahead.max(axis=0)
+    return [[[x, y, z] for z in (e, f) for x, y in ((a, c), (b, c), (b, d), (a, d))]]
+"""
+)
+
+
+def answering(expression, before=""):
+    """A notebook whose detector answers with this, whatever it sees."""
+    return f"{IMPORTS}{before}\ndef detect_obstacles(cloud):\n    return {expression}\n"
+
+
+def driven_by(sandbox, source, street=FREE, seconds=2.0, **limits):
+    program = Program((source,), (DETECTOR,))
+    limits = Limits(**{"call_seconds": 1.0, "total_seconds": 20.0, **limits})
+    with Student(program, sandbox, limits) as student:
+        return drive_behind_walls(street, student, "k", seconds=seconds, sensor=BLINKERED)
+
+
+# Streets and names --------------------------------------------------------------------------
+
+
+def test_streets_come_of_the_seed_and_of_nothing_else():
+    once, again, others = streets_of(SEED), streets_of.__wrapped__(SEED), streets_of(SEED + 1)
+    assert [street.number for street in once] == [1, 2, 3, 4, 5, 6]
+    for one, same, other in zip(once, again, others, strict=True):
+        assert one.seed == same.seed != other.seed
+        places = [[actor.obstacle.pose.x for actor in street.actors] for street in (one, same)]
+        assert places[0] == places[1] != [actor.obstacle.pose.x for actor in other.actors]
+    assert len({street.seed for street in once}) == len(once)
+    assert all(SEED not in (street.seed, street.number) for street in once)
+
+
+def test_a_pseudonym_is_the_same_each_time_and_another_in_another_course():
+    class_ = [f"student{number}" for number in range(300)]
+    names = pseudonyms(class_, SEED)
+    assert len(set(names.values())) == 300
+    assert pseudonyms(reversed(class_), SEED) == names
+    others = pseudonyms(class_, SEED + 1)
+    assert sum(names[one] == others[one] for one in class_) < 5
+    alone = pseudonyms(["student7"], SEED)["student7"]
+    assert alone == names["student7"]
+
+
+def test_a_folder_that_is_no_text_has_a_pseudonym_too():
+    assert pseudonyms(["\udcff"], SEED)["\udcff"]
+
+
+# One drive behind walls ---------------------------------------------------------------------
+
+
+def test_a_drive_behind_walls_is_the_same_drive(sandbox):
+    program = Program((AHEAD,), (DETECTOR,))
+    with Student(program, sandbox) as student:
+        driven = drive_behind_walls(BLOCKED, student, seconds=5.0, sensor=FEW)
+    functions = {}
+    exec(AHEAD, functions)
+    here = drive(BLOCKED, functions[DETECTOR], clock=on_time, seconds=5.0, sensor=FEW)
+    assert not driven.collision and not driven.failed
+    assert driven.metres == pytest.approx(here.metres, abs=0.1)
+    assert 18 < driven.metres < 28 and driven.needless == (False,)
+
+
+def test_what_was_answered_makes_the_same_drive_again(sandbox):
+    driven = driven_by(sandbox, answering("np.random.rand(3, 8, 3) * 9 - 4"), BLOCKED, 3.0)
+    assert not driven.stopped
+    kept = from_json(driven.as_json())
+    assert kept == driven
+    again, report = driven_again(kept, BLOCKED, seconds=3.0, sensor=BLINKERED)
+    assert (round(again.metres, 1), report.collision) == (driven.metres, driven.collision)
+    assert tuple(map(str, report.brakings)) == driven.brakings
+
+
+ODD = {
+    "a text": "'boxes'",
+    "nothing": "None",
+    "an object": "type('Box', (), {'__array__': 5, '__len__': 6})()",
+    "a function": "detect_obstacles",
+    "flat": "np.zeros((5, 3))",
+    "texts": "[[['1'] * 3] * 8] * 2 + ['x']",
+    "more than there can be": f"np.zeros(({MOST_BOXES + 1}, 8, 3))",
+    "raises": "1 / 0",
+    "raises a word": "(_ for _ in ()).throw(type('Secret', (Exception,), {})('a word'))",
+    "not written": "(_ for _ in ()).throw(NotImplementedError('write it'))",
+}
+
+
+@pytest.mark.parametrize("answer", ODD.values(), ids=ODD)
+def test_who_has_no_boxes_to_give_is_broken_off_in_our_words(answer, sandbox):
+    driven = driven_by(sandbox, answering(answer), seconds=4.0)
+    assert driven.failed == MOST_FAILURES and driven.metres == 0
+    assert driven.stopped.startswith(f"It had no boxes to give for {MOST_FAILURES} scans. ")
+    assert driven.failure in driven.stopped
+    assert "Secret" not in driven.stopped and "word" not in driven.stopped
+
+
+FINE = {
+    "no box": ("[]", 0),
+    "none that is finite": ("np.full((4, 8, 3), np.nan)", 0),
+    "infinitely far": ("np.full((4, 8, 3), 1e300)", 0),
+    "one of two is finite": ("np.stack([np.full((8, 3), np.inf), np.ones((8, 3))])", 1),
+    "whole numbers": ("np.ones((2, 8, 3), dtype=int)", 2),
+    "small floats": ("np.ones((2, 8, 3), dtype=np.float16)", 2),
+}
+
+
+@pytest.mark.parametrize(("answer", "count"), FINE.values(), ids=FINE)
+def test_what_is_no_number_is_left_out(answer, count, sandbox):
+    driven = driven_by(sandbox, answering(answer), seconds=0.5)
+    assert not driven.stopped and not driven.failed
+    drives, _ = driven_again(driven, FREE, seconds=0.5, sensor=BLINKERED)
+    assert {len(moment.boxes) for moment in drives.moments} == {count}
+
+
+def test_a_few_scans_without_an_answer_are_told_and_cost_no_more(sandbox):
+    source = answering("calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []")
+    driven = driven_by(sandbox, source, seconds=2.0)
+    assert not driven.stopped and driven.failed == 4
+    (said,) = happened(driven)
+    assert said == (
+        "It had no boxes to give for 4 of the scans. detect_obstacles raised ZeroDivisionError."
+    )
+
+
+ENDS = {
+    "never ends": ("while True: pass", "loop that never ends"),
+    "leaves": ("import os; os._exit(0)", "ended in the middle"),
+    "eats memory": ("return bytearray(2**33)", ""),
+}
+
+
+@pytest.mark.parametrize(("line", "words"), ENDS.values(), ids=ENDS)
+def test_what_never_answers_costs_its_own_drive_only(line, words, sandbox):
+    source = f"{IMPORTS}def detect_obstacles(cloud):\n    {line}\n"
+    driven = driven_by(sandbox, source, call_seconds=0.5)
+    assert driven.stopped and words in driven.stopped and driven.metres == 0
+    assert counted(FREE, driven) == 0
+    assert not driven_by(sandbox, answering("[]"), seconds=0.5).stopped
+
+
+def test_a_notebook_that_nobody_can_read_says_no_word_of_its_own():
+    handed_in = driving.HandedIn("<b>mine</b>.ipynb", b"{", "")
+    driven = driving.drive_one(handed_in, LESSON.name, 1, SEED, "process")
+    assert driven.stopped == "The notebook cannot be read."
+
+
+def test_a_drive_is_kept_until_something_changes_that_decides():
+    files = with_all_they_run([Path(driving.__file__)])
+    names = {path.relative_to(PROJECT).as_posix() for path in files}
+    assert {
+        "grader/classroom/league/streets.py",
+        "grader/sandbox/inside/worker.py",
+        "utils/drive/planner.py",
+        "utils/simulator/scanner.py",
+    } <= names
+    assert not names & {
+        "grader/classroom/league/page.py",
+        "grader/classroom/league/ranking.py",
+        "utils/plots/style.py",
+    }
+
+
+# What counts ----------------------------------------------------------------------------------
+
+
+def test_metres_count_beyond_those_in_which_a_car_stops():
+    free = 30 / 3.6 * 0.5 + (30 / 3.6) ** 2 / 14
+    assert counted(FREE, Driven(1, 100.0)) == round(100 - free)
+    assert counted(FREE, Driven(1, 100.0, needless=(True, False, True))) == round(80 - free)
+    assert counted(FREE, Driven(1, free)) == 0
+    assert counted(FREE, Driven(1, 100.0, collision="A sentence.")) == 0
+    assert counted(FREE, Driven(1, 100.0, stopped="A sentence.")) == 0
+
+
+def everywhere():
+    x, y = np.mgrid[-4:40:3.0, -6:6:3.0].reshape(2, -1)
+    return np.stack([one_box(*place) for place in zip(x, y, strict=True)])
+
+
+def one_box(x, y=0.0, size=2.0):
+    floor = [(x, y - size / 2), (x + size, y - size / 2), (x + size, y + size / 2)]
+    floor.append((x, y + size / 2))
+    return np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor])
+
+
+CHEAP = {
+    "no boxes": np.empty((0, 8, 3)),
+    "boxes everywhere": everywhere(),
+    "one around everything": one_box(-30.0, size=60.0)[None],
+    "fixed boxes beside the road": np.stack([one_box(x, y) for x in (5, 15, 25) for y in (-4, 4)]),
+    **{f"one box {x} m ahead": one_box(2.6 + x)[None] for x in (1, 3, 4, 5, 7, 9, 12)},
+}
+
+
+def cheap_points(street, boxes):
+    done = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
+    return counted(street, driving._measured(done, ""))
+
+
+@pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
+def test_cheap_detectors_earn_nothing_to_speak_of(name):
+    """Where true boxes earn about a hundred: see the test with all of them."""
+    assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("seed", (SEED, SEED + 1))
+def test_in_every_street_true_boxes_are_worth_more_than_all_that_is_cheap(number, seed):
+    street = streets_of(seed)[number]
+    assert counted(street, driving._measured(drive(street), "")) > 50
+    assert max(cheap_points(street, boxes) for boxes in CHEAP.values()) <= 20
+
+
+def entrant(name, student=True):
+    return Entrant(name, student, lambda: None, None)
+
+
+def season_of(drives):
+    known = {entrant(TRUE_BOXES, False): {1: Driven(1, 120.0)}}
+    known |= {entrant(name): {1: driven} for name, driven in drives.items()}
+    return Season(LESSON, (FREE,), (), known)
+
+
+def test_places_are_shared_and_those_to_compare_with_have_none():
+    ranked = standings(
+        season_of(
+            {
+                "ada": Driven(1, 90.0),
+                "ben": Driven(1, 110.0, near_misses=2),
+                "cem": Driven(1, 90.0),
+                "dot": Driven(1, 60.0, collision="Crash."),
+                "eva": Driven(1, stopped="Stop."),
+            }
+        )
+    )
+    order = [(one.entrant.name, one.place) for one in ranked]
+    assert order == [
+        (TRUE_BOXES, None),
+        ("ben", 1),
+        ("ada", 2),
+        ("cem", 2),
+        ("dot", 4),
+        ("eva", 4),
+    ]
+    assert (ranked[1].near_misses, ranked[4].collisions, ranked[5].stopped) == (2, 1, 1)
+
+
+# A class --------------------------------------------------------------------------------------
+
+
+class AtOnce(Executor):
+    """Does a job where it is given."""
+
+    def submit(self, function, /, *arguments):
+        future = Future()
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.fixture
+def course(tmp_path):
+    def hand_in(student, answers=None):
+        path = tmp_path / "submitted" / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(fill_in(LESSON, answers or {}), "utf-8")
+
+    course = Course(tmp_path)
+    hand_in("ada")
+    hand_in("ben", {DETECTOR: answering("[]")})
+    return course, hand_in
+
+
+@pytest.fixture
+def jobs(monkeypatch):
+    """Takes the place of driving: notes what there was to drive."""
+    asked = []
+
+    def drive_one(handed_in, lesson, number, seed, sandbox):
+        asked.append((handed_in and handed_in.name, number))
+        key = driving.key_of(handed_in, streets_of(seed)[number - 1])
+        return Driven(number, 100.0 + number, key=key)
+
+    monkeypatch.setattr(season, "drive_one", drive_one)
+    return asked
+
+
+def driven_class(course, sandbox, progress=lambda *about: None):
+    return drive_class(course, LESSON, SEED, sandbox, lambda workers: AtOnce(), 2, progress)
+
+
+def test_a_class_drives_once_and_whoever_hands_in_again_drives_again(course, jobs, sandbox):
+    course, hand_in = course
+    seen = []
+    first = driven_class(course, sandbox, lambda *about: seen.append(about[:2]))
+    assert len(jobs) == 4 * 6 and seen[0] == (0, 24) and seen[-1] == (24, 24)
+    assert [one.name for one in first.students] == ["ada", "ben"]
+    jobs.clear()
+    assert driven_class(course, sandbox).drives.values() and jobs == []
+    hand_in("ben", {DETECTOR: answering("[[]]")})
+    driven_class(course, sandbox)
+    assert [number for _, number in jobs] == [1, 2, 3, 4, 5, 6]
+
+
+def test_ctrl_c_keeps_what_was_driven(course, jobs, sandbox):
+    def stop(done, total, what):
+        if done == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        driven_class(course[0], sandbox, stop)
+    done = len(list(course[0].verdicts.rglob("street_*.json")))
+    jobs.clear()
+    driven_class(course[0], sandbox)
+    assert done == 5 and len(jobs) == 24 - 5
+
+
+def test_a_file_that_is_no_drive_is_driven_again(course, jobs, sandbox):
+    driven_class(course[0], sandbox)
+    file = next(course[0].verdicts.glob("ada/*/.league/street_1.json"))
+    for text in ("", "{}", "[]", "null", '{"street": 1}'):
+        file.write_text(text)
+        jobs.clear()
+        driven_class(course[0], sandbox)
+        assert len(jobs) == 1, text
+
+
+def test_what_kills_its_process_twice_is_no_fault_of_anybody(course, jobs, sandbox, monkeypatch):
+    good, tries = season.drive_one, []
+
+    def deadly(handed_in, lesson, number, seed, sandbox):
+        if handed_in and b"[[]]" in handed_in.data and number == 2:
+            tries.append(number)
+            raise BrokenExecutor("died")
+        return good(handed_in, lesson, number, seed, sandbox)
+
+    course, hand_in = course
+    hand_in("eve", {DETECTOR: answering("[[]]")})
+    monkeypatch.setattr(season, "drive_one", deadly)
+    found = driven_class(course, sandbox)
+    assert len(tries) == 2
+    assert found.faults == [f"eve, street 2: {season.GONE}"]
+    assert not list(course.verdicts.glob("eve/*/.league/street_2.json"))
+    ranked = {one.entrant.name: one.points for one in standings(found)}
+    assert 0 < ranked["eve"] < ranked["ada"]
+
+
+def test_who_had_no_processor_drives_once_more_alone(course, jobs, sandbox, monkeypatch):
+    good, tries = season.drive_one, []
+
+    def starved(handed_in, *about):
+        driven = good(handed_in, *about)
+        if handed_in is None and about[1] == 3:
+            tries.append(driven)
+            return replace(driven, starved=len(tries) == 1)
+        return driven
+
+    monkeypatch.setattr(season, "drive_one", starved)
+    found = driven_class(course[0], sandbox)
+    assert len(tries) == 2 and not found.faults and not found.left_out
+
+
+def test_a_street_that_stops_the_true_boxes_counts_for_nobody(course, jobs, sandbox, monkeypatch):
+    good = season.drive_one
+
+    def unfair(handed_in, lesson, number, seed, sandbox):
+        driven = good(handed_in, lesson, number, seed, sandbox)
+        hit = handed_in is None and number == 4
+        return replace(driven, collision="The drive ends at a person.") if hit else driven
+
+    monkeypatch.setattr(season, "drive_one", unfair)
+    found = driven_class(course[0], sandbox)
+    assert [street.number for street in found.streets] == [1, 2, 3, 5, 6]
+    assert [street.number for street in found.left_out] == [4]
+
+
+def test_a_stage_without_a_detector_has_no_league(capsys):
+    assert cli.main(["league", "stage3_obstacles"]) == 2
+    assert "Nobody writes a detector in stage3_obstacles" in capsys.readouterr().err
+
+
+def test_without_submissions_it_says_where_they_belong(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
+    arguments = ["league", LESSON.stage, "--sandbox", "process", "--seed", str(SEED)]
+    assert cli.main(arguments) == 2
+    assert "Put notebooks there" in capsys.readouterr().err
+
+
+# The page -------------------------------------------------------------------------------------
+
+HOSTILE = "<script>alert(1)</script>"
+
+
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "_film", lambda *about: None)
+    drives = {
+        "ada": Driven(1, 90.0, brakings=("road taken for an obstacle, 9 m ahead, frame 31",),
+                      needless=(True,), near_misses=1),
+        HOSTILE: Driven(1, 60.0, collision="The drive ends at a person, at 20 km/h. Seen never."),
+        "=1+1": Driven(1, stopped="detect_obstacles did not answer within 5 seconds."),
+        "finn": Driven(1, fault="Traceback: something of ours"),
+    }  # fmt: skip
+    course = Course(tmp_path)
+    text, who = write_league(course, season_of(drives), SEED, "No walls.")
+    return text.read_text("utf-8"), who.read_text("utf-8"), course
+
+
+def test_the_page_says_what_stopped_each_and_names_nobody(written):
+    text, who, course = written
+    for name in ("ada", "finn", HOSTILE, "<script", "=1+1", "Traceback"):
+        assert name not in text
+    for words in (
+        "no part of any mark",
+        "It braked for nothing: road taken for an obstacle, 9 m ahead, frame 31.",
+        "The drive ends at a person, at 20 km/h.",
+        "did not answer within 5 seconds",
+        "not the detector&#39;s fault",
+        "Near misses: 1.",
+        TRUE_BOXES,
+        "No walls.",
+    ):
+        assert words in text
+    for name in pseudonyms(["ada", "finn", HOSTILE, "=1+1"], SEED).values():
+        assert name in text
+
+
+def test_who_is_who_is_told_apart_from_the_page(written):
+    text, who, course = written
+    rows = list(csv.DictReader(who.splitlines()))
+    assert {row["Student"] for row in rows} == {"ada", "finn", HOSTILE, "'=1+1"}
+    assert {row["Student"]: row["Pseudonym"] for row in rows}["ada"] in text
+    assert page.page_of_league(course, "x").parent != page.who_is_who(course, "x").parent
+
+
+def test_the_film_is_of_the_best_in_the_street_that_stopped_most(monkeypatch):
+    streets = (FREE, replace(FREE, number=2), replace(FREE, number=3))
+    crash = "The drive ends."
+    drives = {
+        entrant(TRUE_BOXES, False): {n: Driven(n, 120.0) for n in (1, 2, 3)},
+        entrant("best"): {1: Driven(1, 110.0), 2: Driven(2, 90.0), 3: Driven(3, 9.0, crash)},
+        entrant("next"): {n: Driven(n, 100.0, crash * (n > 1)) for n in (1, 2, 3)},
+    }
+    filmed = []
+
+    def again(driven, street):
+        filmed.append(street.number)
+        raise LookupError
+
+    monkeypatch.setattr(page, "driven_again", again)
+    with pytest.raises(LookupError):
+        page._film(*(lambda one: (one, standings(one)))(Season(LESSON, streets, (), drives)), str)
+    assert filmed == [2]
+
+
+@pytest.mark.proof
+def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
+    """Real submissions, from the command line, in the first two streets."""
+    answers = {one.name: one.source for one in variants_of(DETECTOR)}
+    handed_in = {
+        "right": answers["the functions of the lessons, pasted into cells of their own"],
+        "blind": answers["nothing is ever in the way"],
+        "walls": answers["one box around everything"],
+        "raises": answering("1 / 0"),
+        "hangs": f"{IMPORTS}def detect_obstacles(cloud):\n    while True: pass\n",
+    }
+    for student, source in handed_in.items():
+        path = tmp_path / "submitted" / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True)
+        path.write_text(fill_in(LESSON, {DETECTOR: source}), "utf-8")
+    monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
+    two = {seed: streets_of(seed)[:2] for seed in (SEED,)}
+    monkeypatch.setattr(season, "streets_of", two.__getitem__)
+    options = ["league", LESSON.stage, "--sandbox", sandbox.name, "--seed", str(SEED)]
+    assert cli.main(options) == 0
+    rows = list(csv.DictReader((tmp_path / "report" / f"league_{LESSON.stage}.csv").open()))
+    points = {row["Student"]: int(row["Metres that count"]) for row in rows}
+    assert points.pop("right") > 100
+    assert max(points.values()) <= 20 and points["hangs"] == points["raises"] == 0
+    text = (tmp_path / "league" / f"{LESSON.stage}.html").read_text("utf-8")
+    assert "data:video/mp4" in text or "data:image/gif" in text
+    assert OUR_OWN in text and not any(f">{student}<" in text for student in handed_in)
+    assert (
+        json.loads(next(tmp_path.glob("verdicts/right/*/.league/street_1.json")).read_text())[
+            "metres"
+        ]
+        > 60
+    )
