@@ -12,46 +12,51 @@ NAME = "09_filter_clusters"
 
 
 NAMES = ("ten", "size_of_puff", "theory", "minima", "moved_up_in_the_loop")
-LESSON = load_reference(NAME, *NAMES, "in_view", "kind", "distance", "size")
 
 
-def test_ten_points():
+@pytest.fixture(scope="module")
+def shown():
+    """What the lesson defines and draws; drawing ten streets takes a second or two."""
+    return load_reference(NAME, *NAMES, "in_view", "kind", "distance", "size")
+
+
+def test_ten_points(shown):
     """What the notebook prints beside "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for minimum in (2, 3):
-        assert f"({minimum}, {LESSON.filter_clusters(LESSON.ten, minimum).tolist()})" in text
-    filtered = LESSON.filter_clusters(LESSON.ten, 3)
+        assert f"({minimum}, {shown.filter_clusters(shown.ten, minimum).tolist()})" in text
+    filtered = shown.filter_clusters(shown.ten, 3)
     assert (len(set(filtered[filtered > 0])), (filtered == 0).sum()) == (1, 6)
 
 
-def test_the_slider_reaches_the_default_and_clears_the_road():
+def test_the_slider_reaches_the_default_and_clears_the_road(shown):
     slider = find_lesson(NAME).source.read_text("utf-8").split("IntSlider(")[1].split(")")[0]
     settings = dict(part.strip().split("=") for part in slider.split(",")[:4])
     low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
     assert (100 - low) % step == 0
-    assert value < LESSON.size_of_puff.max() < 100 < high, "not clear before the first move"
+    assert value < shown.size_of_puff.max() < 100 < high, "not clear before the first move"
 
 
-def test_people_and_their_distance():
-    assert LESSON.theory(20.0) == pytest.approx(LESSON.theory(10.0) / 4)
-    reach = np.sqrt(LESSON.theory(1.0) / 100)
+def test_people_and_their_distance(shown):
+    assert shown.theory(20.0) == pytest.approx(shown.theory(10.0) / 4)
+    reach = np.sqrt(shown.theory(1.0) / 100)
     assert reach == pytest.approx(15, abs=0.5)
     slow, fast = (2.6 + 0.5 * speed + speed**2 / 14 for speed in (30 / 3.6, 50 / 3.6))
     assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "a car that drives slowly"
 
 
-def test_the_line_is_for_people_in_plain_view():
-    away, size = LESSON.distance, LESSON.size
-    person = (LESSON.kind == "pedestrian") & (away > 5) & (away < 25)
-    times = size / LESSON.theory(away)
-    free, hidden = times[person & LESSON.in_view], times[person & ~LESSON.in_view]
+def test_the_line_is_for_people_in_plain_view(shown):
+    away, size = shown.distance, shown.size
+    person = (shown.kind == "pedestrian") & (away > 5) & (away < 25)
+    times = size / shown.theory(away)
+    free, hidden = times[person & shown.in_view], times[person & ~shown.in_view]
     assert np.median(free) == pytest.approx(1, abs=0.1) and np.quantile(free, 0.9) < 1.5
     assert len(free) < len(hidden) / 4 and np.median(hidden) < 0.5
 
 
-def test_a_list_is_noted():
+def test_a_list_is_noted(shown):
     def filter_clusters(cluster_labels, min_num_points=100):
-        return LESSON.filter_clusters(cluster_labels, min_num_points).tolist()
+        return shown.filter_clusters(cluster_labels, min_num_points).tolist()
 
     failed = [
         one.name for one in notes_of("filter_clusters") if run_check(one, filter_clusters).failure
@@ -67,12 +72,12 @@ def test_a_car_brakes_as_in_lesson_07():
     assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in theirs
 
 
-def test_the_naive_loop_keeps_every_second_small_neighbour():
+def test_the_naive_loop_keeps_every_second_small_neighbour(shown):
     labels = np.repeat([1, 2, 3, 4, 5, 6], [9, 1, 1, 1, 1, 9])
-    kept = LESSON.moved_up_in_the_loop(labels, 3)
+    kept = shown.moved_up_in_the_loop(labels, 3)
     assert np.unique(labels[kept > 0]).tolist() == [1, 3, 5, 6]
     alone = np.repeat([1, 2, 3], [9, 1, 9])  # "with a single small cluster all is well"
-    assert np.array_equal(LESSON.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
+    assert np.array_equal(shown.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
 
 
 def test_cars_and_walls_interleave():
