@@ -1104,6 +1104,7 @@ def repeats_with_its_seed(ransac_line: Callable) -> None:
     assert_repeats(ransac_line, np.random.default_rng)
 
 
+@once
 def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
     """A second run with the same seed gives the same.
 
