@@ -490,6 +490,19 @@ def test_the_page_says_what_stopped_each_and_names_nobody(written):
         assert name in text
 
 
+def test_who_shares_a_place_stands_in_no_order_that_tells(tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "_film", lambda *about: None)
+    class_ = [f"student{number:02}" for number in range(20)]
+    paths = write_league(
+        Course(tmp_path), season_of({one: Driven(1, 90.0) for one in class_}), SEED
+    )
+    rows = list(csv.DictReader(paths[1].read_text("utf-8").splitlines()))
+    names = [row["Pseudonym"] for row in rows]
+    assert names == sorted(names) and [row["Student"] for row in rows] != class_
+    text = paths[0].read_text("utf-8")
+    assert sorted(names, key=text.index) == names
+
+
 def test_who_is_who_is_told_apart_from_the_page(written):
     text, who, course = written
     rows = list(csv.DictReader(who.splitlines()))

@@ -67,13 +67,16 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
     warning : str, optional
         A sentence for the head of the page.
     """
-    ranked, stage = standings(season), season.lesson.stage
-    students = [one.entrant.name for one in ranked if one.entrant.student]
+    students, stage = [one.name for one in season.students], season.lesson.stage
     names = pseudonyms(students, seed)
 
     def called(one: Standing) -> str:
         return names[one.entrant.name] if one.entrant.student else one.entrant.name
 
+    # Among those who share a place, the order of their true names would tell something.
+    ranked = sorted(
+        standings(season), key=lambda one: (-one.points, one.entrant.student, called(one))
+    )
     page = render(
         "league.html",
         season=season,

@@ -73,7 +73,7 @@ def counted(street: Street, driven: Driven) -> int:
 
 
 def standings(season: Season) -> list[Standing]:
-    """Everybody, the best first; those to compare with before the students that they equal."""
+    """Everybody, the best first."""
     found = [_standing(season, one, known) for one, known in season.drives.items()]
     ours = sorted(one.points for one in found if one.entrant.student)
     placed = [
@@ -85,7 +85,7 @@ def standings(season: Season) -> list[Standing]:
         )
         for one in found
     ]
-    return sorted(placed, key=lambda one: (-one.points, one.entrant.student, one.entrant.name))
+    return sorted(placed, key=lambda one: -one.points)
 
 
 def _standing(season: Season, one: Entrant, known: Mapping[int, Driven]) -> Standing:
