@@ -33,13 +33,17 @@ from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 from utils.films.writers import suffix_of_films
 
+SIZE = (720, 404)
+"""Of the film in pixels: a page with it has some megabytes."""
+
 
 @dataclass(frozen=True)
 class Shown:
-    """A film for the page: what it is of, in words, and as data."""
+    """A film for the page: of whom and where, how others did there, in words, and as data."""
 
     who: str
     street: Street
+    others: str
     words: str
     data: str
     is_video: bool
@@ -121,24 +125,26 @@ def happened(driven: Driven) -> Iterator[str]:
 
 def _film(season: Season, ranked: Sequence[Standing], called: object) -> Shown | None:
     """The best of the class, in the street in which most others got no metre."""
-    best = next((one for one in ranked if one.entrant.student and one.points), None)
-    if best is None:
+    class_ = [one for one in ranked if one.entrant.student]
+    if not class_ or not class_[0].points:
         return None
-    others = {
-        street.number: sum(
-            not metres for one in ranked for other, _, metres in one.drives if other == street
+    best, *others = class_
+
+    def failed(street: Street) -> int:
+        return sum(
+            not metres for one in others for other, _, metres in one.drives if other == street
         )
-        for street in season.streets
-    }
+
     street, driven, _ = max(
-        (drive for drive in best.drives if drive[2]), key=lambda drive: others[drive[0].number]
+        (drive for drive in best.drives if drive[2]), key=lambda drive: failed(drive[0])
     )
+    said = f"{failed(street)} of the {len(others)} others got no metre there." if others else ""
     drive, report = driven_again(driven, street)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"best{suffix_of_films()}")
-        words = film(drive, report, path).seen
+        words = film(drive, report, path, size=SIZE).seen
         data = base64.b64encode(path.read_bytes()).decode()
-    return Shown(called(best), street, words, data, path.suffix == ".mp4")
+    return Shown(called(best), street, said, words, data, path.suffix == ".mp4")
 
 
 def _table(ranked: Sequence[Standing], names: dict[str, str]) -> str:
