@@ -686,3 +686,14 @@ def test_exercises_of_one_class_answer_for_themselves_alone(monkeypatch, capsys)
     said = capsys.readouterr().out
     assert "Not found" in said
     assert "Begin there" not in said
+
+
+def test_a_number_that_was_changed_is_shown_as_a_number():
+    def clear_in_place(labels):
+        labels[1] = 0
+        return labels.copy()
+
+    with pytest.raises(CheckFailed) as failed:
+        assert_untouched(clear_in_place, np.array([4, 2, 3]))
+    assert failed.value.yours == "afterwards row 1 is 0"
+    assert failed.value.expected == "as before, 2"

@@ -74,6 +74,8 @@ def brief(value: object) -> str:
     -------
     str
     """
+    if isinstance(value, np.generic):
+        value = value.item()  # 2, not np.int64(2)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
         return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
