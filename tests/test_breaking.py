@@ -118,7 +118,7 @@ def test_it_says_who_is_told_and_what_more_there_is_to_find(capsys):
     chain = [[0, 0, 0], [0.7, 0, 0], [1.4, 0, 0]]
     breaking.tell_apart(cluster, A=chain, B=[*chain, [9, 9, 9]], C=[[0, 0, 0], [0.85, 0, 0]])
     a, b, c = capsys.readouterr().out.splitlines()
-    assert a == "A ✗ With these 3 rows A answers as yours does."
+    assert a == "A ✗ With this cloud A answers as yours does."
     assert b.startswith("B ✓ Told with 4 rows.") and b.endswith("3 rows can be enough.")
     assert c == "C ✓ Told with 2 rows. It compares the squared distance with the threshold."
     breaking.tell_apart(function_of("ransac_line"), A=[[1, 0], [1, 3]])

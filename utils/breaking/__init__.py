@@ -112,7 +112,7 @@ def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | No
     except Exception as error:
         return f"✗ {_raised(error)}"
     if letter not in differ:
-        return f"✗ With these {_rows(len(cloud))} {letter} answers as yours does."
+        return f"✗ With this cloud {letter} answers as yours does."
     said = f"✓ Told with {_rows(len(cloud))}. {version.says}"
     if len(cloud) > version.smallest:
         said += f" {_rows(version.smallest).capitalize()} can be enough."
