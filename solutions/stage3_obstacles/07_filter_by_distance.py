@@ -172,7 +172,7 @@ check(filter_by_distance)
 # %% [markdown]
 # ## Play: how far should the car look?
 #
-# *Near the sensor a metre more brings thousands of points; far away it brings a dozen.*
+# *Near the sensor a metre more brings thousands of points; far away it brings dozens.*
 #
 # The truth of this scan says what each return hit, so we can draw the obstacles alone, without the road. A car drives ahead of us in our own lane, right on the line y = 0. At which radius does it appear? And where does the picture stop growing? The next cell answers both.
 
@@ -555,7 +555,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 #
 # *A region is judged by who steps into it.*
 #
-# Five minutes, without points; skip it if you like. A car drives ten seconds at 30 km/h, and sees what your `crop_region` leaves. The rest is given, up to a driver who brakes for what is in the lane, or will be, within the stopping distance from above. Eight seconds on, a child runs out from the kerb. Our lane reaches 1.3 m to either side.
+# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and sees what your `crop_region` leaves. The rest is given, up to a driver who brakes for what is in the lane, or will be, within the stopping distance from above. Eight seconds on, a child runs out from the kerb. Our lane reaches 1.3 m to either side.
 
 # %%
 from utils.drive import chain, drive_street, on_time

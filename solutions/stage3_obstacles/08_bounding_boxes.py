@@ -445,7 +445,7 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30))
 #
 # *A box that is too wide blocks a lane that is free.*
 #
-# Five minutes, without points; skip it if you like. A car drives ten seconds through a quiet street on your `get_bounding_boxes`; the rest is given. Whoever mounted its scanner left it turned by 12°, so that x is not quite where the car is heading. Boxes along the scanner's axes stand askew in the street then, and their corners reach out.
+# Without points; skip it if you like. A car drives ten seconds through a quiet street on your `get_bounding_boxes`; the rest is given. Whoever mounted its scanner left it turned by 12°, so that x is not quite where the car is heading. Boxes along the scanner's axes stand askew in the street then, and their corners reach out.
 
 # %%
 from utils.drive import askew, chain, drive_street, on_time

@@ -416,7 +416,7 @@ for minimum in (10, 100):
           ", ".join(f"{row[group].mean():.0%} of {name}" for name, group in shown.items()))
 
 # %% [markdown]
-# Look along the dotted line of the default. The ghosts are gone, but so are the people beyond 15 m, and many of the people near the car: those half hidden by a parked one, and just these may step out from behind it. Further left the price falls quickly, while nearly all ghosts still go.
+# Look along the dotted line of the default. The ghosts are gone, but so are the people beyond 15 m, and many of the people near the car: those half hidden by a parked one, and just these may step out from behind it. Further left the price for those near the car falls quickly, while nearly all ghosts still go.
 #
 # But no value clears the ghosts and spares the distant people. The two overlap in *size*, so size alone cannot tell them apart. The default of 100 suits a car that drives slowly and cares for large things close by. Lesson 12 works on thinned clouds, where a person has tens of points rather than hundreds, and needs a smaller minimum.
 #
@@ -445,7 +445,7 @@ for label in big:
 # |---|---|
 # | labels moved up inside the loop | of small neighbours every second one is still there |
 # | labels moved up at the end | nothing is missing, but all the colours have changed |
-# | `label < min_num_points` | the first hundred clusters are gone, whatever their size |
+# | `label < min_num_points` | the first 99 clusters are gone, whatever their size |
 # | `>` instead of `<` | spray, road and distant people, and nothing else |
 # | the labels of small clusters deleted | an error further on: fewer labels than points |
 # | `cluster_labels[...] = 0` | all is well, until a later step needs the old labels again |
@@ -485,7 +485,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 #
 # *What is dropped is driven into.*
 #
-# Five minutes, without points; skip it if you like. A car drives ten seconds at 30 km/h, and your `filter_clusters` says what is too small to brake for. The rest is given; it thins the scan, so a cyclist has 50 to 100 points. Nine seconds on, one comes out of a side street.
+# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and your `filter_clusters` says what is too small to brake for. The rest is given; it thins the scan, so a cyclist has 50 to 100 points. Nine seconds on, one comes out of a side street.
 
 # %%
 from utils.drive import chain, drive_street, on_time

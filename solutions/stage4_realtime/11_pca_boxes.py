@@ -394,7 +394,7 @@ axes.axvline(1.8 / 4.2, color="black", linestyle=":", label=f"a car: {lean_of_l(
 axes.legend();
 
 # %% [markdown]
-# The lean is not noise. It is there in every scan, and more points do not help. Real cars lean further than the even L, because the scanner does not spread its points evenly: the end that is near gets most of them.
+# The lean is not noise. It is there in every scan, and more points do not help. Real cars lean further than the even L, because the scanner does not spread its points evenly: the end that is near gets most of them, and bonnet and roof get some.
 #
 # ## The smallest rectangle
 #
@@ -800,7 +800,7 @@ for name, values in followed.items():
 # | turned by +yaw both times | it has swung anticlockwise by twice the yaw, and it is too large |
 # | degrees in one place and radians in another; or the number of the smallest area taken for its angle | boxes that hold their points, at any angle but the right one |
 # | largest area instead of smallest | a box turned by 45° against its car, for a full outline more than twice as large |
-# | divided by the standard deviation (z-score) | the first axis is at 45°, however the cluster stands; and where z was set to 0 before, an error: 0 / 0 |
+# | divided by the standard deviation (z-score) | the first axis is at 45° or −45°, however the cluster stands; and where z was set to 0 before, an error: 0 / 0 |
 # | not centred | the first axis points from the sensor to the car |
 # | columns left in ascending order | the "first" axis is the shortest; where z was set to 0 before, that is the vertical, and the yaw is arbitrary |
 # | determinant −1 | the box is right, but the axes are no rotation: SciPy refuses to make quaternion or Euler angles of them |
@@ -831,7 +831,7 @@ crooked.legend(lines, ["z-score: 45°", "not centred"], loc="upper left", frameo
 #
 # *A box that leans blocks a lane that is free.*
 #
-# Five minutes, without points; skip it if you like. A car drives ten seconds on your `get_oriented_boxes`, behind a car and past a lorry that comes towards it; the rest is given. It brakes for every box in its lane that is nearer than the way it needs to stop.
+# Without points; skip it if you like. A car drives ten seconds on your `get_oriented_boxes`, behind a car and past a lorry that comes towards it; the rest is given. It brakes for every box in its lane that is nearer than the way it needs to stop.
 
 # %%
 from utils.drive import askew, chain, drive_street, on_time

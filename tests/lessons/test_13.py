@@ -1,5 +1,9 @@
 """The optional lesson: its loops answer as the lessons before, compiled or not."""
 
+from time import perf_counter
+from types import SimpleNamespace
+
+import nbformat
 import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
@@ -143,3 +147,17 @@ def test_compiled_it_answers_alike():
     assert np.array_equal(labels, lesson.euclidean_clustering_accelerated(cloud))
     expected = load_reference("12_streaming_obstacles").detect_obstacles(cloud)
     assert np.allclose(functions.detect_compiled(cloud), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+def test_nothing_is_called_compiled_that_is_not(plain, capsys, is_compiled):
+    cells = [cell.source for cell in nbformat.read(LESSON.solved, as_version=4).cells]
+    (cell,) = (source for source in cells if "first call{" in source)
+    guess = SimpleNamespace(compare=lambda *_: None)
+    names = {"np": np, "perf_counter": perf_counter, "is_written": callable, "faster": guess}
+    names |= {"points": np.ones((20, 3)), "level": np.array([0, 0, 1.0, -1])}
+    names |= {"count_near": plain.count_near, "milliseconds": lambda *_, **__: 1.0}
+    exec(cell, names | {"is_compiled": is_compiled})
+    said = capsys.readouterr().out
+    assert "the same number as by NumPy" in said
+    assert ("compil" in said) == is_compiled
