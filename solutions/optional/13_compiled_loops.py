@@ -71,7 +71,7 @@ def milliseconds(function, *arguments, repeats=5):
 #
 # *Python asks at every step what kind of thing a number is.*
 #
-# How many points lie within 0.2 m of a plane? RANSAC asks that in each round. As a loop it is six lines. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
+# How many points lie within 0.2 m of a plane? RANSAC asks that in each round. As a loop it is seven lines. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
 
 # %%
 level = np.array([0.0, 0.0, 1.0, 1.73])  # a, b, c, d: the road, if it were level

@@ -235,8 +235,8 @@ last_puff = predict("From which minimum on is the last puff of spray gone?")
 
 # %% tags=["folded"]
 # @title What the slider shows (you need not read this)
-# Every fourth point is enough to look at; of road and spray all of them.
-thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (objects == 0) | (objects >= 10_000))
+# Of what the slider never removes every fourth point is enough to look at; of the rest all.
+thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (sizes[cluster_labels - 1] < 600))
 
 
 def left_over(minimum):

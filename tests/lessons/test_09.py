@@ -12,12 +12,13 @@ NAME = "09_filter_clusters"
 
 
 NAMES = ("ten", "size_of_puff", "theory", "minima", "moved_up_in_the_loop")
+DRAWN = ("cluster_labels", "left_over", "thin")
 
 
 @pytest.fixture(scope="module")
 def shown():
     """What the lesson defines and draws; drawing ten streets takes a second or two."""
-    return load_reference(NAME, *NAMES, "in_view", "kind", "distance", "size")
+    return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
 def test_ten_points(shown):
@@ -35,6 +36,24 @@ def test_the_slider_reaches_the_default_and_clears_the_road(shown):
     low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
     assert (100 - low) % step == 0
     assert value < shown.size_of_puff.max() < 100 < high, "not clear before the first move"
+
+
+def test_pictures_that_are_thinned_count_all_noise(shown):
+    for minimum in (5, 10, 100, 500, 600):
+        noise = (shown.filter_clusters(shown.cluster_labels, minimum) == 0).sum()
+        assert (shown.left_over(minimum) == 0).sum() == noise > 0
+    assert len(shown.thin) < 0.4 * len(shown.cluster_labels)
+
+
+def test_the_price_for_who_is_near_falls_quickly_and_ghosts_still_go(shown):
+    group = {"ghost": shown.kind == "ground", "near": shown.distance < 15}
+    group["near"] &= shown.kind == "pedestrian"
+    gone = {
+        name: [(shown.size[some] < minimum).mean() for minimum in (10, 100)]
+        for name, some in group.items()
+    }
+    assert gone["ghost"][1] == 1 and gone["near"][1] > 0.3
+    assert gone["ghost"][0] > 0.9 and gone["near"][0] < 0.1
 
 
 def test_people_and_their_distance(shown):
