@@ -555,7 +555,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 #
 # *A region is judged by who steps into it.*
 #
-# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and sees what your `crop_region` leaves. The rest is given, up to a driver who brakes for what is in the lane, or will be, within the stopping distance from above. Eight seconds on, a child runs out from the kerb. Our lane reaches 1.3 m to either side.
+# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and sees what your `crop_region` leaves. The rest is given, up to a driver who brakes for what is in the lane, or will be, within the stopping distance from above. Five seconds on, a child runs out from the kerb. Our lane reaches 1.3 m to either side.
 
 # %%
 from utils.drive import chain, drive_street, on_time

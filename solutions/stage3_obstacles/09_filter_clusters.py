@@ -485,7 +485,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 #
 # *What is dropped is driven into.*
 #
-# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and your `filter_clusters` says what is too small to brake for. The rest is given; it thins the scan, so a cyclist has 50 to 100 points. Nine seconds on, one comes out of a side street.
+# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and your `filter_clusters` says what is too small to brake for. The rest is given; it thins the scan, so a cyclist has 50 to 100 points. Nine seconds on, one who came out of a side street is in our way.
 
 # %%
 from utils.drive import chain, drive_street, on_time

@@ -6,6 +6,7 @@ import pytest
 from tests.lessons.taught import taught
 from utils import load_cloud
 from utils.datasets import DATA
+from utils.drive import STREETS
 from utils.simulator import Sensor, World, hdl64, layers, scan
 from utils.simulator.ground import Ground
 from utils.simulator.streets import numbered, placed
@@ -167,3 +168,9 @@ def test_common_mistakes_look_as_they_are_described():
     inside = (CLOUD[:, :3] >= REGION[0]) & (CLOUD[:, :3] <= REGION[1])
     assert inside.any(axis=1).mean() > 0.99, "nearly everything stays"
     assert inside[:, 2].mean() > 0.95, "since most heights are inside"
+
+
+def test_the_child_runs_out_when_the_text_says():
+    (street,) = (one for one in STREETS if one.number == 2)
+    (running,) = street.actors
+    assert int(running.begins / street.limit) == 5

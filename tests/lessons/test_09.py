@@ -7,6 +7,8 @@ from grader.course.lessons import find_lesson, load_reference
 from utils import check, load_cloud
 from utils.checks.core import notes_of, run_check
 from utils.datasets import DATA
+from utils.drive import STREETS
+from utils.simulator.streets import EGO_LANE
 
 NAME = "09_filter_clusters"
 
@@ -120,3 +122,11 @@ def test_a_failed_check_says_the_minimum(capsys):
     with pytest.raises(Exception, match="checks failed"):
         check(filter_clusters)
     assert "minimum 3" in capsys.readouterr().out
+
+
+def test_the_cyclist_is_in_our_way_when_the_text_says():
+    (street,) = (one for one in STREETS if one.number == 3)
+    (cyclist,) = street.actors
+    ((_, pace),) = cyclist.speeds
+    meeting = cyclist.begins / street.limit + abs(cyclist.obstacle.pose.y - EGO_LANE) / pace
+    assert round(meeting) == 9
