@@ -104,6 +104,17 @@ def test_what_stands_beside_the_corridor_does_not(y):
     assert plan(7.0, 7.0, [thing(5.0, y)]).cause is None
 
 
+# A square stands on its corner, 10 m ahead; the corridor reaches 1.3 m to either side.
+@pytest.mark.parametrize(
+    ("y", "metres"), [(0.0, 10 - 2.6), (3.3, 10 + 2.0 - 2.6), (-3.3, 10 + 2.0 - 2.6), (5.4, np.inf)]
+)
+def test_of_a_box_that_stands_askew_the_part_in_the_corridor_counts(y, metres):
+    half = 4.0
+    ring = [(10.0, y), (10.0 + half, y - half), (10.0 + 2 * half, y), (10.0 + half, y + half)]
+    corners = np.array([(*corner, z) for z in (-1.7, 0.0) for corner in ring])
+    assert room(Thing(corners), 7.0) == pytest.approx(metres)
+
+
 def test_what_will_be_in_the_corridor_counts_as_if_it_were():
     # At 7 m/s we would stand after 1.5 s; from 4 m aside to within 1.8 m it is 2.2 m.
     assert room(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)

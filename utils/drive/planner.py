@@ -123,8 +123,22 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
     if x.max() < 0.0:
         return np.inf  # behind us
     for later in np.linspace(0.0, REACTION + speed / DECELERATION, LOOKS):
-        low, high = y.min() + left * later, y.max() + left * later
-        if low < CORRIDOR + wider and high > -CORRIDOR - wider:
+        nearest = _nearest_within(CORRIDOR + wider, x, y + left * later)
+        if np.isfinite(nearest):
             # What drives away has its own room; what comes towards us takes some of ours.
-            return float(x.min() + min(forward, 0.0) * later) - BUMPER
+            return float(nearest + min(forward, 0.0) * later) - BUMPER
     return np.inf
+
+
+def _nearest_within(half: float, x: np.ndarray, y: np.ndarray) -> float:
+    """The least x of what lies between some points and within a corridor; infinite for nothing.
+
+    It is at a point, or where a line between two of them enters the corridor.
+    """
+    a, b = np.triu_indices(len(x), 1)
+    rise = y[b] - y[a]
+    steep = rise != 0  # the others run along the corridor
+    a, b, rise = a[steep], b[steep], rise[steep]
+    share = (np.array([[-half], [half]]) - y[a]) / rise
+    crossings = (x[a] + share * (x[b] - x[a]))[(share > 0) & (share < 1)]
+    return min(x[np.abs(y) < half].min(initial=np.inf), crossings.min(initial=np.inf))
