@@ -162,6 +162,16 @@ def one_corner(cloud, seed):
     return cloud[(along * x > 0) & (across * y > 0) & (z < 0)]
 
 
+def mirrored(cloud, size):
+    """A cloud, and points in the cells with minus the number of its own along one of the axes."""
+    images = [cloud]
+    for axis in range(3):
+        image = cloud[axis::3].copy()
+        image[:, axis] = size - image[:, axis]
+        images.append(image)
+    return np.vstack(images)
+
+
 def evenly_lit(cloud):
     """The cloud, with the same intensity everywhere."""
     return np.column_stack([cloud[:, :3], np.full(len(cloud), 0.5)])
@@ -222,7 +232,9 @@ def test_voxel_sizes(student, seed, size):
     hint="On both sides of zero the cell is floor(xyz / voxel_size).",
 )
 def test_voxels_all_around(student, seed):
-    assert_counted(student, evenly_lit(samples.obstacles_of_street(seed, 6000)), 0.2)
+    street = samples.obstacles_of_street(seed, 6000)
+    assert_counted(student, evenly_lit(street), 0.2)
+    assert_counted(student, evenly_lit(mirrored(street[::10], 0.2)), 0.2)
 
 
 @hidden(

@@ -448,11 +448,13 @@ def cuts_in_three_directions(voxel_grid: Callable) -> None:
 )
 def floors_below_zero(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
-    # In the lower half of their cells, where rounding to the nearest does no harm.
+    # In the lower half of their cells, where rounding to the nearest does no harm; then in cells
+    # 1 and -1, with none between, which are two.
     for axis in range(3):
-        cloud = np.full((4, 4), 0.05)
-        cloud[:, axis] = 0.06, -0.14, -0.36, -0.32
-        assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
+        for along in ((0.06, -0.14, -0.36, -0.32), (0.26, -0.14, 0.66)):
+            cloud = np.full((len(along), 4), 0.05)
+            cloud[:, axis] = along
+            assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
 @visible(
