@@ -504,6 +504,25 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
             best, best_mask = (*normal, -normal @ p), mask
     return best, best_mask
 
+# %% wrong: a generator of the seed in each round
+# loses only: takes_a_seed
+# says: made anew from the same seed in each round
+def ransac_line(points, max_iterations, distance_tolerance, rng):
+    best, best_mask = None, np.zeros(len(points), dtype=bool)
+    if len(points) < 2:
+        return best, best_mask
+    for _ in range(max_iterations):
+        drawn = np.random.default_rng(rng)
+        p, q = points[drawn.choice(len(points), size=2, replace=False)]
+        normal = np.array([p[1] - q[1], q[0] - p[0]])
+        if not normal.any():
+            continue
+        normal = normal / np.linalg.norm(normal)
+        mask = np.abs((points - p) @ normal) <= distance_tolerance
+        if mask.sum() > best_mask.sum():
+            best, best_mask = (*normal, -normal @ p), mask
+    return best, best_mask
+
 # %% wrong: indices instead of a mask
 # loses: finds_the_line, marks_its_own_inliers, test_fresh_lines
 # says: These are row numbers
