@@ -680,7 +680,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     return model, inliers
 
 # %% wrong: roads only
-# loses only: finds_a_wall, draws_three_rows, draws_from_all_rows, test_streets, test_any_direction, test_three_points, test_few_points
+# loses only: finds_a_wall, test_streets, test_any_direction, test_few_points
 # says: A plane with many more points
 def plane_through(p, q, r):
     normal = np.cross(q - p, r - p)
