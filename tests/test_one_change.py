@@ -10,7 +10,7 @@ import pytest
 from tests.running import children
 from utils.checks import check, checks_of, one_change
 from utils.checks.core import ChecksFailed
-from utils.checks.one_change import line_to_change
+from utils.checks.one_change import place_to_change
 
 CHECKS = checks_of("line_through")
 written = []
@@ -23,6 +23,16 @@ def wrong_sign(p, q):
         return None
     a, b = -dy / length, dx / length
     return a, b, a * p[0] + b * p[1]
+
+
+def turned_twice(p, q):
+    dx, dy = q[0] - p[0], q[1] - p[1]
+    length = np.hypot(dx, dy)
+    if length == 0:
+        return None
+    a = dy / length
+    b = dx / length
+    return a, b, -(a * p[0] + b * p[1])
 
 
 def wrong_twice(p, q):
@@ -88,14 +98,31 @@ def text_of(line):
 
 
 def test_it_names_the_line():
-    line = line_to_change(wrong_sign, CHECKS, failed_by(wrong_sign))
+    place = place_to_change(wrong_sign, CHECKS, failed_by(wrong_sign))
+    (line,) = place.lines
     assert line.text == "return a, b, a * p[0] + b * p[1]"
     assert text_of(line) == line.text
-    assert line.text in line.sentence
+    assert place.sentence == f"One change in {line}, makes everything here green."
+
+
+def test_it_names_all_lines_of_which_any_does():
+    place = place_to_change(turned_twice, CHECKS, failed_by(turned_twice))
+    assert [line.text for line in place.lines] == [
+        "dx, dy = q[0] - p[0], q[1] - p[1]",
+        "a = dy / length",
+        "b = dx / length",
+    ]
+    assert place.sentence.count(", or one in line") == 2
+    assert [text_of(line) for line in place.lines] == [line.text for line in place.lines]
+
+
+def test_of_many_lines_none_is_told(monkeypatch):
+    monkeypatch.setattr(one_change, "MOST_LINES", 2)
+    assert place_to_change(turned_twice, CHECKS, failed_by(turned_twice)) is None
 
 
 def test_what_is_wrong_in_two_places_is_not_told():
-    assert line_to_change(wrong_twice, CHECKS, failed_by(wrong_twice)) is None
+    assert place_to_change(wrong_twice, CHECKS, failed_by(wrong_twice)) is None
 
 
 def test_it_is_told_only_where_all_shown_checks_pass():
@@ -105,14 +132,14 @@ def test_it_is_told_only_where_all_shown_checks_pass():
         raise AssertionError
 
     lost = one_change.Check("lost", "line_through", "", "", run=never)
-    assert line_to_change(wrong_sign, [*CHECKS, lost], failed_by(wrong_sign)) is None
+    assert place_to_change(wrong_sign, [*CHECKS, lost], failed_by(wrong_sign)) is None
 
 
 def test_nothing_of_it_is_seen_or_kept(capfd):
     failed = failed_by(draws_and_prints)
     before, processes = len(written), threading.active_count()
     capfd.readouterr()
-    assert line_to_change(draws_and_prints, CHECKS, failed) is not None
+    assert place_to_change(draws_and_prints, CHECKS, failed) is not None
     assert capfd.readouterr() == ("", "")
     assert len(written) == before
     assert threading.active_count() == processes
@@ -121,19 +148,19 @@ def test_nothing_of_it_is_seen_or_kept(capfd):
 @pytest.mark.parametrize("function", [writes_a_file, starts_a_program, asks_a_person])
 def test_what_reaches_out_is_kept_off(function, tmp_path, monkeypatch):
     monkeypatch.setenv("A_FILE", str(tmp_path / "file"))
-    assert line_to_change(function, CHECKS, CHECKS[:1]) is None
+    assert place_to_change(function, CHECKS, CHECKS[:1]) is None
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_loop_without_an_end_takes_no_longer_than_it_may():
     begin = time.monotonic()
-    assert line_to_change(never_ends, CHECKS, CHECKS[:1]) is None
+    assert place_to_change(never_ends, CHECKS, CHECKS[:1]) is None
     assert time.monotonic() - begin < 60  # it is given three seconds
 
 
 def test_no_process_is_left():
     others = children()
-    line_to_change(never_ends, CHECKS, CHECKS[:1])
+    place_to_change(never_ends, CHECKS, CHECKS[:1])
     assert children() <= others
 
 
@@ -141,12 +168,12 @@ def test_no_process_is_left():
     "function", [len, np.hypot, lambda p, q: (1.0, 0.0, 0.0), type("A", (), {})]
 )
 def test_what_has_no_text_of_its_own_has_no_line(function):
-    assert line_to_change(function, CHECKS, CHECKS[:1]) is None
+    assert place_to_change(function, CHECKS, CHECKS[:1]) is None
 
 
 def test_without_processes_to_copy_nothing_is_said(monkeypatch):
     monkeypatch.delattr(os, "fork")
-    assert line_to_change(wrong_sign, CHECKS, failed_by(wrong_sign)) is None
+    assert place_to_change(wrong_sign, CHECKS, failed_by(wrong_sign)) is None
 
 
 def test_check_tells_it_under_the_first_failure(capsys):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
 from utils.checks.limits import TimeUp, limited
-from utils.checks.one_change import line_to_change
+from utils.checks.one_change import place_to_change
 from utils.checks.outcomes import Check, Outcome
 from utils.checks.refusing import Refusing
 from utils.checks.remembering import one_run
@@ -207,7 +207,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
         mistake, blamed = _mistake(exercise, function), _blamed(exercise, function)
         if not blamed and threading.current_thread() is threading.main_thread():
             lost = [outcome.check for outcome in failed]
-            place = line_to_change(function, checks, lost)
+            place = place_to_change(function, checks, lost)
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
     story = resolve(outcomes, checks, mistake, notes, blamed, place)
     table.finish(story)

@@ -1,4 +1,4 @@
-"""Where to look: the line in which one change makes every shown check pass.
+"""Where to look: the line, or each of the few, in which one change makes every shown check pass.
 
 The changed functions run in a copy of this process, which ends with them: it writes no file, opens
 no connection, draws nothing and waits for nobody. What it tells is a line, and only of a function
@@ -15,6 +15,7 @@ import select
 import signal
 import sys
 import textwrap
+import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -26,8 +27,9 @@ from utils.notebooks import slicing
 from utils.notebooks.edits import Edit, edits_of
 from utils.showing import shell
 
-# Somebody waits for it.
-SECONDS = 3.0
+# Somebody waits for it, and for other lines where one is found.
+SECONDS, SECONDS_FOR_OTHERS = 3.0, 1.0
+MOST_LINES = 3  # of more, none says where to look
 # For one check; a change may well make a loop that never ends.
 SECONDS_OF_A_CHECK = 0.5
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -47,16 +49,27 @@ class Line:
     number: int
     text: str
 
+    def __str__(self) -> str:
+        return f"line {self.number}, `{self.text}`"
+
+
+@dataclass(frozen=True)
+class Place:
+    """The lines in each of which one change makes all checks pass."""
+
+    lines: tuple[Line, ...]
+
     @property
     def sentence(self) -> str:
-        """What may be said of it."""
-        return f"One change in line {self.number}, `{self.text}`, makes everything here green."
+        """What may be said of them."""
+        named = ", or one in ".join(map(str, self.lines))
+        return f"One change in {named}, makes everything here green."
 
 
-def line_to_change(
+def place_to_change(
     function: Callable, checks: Sequence[Check], failed: Sequence[Check]
-) -> Line | None:
-    """The line in which one change makes all checks pass.
+) -> Place | None:
+    """The lines in each of which one change makes all checks pass.
 
     Parameters
     ----------
@@ -69,29 +82,30 @@ def line_to_change(
 
     Returns
     -------
-    Line or None
-        None where there is none, where it is not found in time, or where no process can be copied.
+    Place or None
+        None where there is none, or too many lines to say anything; where it is not found in time,
+        or where no process can be copied.
     """
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
-        lines, first = inspect.getsourcelines(function)
-        text = textwrap.dedent("".join(lines))
+        source, first = inspect.getsourcelines(function)
+        text = textwrap.dedent("".join(source))
         statements = slicing.parse_notebook([text])[0]
         if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
             edits = edits_of([text], statements)
             order = [*failed, *(check for check in checks if check not in failed)]
-            number = _first_that_passes(function, statements[0], edits, order)
-            if number is not None:
-                place = edits[number].first
-                return Line(first + place - 1, text.split("\n")[place - 1].strip())
+            numbers = sorted(_lines_that_pass(function, statements[0], edits, order))
+            rows = text.split("\n")
+            lines = tuple(Line(first + at - 1, rows[at - 1].strip()) for at in numbers)
+            return Place(lines) if 0 < len(lines) <= MOST_LINES else None
     return None
 
 
-def _first_that_passes(
+def _lines_that_pass(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
-) -> int | None:
-    """Position of the first edit with which all checks pass, found by a copy of this process."""
+) -> set[int]:
+    """Where an edit makes all checks pass, found by a copy of this process."""
     if not hasattr(os, "fork"):
-        return None
+        return set()
     read_end, write_end = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of threads, which stay behind
@@ -99,21 +113,37 @@ def _first_that_passes(
     if child == 0:
         try:
             _keep_to_oneself(write_end)
-            for number, changed in _changed(function, statement, edits):
-                if all(_passes(check, changed) for check in checks):
-                    os.write(write_end, b"%d" % number)
-                    break
+            for line in _passing(function, statement, edits, checks):
+                os.write(write_end, b"%d " % line)
         finally:
             os._exit(0)  # nothing of the notebook may end in here, or be sent twice
     os.close(write_end)
+    told, until = b"", time.monotonic() + SECONDS
     try:
-        ready, _, _ = select.select([read_end], [], [], SECONDS)
-        told = os.read(read_end, 16) if ready else b""
+        while select.select([read_end], [], [], max(0.0, until - time.monotonic()))[0]:
+            part = os.read(read_end, 1024)
+            if not part:
+                break
+            if not told:
+                until = time.monotonic() + SECONDS_FOR_OTHERS
+            told += part
     finally:
         os.close(read_end)
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-    return int(told) if told else None
+    return {int(line) for line in told.split()}
+
+
+def _passing(
+    function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
+) -> Iterator[int]:
+    """The first line of the edits with which all checks pass, each once."""
+    found = set()
+    for number, changed in _changed(function, statement, edits):
+        line = edits[number].first
+        if line not in found and all(_passes(check, changed) for check in checks):
+            found.add(line)
+            yield line
 
 
 def _keep_to_oneself(write_end: int) -> None:
