@@ -243,11 +243,10 @@ print(cloud[:3])
 
 street = ((-15, 25), (-11, 11))
 axes = plots.from_above(cloud, limits=street, title="Coloured by height")
-for x, y, name in ((3.4, 2.0, "cyclist"), (7.2, 3.8, "turning car"), (-5.8, -2.8, "parked car"),
-                   (16, 5.1, "truck"), (3, -9.4, "house front")):
-    axes.annotate(name, (x, y), xytext=(0, 16), textcoords="offset points", ha="center",
-                  bbox={"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 1},
-                  arrowprops={"arrowstyle": "-"}, zorder=8)
+for name, place, text in (("cyclist", (3.2, 1.9), (0, 2.5)), ("turning\ncar", (7.3, 3.6), (10, 4.9)),
+                          ("parked car", (-5.3, -2.9), (-9, -5.3)), ("lorry", (16, 4.1), (17, 7)),
+                          ("house front", (2, -8.2), (5, -9.8))):
+    axes.annotate(name, place, text, ha="center", va="center", arrowprops={"arrowstyle": "-"})
 axes = plots.from_above(cloud, values=cloud[:, 3], span=(0, 0.6), label="intensity", limits=street,
                         title="Coloured by intensity: the same points, another column")
 bright = cloud[cloud[:, 3] > 0.9]
@@ -604,6 +603,7 @@ for (name, clean), axes in zip({"before": False, "after": True}.items(), pair):
     plots.histogram(np.repeat(np.arange(20) + 0.5, bars[name]), bins=np.arange(21), axes=axes,
                     label="horizontal distance (m), one bar for each metre",
                     title=f"{name}: {rows:,} rows, the nearest at {nearest:.2f} m")
+axes.set_xticks(range(0, 21, 2))
 print("bars that changed, by their left edge:", np.flatnonzero(bars["before"] != bars["after"]), "m")
 
 # %% nbgrader={"grade": true, "grade_id": "test_drop_invalid", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}

@@ -639,7 +639,7 @@ print(f"half of the runs are better than {np.median(alone):.1f} degrees alone, "
 #
 # *The same dozen lines, the same two parameters, thousands of points.*
 #
-# `cloud.txt` holds one scan, all returns of a full turn, of a scanner on the roof of a car in a street: x, y, z in metres, measured from the scanner, and the brightness of the echo. We cut out a thin slice at the scanner's own height, to the right of the car, and forget the height. What is left is a set of points in the plane: house fronts, cars, trees, people. Your function looks for the longest wall; then, among what is left, for the next.
+# `cloud.txt` holds one scan, all returns of a full turn, of a scanner on the roof of a car in a street: x, y, z in metres, measured from the scanner, and the brightness of the echo. We cut out a thin slice at the scanner's own height, to the right of the car, and forget the height. What is left is a set of points in the plane: house fronts, cars, trees, people. Your function looks for the wall with the most points, which need not be the longest; then, among what is left, for the next.
 
 # %%
 cloud = load_cloud("cloud.txt")

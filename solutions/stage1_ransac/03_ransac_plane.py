@@ -21,7 +21,7 @@
 # - find the ground among cars, walls and people with RANSAC, and notice when a wall has won,
 # - sharpen the plane, tell scatter from bias, and say how many rounds RANSAC needs.
 #
-# **You write** `plane_through` (5 points), `point_plane_distance` (10 points), `ransac_plane` (25 points), `fit_plane` (5 points) and `iterations_needed` (5 points). **You need** the idea of RANSAC from lesson 02. There is a place to stop half way. **Time:** (time)
+# **You write** `plane_through` (5 points), `point_plane_distance` (10 points), `ransac_plane` (25 points), `fit_plane` (5 points) and `iterations_needed` (5 points). **You need** the idea of RANSAC from lesson 02. There is a place to stop half way. **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -452,7 +452,7 @@ x, y = cloud[:, 0], cloud[:, 1]
 beside = cloud[(x > -1) & (x < 13) & (y > -8.6) & (y < -4)][::3]
 won, near = ransac_plane(beside, 100, 0.2, 1)
 plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -3.5)),
-                  title=f"From above: a wall, normal ({won[0]:.1f}, {won[1]:.1f}, {won[2]:.1f})");
+                  title=f"From above: a wall, normal ({won[0]:z.1f}, {won[1]:z.1f}, {won[2]:z.1f})");
 
 # %% [markdown]
 # The house front holds more points than the pavement, so it wins, and by the rules. The normal gives it away: that of the ground points up or down, $|c|$ near 1; that of a wall lies flat, $|c|$ near 0. Three cures, which may be combined:
@@ -533,7 +533,7 @@ for value, direction in zip(singular, directions):
     print(f"along {np.abs(direction.round(2))}: sum of squares {squares:.2f} = {value:.2f}²")
 
 # %% [markdown]
-# `full_matrices=False` matters: without it, NumPy builds an n x n matrix as well, and for 50 000 points that is 20 gigabytes.
+# `full_matrices=False` matters: without it, NumPy builds an n x n matrix as well, and for 50,000 points that is 20 gigabytes.
 #
 # ## Exercise 4 · `fit_plane` (5 points)
 #
@@ -644,7 +644,7 @@ check(fit_plane)
 # %% [markdown]
 # Look where the symbols of "all inliers" lie: close together, and below "as built". An estimate can be precise and still be off, always to the same side: it is *biased*. (So are the planes of three points, in the mean by more than twice as much. Among so much scatter nobody sees it.) More points do not help against that. One has to find the cause.
 #
-# - **What should not be there.** The threshold also lets wheels and bumpers in. Most of those are behind us: they lift that end of the plane, and it climbs less. The last line of the table, "inliers on the ground", leaves them out with the help of the labels, and most of the error is gone. We have no labels on the road, but we can fit again with a smaller threshold, now that the plane is good enough for one: "again, within 0.1 m" does nearly as well.
+# - **What should not be there.** The threshold also lets wheels and bumpers in. Most of those are behind us: they lift that end of the plane, and it climbs less. The last line of the table, "inliers on the ground", leaves them out with the help of the labels, and most of the error is gone. We have no labels on the road, but we can fit again with a smaller threshold, now that the plane is good enough for one: "again, within 0.1 m" does as well.
 # - **What is not a plane.** A small error remains. The street has a crown and kerbs, and which parts of them we see changes along the way. No plane is quite right there.
 #
 # What does it matter? An error of 0.3 % in the slope, as with three points, is 9 cm at a distance of 30 m. The bias of the first fit is 2 cm there, that of the second 5 mm.
@@ -818,7 +818,7 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 #
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
 #
-# **Next:** 04 · The KD-tree
+# **Next:** 04 · The kd-tree
 
 # %% [markdown]
 # ## If you want more
@@ -834,7 +834,7 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 
 # %%
 def good_samples(points, ground):
-    """Shares of 2000 samples: all three on the ground; of these, a success; of all, a success."""
+    """Shares of 2,000 samples: all three on the ground; of these, a success; of all, a success."""
     rng = np.random.default_rng(3)
     pure, success = np.zeros((2, 2000), dtype=bool)
     for number in range(2000):

@@ -22,7 +22,7 @@
 # - search it within a radius, and say for every branch why it was looked at or left out,
 # - balance it, and show by counting what you gain from balance.
 #
-# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time)
+# **You write** `insert` (15 points), `search` (25 points) and `median_order` (20 points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -603,7 +603,7 @@ check(median_order)
 #
 # *Each level of a balanced tree halves what is left: twice the points, one more level.*
 #
-# A clock depends on the machine; the number of nodes looked at does not. We take 125 to 8000 points of the scan, in space, and search around about fifty of them, each time with the radius that just holds the five nearest. There are four orders of arrival. The last one is a made-up wall along which x, y and z all rise.
+# A clock depends on the machine; the number of nodes looked at does not. We take 125 to 8,000 points of the scan, in space, and search around about fifty of them, each time with the radius that just holds the five nearest; all that for three draws. There are four orders of arrival. The last one is a made-up wall along which x, y and z all rise.
 
 # %% tags=["folded"]
 # @title One search for five neighbours, counted (you need not read this)
@@ -621,20 +621,23 @@ def five_nearest(points, targets):
 
 
 def cost_of(name, n):
-    """How many nodes of a tree of n points one search looks at, on average."""
-    points = ORDERS[name](np.random.default_rng(n).choice(obstacles, n, replace=False))
-    tree, targets, looks = grow(points), points[::n // 50], []
-    with watched(tree) as visited:
-        for target, metres in zip(targets.tolist(), five_nearest(points, targets)):
-            visited.clear()
-            tree.search(target, metres)
-            looks.append(len(visited))
+    """How many nodes of a tree of n points one search looks at, on average over three draws."""
+    looks = []
+    for draw in range(3):
+        points = np.random.default_rng((n, draw)).choice(obstacles, n, replace=False)
+        points = ORDERS[name](points)
+        tree, targets = grow(points), points[::n // 50]
+        with watched(tree) as visited:
+            for target, metres in zip(targets.tolist(), five_nearest(points, targets)):
+                visited.clear()
+                tree.search(target, metres)
+                looks.append(len(visited))
     return np.mean(looks)
 
 
 # %%
 counts = np.array([125, 250, 500, 1000, 2000, 4000, 8000])
-# A tree that is a list takes long to grow: the wall stops at 1000.
+# A tree that is a list takes long to grow: the wall stops at 1,000.
 costs = {name: np.array([cost_of(name, n) for n in counts if n <= 1000 or "wall" not in name])
          for name in ORDERS}
 axes = plots.curves({"all points": (counts, counts),
@@ -653,7 +656,7 @@ show_table(["order", "nodes looked at", "slope", "more with each doubling"],
              f"{np.diff(cost).mean():.1f}") for name, cost in costs.items()])
 
 # %% [markdown]
-# The sorted wall visits half of all nodes: slope 1, as if there were no tree. With medians first, each doubling adds a few nodes: one level more to walk down, and some where the box reaches across cuts. Random order is a little worse, which is why in practice people often just shuffle. Sorting by x lies in between: the cuts by x are wasted, those by y and z are not.
+# The sorted wall visits half of all nodes: slope 1, as if there were no tree. With medians first, each doubling adds a few nodes: one level more to walk down, and some where the box reaches across cuts. Random order looks at a fifth more or so, which is why in practice people often just shuffle. Sorting by x lies in between: the cuts by x are wasted, those by y and z are not.
 #
 # ### And on the clock?
 #

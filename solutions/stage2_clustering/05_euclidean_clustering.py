@@ -22,7 +22,7 @@
 # - say what the threshold does, and why no threshold is right everywhere,
 # - predict from a measurement how long an algorithm will take on a full scan.
 #
-# **You write** `euclidean_clustering` (40 points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code. **Time:** (time)
+# **You write** `euclidean_clustering` (40 points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but nothing here depends on its code. **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -515,7 +515,7 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 #
 # *What falls to pieces is driven into.*
 #
-# Five minutes, without points; skip it if you like. A car drives ten seconds at 30 km/h on your `euclidean_clustering`. The rest is given: a grid that thins to one point in 0.4 m, a filter that drops clusters below 10 points, boxes, and a driver who brakes for every box in the lane that is nearer than the way it needs to stop. It waits for you, so your time does not count. Nine seconds on, two people cross side by side.
+# Without points; skip it if you like. A car drives ten seconds at 30 km/h on your `euclidean_clustering`. The rest is given: a grid that thins to one point in 0.4 m, a filter that drops clusters below 10 points, boxes, and a driver who brakes for every box in the lane that is nearer than the way it needs to stop. It waits for you, so your time does not count. Nine seconds on, two people cross side by side.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -533,7 +533,7 @@ drive_with(0.2) if is_written(euclidean_clustering) else print(
     "euclidean_clustering is not written yet.")
 
 # %% [markdown]
-# At 0.2 m nothing has ten points, and nobody has a box. Try `drive_with(0.5)`. From which threshold on do the two share one box, and from which do they share it with what stands beside the road?
+# At 0.2 m nothing has ten points, and nobody has a box. Try `drive_with(0.5)`, and open a braking below the strip to see its frame. From which threshold on do the two share one box, and from which do they share it with what stands beside the road?
 
 # %% [markdown]
 # ## In practice

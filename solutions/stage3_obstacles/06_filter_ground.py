@@ -19,7 +19,7 @@
 # - take the ground out of a scan with a single comparison, and say when that is not enough,
 # - thin a cloud to a fifth of its points, and say which objects gain by it and which lose.
 #
-# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time)
+# **You write** `filter_ground` (10 points) and `voxel_grid` (20 points). **You need** NumPy arrays and boolean masks (lesson 01). **Time:** (time).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -499,7 +499,7 @@ for (name, keep), axes in zip(wrong.items(), grid.flat):
 #
 # *A level is judged by what a car does with it.*
 #
-# Five minutes, without points; skip it if you like. A car drives ten seconds up a street that climbs by 6 %, and sees it through your `filter_ground`. The rest is given: thinning, clusters, boxes, and a driver who brakes for every box in the lane that is nearer than the way it needs to stop.
+# Without points; skip it if you like. A car drives ten seconds up a street that climbs by 6 %, and sees it through your `filter_ground`. The rest is given: thinning, clusters, boxes, and a driver who brakes for every box in the lane that is nearer than the way it needs to stop.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -516,7 +516,12 @@ def drive_with(level, street=6, seconds=10):
 drive_with(-1.2) if is_written(filter_ground) else print("filter_ground is not written yet.")
 
 # %% [markdown]
-# It brakes for bare asphalt: 0.53 m above the road under us, a climb of 6 % reaches the level 9 m ahead. Open a braking below the strip to see its frame. Which level drives through? Then send the same level downhill, where somebody crosses after ten seconds: `drive_with(level, street=16, seconds=13)`. A level is right for one slope; lesson 03 has a plane that climbs along.
+# It brakes for bare asphalt: 0.53 m above the road under us, a climb of 6 % reaches the level 9 m ahead of the sensor. (The strip counts from the bumper, 2.6 m further on, and from where that is when the answer comes.) Open a braking below the strip to see its frame. Which level drives through? Then send the same level downhill, where somebody crosses after ten seconds: `drive_with(level, street=16, seconds=13)`. A level is right for one slope; lesson 03 has a plane that climbs along.
+#
+# <details><summary>An answer</summary>
+#
+# At -0.6 m the car never brakes. Downhill the same level leaves a box of the person in the last scans only: too late, and the drive ends there.
+# </details>
 
 # %% [markdown]
 # ## In practice

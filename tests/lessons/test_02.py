@@ -125,11 +125,14 @@ def test_least_squares_on_the_inliers_helps(told):
 def test_both_walls_of_the_street_are_walls(told):
     cloud, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
     is_wall = (truth["class_names"][truth["classes"]] == "wall")[told.names["in_slice"]]
-    left_over = cloud[told.names["in_slice"], :2]
+    left_over, found = cloud[told.names["in_slice"], :2], []
     for _ in range(2):
         _, inliers = told.names["ransac_line"](left_over, 100, 0.1, 1)
         assert inliers.sum() > 1500 and is_wall[inliers].mean() > 0.99
+        found.append((inliers.sum(), np.ptp(left_over[inliers, 0])))
         left_over, is_wall = left_over[~inliers], is_wall[~inliers]
+    (most, short), (fewer, long) = found  # both run along x
+    assert most > 1.3 * fewer and long > 1.3 * short
 
 
 def test_scikit_learn_as_shown(told):
