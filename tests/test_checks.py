@@ -697,3 +697,25 @@ def test_a_number_that_was_changed_is_shown_as_a_number():
         assert_untouched(clear_in_place, np.array([4, 2, 3]))
     assert failed.value.yours == "afterwards row 1 is 0"
     assert failed.value.expected == "as before, 2"
+
+
+@pytest.mark.parametrize("shape", [(0, 5), (3, 0)])
+@pytest.mark.parametrize(
+    "source, exercise",
+    [
+        ("09_filter_clusters", "filter_clusters"),
+        ("05_euclidean_clustering", "euclidean_clustering"),
+        ("02_ransac_line", "point_line_distance"),
+        ("03_ransac_plane", "point_plane_distance"),
+    ],
+)
+def test_nothing_of_another_shape_is_nothing(source, exercise, shape):
+    right = getattr(load_reference(source), exercise)
+
+    def answer(*arguments, **keywords):
+        found = np.asarray(right(*arguments, **keywords))
+        return found if found.size else np.empty(shape)
+
+    answer.__name__ = exercise
+    outcomes = [run_check(one, answer) for one in checks_of(exercise)]
+    assert not [outcome.failure for outcome in outcomes if outcome.failure]

@@ -191,8 +191,12 @@ def _about_rows(array: np.ndarray, columns: int) -> str:
     )
 
 
-def assert_shape(yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0) -> None:
-    """An answer has a shape; where it has not, say which everyday slip gives the one it has.
+def in_shape(
+    yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0
+) -> np.ndarray:
+    """An answer in its shape; where it has another, say which everyday slip gives that one.
+
+    Where there is nothing to answer, every array of nothing will do.
 
     Parameters
     ----------
@@ -203,12 +207,16 @@ def assert_shape(yours: np.ndarray, expected: tuple[int, ...], each: str, column
     columns : int
         Of the cloud that the function was given, if it was given one.
 
+    Returns
+    -------
+    numpy.ndarray, of shape `expected`
+
     Raises
     ------
     WrongForm
     """
     if yours.shape == expected or (yours.size == 0 and 0 in expected):
-        return
+        return yours.reshape(expected)
     n, shape = expected[0] if expected else 0, yours.shape
     words = ""
     if len(expected) == 1:
@@ -444,7 +452,7 @@ def as_labels(answer: object, n: int) -> np.ndarray:
     numpy.ndarray of int, shape (n,)
     """
     labels = as_array(answer, what="an array of labels")
-    assert_shape(labels, (n,), f"one label for each of the {n} points")
+    labels = in_shape(labels, (n,), f"one label for each of the {n} points")
     if labels.dtype.kind == "b":
         raise WrongForm(
             "This is a mask, True or False for each point; labels are whole numbers.",
@@ -518,7 +526,7 @@ def assert_close(
     """
     expected = np.asarray(expected)
     yours = as_array(answer, what=f"an array of {what}")
-    assert_shape(yours, expected.shape, f"{what} of shape {expected.shape}")
+    yours = in_shape(yours, expected.shape, f"{what} of shape {expected.shape}")
     if not np.allclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True):
         wrong = np.count_nonzero(
             ~np.isclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True)

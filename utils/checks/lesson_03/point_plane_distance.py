@@ -14,10 +14,10 @@ from utils.checks.remembering import once
 from utils.checks.vocabulary import (
     CheckFailed,
     as_array,
-    assert_shape,
     assert_untouched,
     brief,
     frozen,
+    in_shape,
     needs,
     point_text,
 )
@@ -70,7 +70,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
     """
     expected = distances_by_hand(points, plane)
     yours = as_array(answer, what="an array of distances")
-    assert_shape(
+    yours = in_shape(
         yours,
         expected.shape,
         f"one distance for each of the {len(points)} points"
@@ -107,7 +107,7 @@ def assert_ignores_intensity(
     )
     for distances in (plain, yours):
         each = f"one distance for each of the {len(cloud)} points"
-        assert_shape(distances, (len(cloud),), each, columns=4)
+        in_shape(distances, (len(cloud),), each, columns=4)
     if not np.abs(yours - plain).max() <= 1e-3:
         raise CheckFailed(
             "With the intensity in a fourth column the distances are others than without it.",

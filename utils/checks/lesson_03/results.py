@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from utils.checks.lesson_03.planes import as_plane, draw_on_edge
-from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, assert_shape, brief
+from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, in_shape
 from utils.geometry import best_plane, gaps_from
 
 
@@ -80,8 +80,7 @@ def mask_of(answer: object, n: int) -> np.ndarray:
             yours=brief(mask),
             expected=f"{n} times True or False",
         )
-    assert_shape(mask, (n,), "one True or False for each point")
-    return mask
+    return in_shape(mask, (n,), "one True or False for each point")
 
 
 def assert_finds(
