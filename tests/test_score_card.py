@@ -86,6 +86,15 @@ def test_nothing_found_and_nothing_there():
     assert card["recall beyond 20 m"].texts == ["–"] * 3
 
 
+def test_what_only_one_frame_has_is_said_without_an_error():
+    nothing = np.empty((0, 8, 3))
+    frames = [frame_of(car(5), car(30, 9)), frame_of(car(5)), frame_of(car(5))]
+    card = score_card([nothing] * 3, frames, EVERYWHERE)
+    assert card["recall to 10 m"].texts == ["0.00 ± 0.00"] * 3
+    assert card["recall beyond 20 m"].texts == ["0.00"] * 3
+    assert card["precision"].texts == ["–"] * 3
+
+
 def test_hidden_is_the_share_of_rays_that_meet_something_before():
     box = car(20, 0, 7)
     rays = [(18, 0, 0.2), (18, 0.5, 0.1), (18, -0.5, 0)]  # its own

@@ -248,4 +248,7 @@ def _row(name: str, parts: list, value: Callable, count: int | None = None) -> R
         for place in range(len(OVERLAPS))
     ]
     count = int(sum(whole for _, whole in parts)) if count is None else count
-    return Row(name, count, *(tuple(numbers) for numbers in zip(*said, strict=True)))
+    values, errors = (tuple(numbers) for numbers in zip(*said, strict=True))
+    if sum(whole > 0 for _, whole in parts) < 2:
+        errors = (np.nan,) * len(OVERLAPS)  # without that one frame, there would be nothing to say
+    return Row(name, count, values, errors)
