@@ -20,7 +20,7 @@ PLACE = "(time)"
 WORDS_A_MINUTE = 100
 LINES_A_MINUTE = 8  # of code that is there to be read
 MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that is to be written
-MINUTES_A_NOTEBOOK = 2  # to find one's functions in it, with all they call, and paste them
+MINUTES_A_NOTEBOOK = 0.5  # to see that its functions are ready; all are printed to be pasted
 MINUTES_A_REPORT = 15  # to write what a person reads
 WITHOUT_A_STOP = 90  # minutes
 # Hints are for who opens them; nobody reads what a picture shows, and where a link goes.
@@ -39,15 +39,16 @@ def sections(notebook: NotebookNode) -> dict[str, float]:
     """
     minutes, title = {}, "Before you start"
     for cell in notebook.cells:
-        if cell.cell_type == "markdown":
+        if cell.metadata.get("nbgrader", {}).get("grade") and cell.cell_type == "markdown":
+            # What stands there is the model answer, which students do not get.
+            minutes[title] = minutes.get(title, 0) + MINUTES_A_REPORT
+        elif cell.cell_type == "markdown":
             text = UNREAD.sub("", cell.source)
             for part in re.split(r"^(?=## )", text, flags=re.M):
                 if part.startswith("## "):
                     title = part.partition("\n")[0].removeprefix("## ").strip()
                 words = len(re.findall(r"\w+", part))
                 minutes[title] = minutes.get(title, 0) + words / WORDS_A_MINUTE
-            if cell.metadata.get("nbgrader", {}).get("grade"):
-                minutes[title] += MINUTES_A_REPORT
         else:
             minutes[title] = minutes.get(title, 0) + _minutes_of_code(cell)
     return minutes
