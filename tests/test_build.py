@@ -263,10 +263,11 @@ def test_minutes_are_computed(toy):
     assert minutes.sections(cells)["Long"] == pytest.approx(before + 1 / 100, abs=1e-6)
     pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
     cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(33.26 + 2 * 2, abs=0.05)
-    report = '# %% [markdown] nbgrader={"grade": true}\n# Your answer\n'
+    assert minutes.sections(cells)["Long"] == pytest.approx(33.26 + 2 * 0.5, abs=0.05)
+    answer = "for whoever grades " * 100
+    report = f'# %% [markdown] nbgrader={{"grade": true}}\n# {answer}\n'
     cells.cells += jupytext.reads(report, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(37.25 + 15, abs=0.05)
+    assert minutes.sections(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
 
 
 def test_what_is_for_who_wants_more_is_told_and_not_counted():

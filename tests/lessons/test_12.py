@@ -3,9 +3,11 @@
 import json
 from types import SimpleNamespace
 
+import nbformat
 import numpy as np
 import pytest
 
+from grader.course import minutes
 from grader.course.lessons import find_lesson
 from utils import load_my_functions, scenes, scoring
 from utils.checks.core import notes_of, run_check
@@ -49,9 +51,8 @@ def told():
         "occupied_squares",
         "f1_of_kinds",
         "boxes_of_truth",
-        "card_of_streets",
+        "card_of",
         "heading_of",
-        "score",
         "corners_of",
         "sweep",
         "follow",
@@ -210,14 +211,14 @@ def test_the_car_of_cardboard_has_one_box(told):
 
 
 def test_principal_axes_are_what_makes_the_curve_fall(told):
-    f1 = told["f1_of_kinds"](told["streets"], told["carriageway"])
+    f1 = told["f1_of_kinds"](told["streams"]["streets"], told["carriageway"])
     fall = {kind: values[0] - values[2] for kind, (values, _) in f1.items()}
     assert fall["principal axes"] > 0.5
     assert max(fall["along the axes"], fall["smallest rectangle"]) < 0.25
 
 
 def test_what_is_said_of_the_score_card(told):
-    card = told["card_of_streets"]()
+    card = told["card_of"]("streets")
     assert card["recall in plain view"].texts[0] == "0.84 ± 0.03"
     assert card["recall, partly hidden"].texts[0] == "0.92 ± 0.05"
     for nearer, farther in (
@@ -264,7 +265,7 @@ def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(told):
 
 def test_far_rectangles_may_be_turned_badly(told):
     off = {True: [], False: []}  # by whether a thing is within 15 m
-    for frame in told["streets"]:
+    for frame in told["streams"]["streets"]:
         for thing in counted(frame, told["carriageway"]):
             points = frame.cloud[frame.scan.objects == thing.identity, :3]
             points = points[points[:, 2] > points[:, 2].min() + 0.3]
@@ -415,9 +416,9 @@ def test_the_model_answer_on_the_second_data_set(told):
         (wide | {"min_num_points": 40, "threshold": 0.8}, (1.00, 1.00, 1.00)),
         (wide | {"min_num_points": 40, "threshold": 1.0}, (1.00, 1.00, 1.00)),
     ):
-        found = told["score"]("cyclist", (0, 3, 6, 9), around, 0.3, **settings)
-        assert np.allclose((found.precision, found.recall, found.f1), expected, atol=0.006)
-        assert found.true_positives + found.false_negatives == 16
+        card = told["card_of"]("cyclist", around, **settings)
+        said = [card[row].values[0] for row in ("precision", "recall", "F1")]
+        assert np.allclose(said, expected, atol=0.006) and card["recall"].count == 16
 
 
 def test_the_cyclist_keeps_one_name(told):
@@ -472,3 +473,10 @@ def test_the_untouched_notebook_names_what_it_may_borrow():
     cells = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     stops = sum("**A good place to stop.**" in "".join(cell["source"]) for cell in cells)
     assert stops == 3
+
+
+def test_the_minutes_are_those_of_four_sittings():
+    """What the head of the lesson says of them, and that the reports are most of the last."""
+    sittings = minutes.sittings(nbformat.read(LESSON.solved, as_version=4))
+    assert len(sittings) == 4 and max(sittings) < 60
+    assert sum(sittings[:3]) < 140 and sittings[3] > 2 * minutes.MINUTES_A_REPORT
