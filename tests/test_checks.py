@@ -699,7 +699,7 @@ def test_a_number_that_was_changed_is_shown_as_a_number():
     assert failed.value.expected == "as before, 2"
 
 
-@pytest.mark.parametrize("shape", [(0, 5), (3, 0)])
+@pytest.mark.parametrize("shape", [(0, 5), (0, 0)])
 @pytest.mark.parametrize(
     "source, exercise",
     [
@@ -709,7 +709,7 @@ def test_a_number_that_was_changed_is_shown_as_a_number():
         ("03_ransac_plane", "point_plane_distance"),
     ],
 )
-def test_nothing_of_another_shape_is_nothing(source, exercise, shape):
+def test_no_rows_of_any_length_are_nothing(source, exercise, shape):
     right = getattr(load_reference(source), exercise)
 
     def answer(*arguments, **keywords):

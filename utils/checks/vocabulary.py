@@ -196,7 +196,7 @@ def in_shape(
 ) -> np.ndarray:
     """An answer in its shape; where it has another, say which everyday slip gives that one.
 
-    Where there is nothing to answer, every array of nothing will do.
+    Where there is nothing to answer, no rows of any length will do.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def in_shape(
     ------
     WrongForm
     """
-    if yours.shape == expected or (yours.size == 0 and 0 in expected):
+    if yours.shape == expected or (yours.shape[:1] == (0,) == expected[:1]):
         return yours.reshape(expected)
     n, shape = expected[0] if expected else 0, yours.shape
     words = ""
