@@ -10,6 +10,7 @@ import numpy as np
 
 from grader.judging import samples
 from grader.judging.marks import hidden
+from utils.checks import CheckFailed
 from utils.checks.boxes import (
     LOOSE,
     as_cluster_boxes,
@@ -264,6 +265,12 @@ def test_few_points(student, seed):
         assert_directions(student.principal_axes(points.copy()), turn[:, :1])
     for points in (triangle, line, line[:2], line[:1], np.repeat(line[:1], 4, axis=0), line[:0]):
         assert_orthonormal(student.principal_axes(points.copy()))
+    away = rng.uniform(3, 9, 3) * [-1, 1, -1]
+    try:
+        assert_directions(student.principal_axes(triangle + away), axes_by_svd(triangle)[:, :2])
+    except CheckFailed:
+        return  # who does not centre is asked about that elsewhere
+    assert_directions(student.principal_axes(centred(line[:2]) + away), turn[:, :1])
 
 
 @hidden(
