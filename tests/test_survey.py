@@ -17,7 +17,24 @@ ANSWERS = {
 _LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
 _CROSS = "normal = np.cross(q - p, r - p)"
 _RANKS = "return np.argsort(np.argsort(start))[which]"
+_ANGLE = "angle = 0.5 * math.atan2(2 * m[p][q], m[q][q] - m[p][p])"
+_SMALL = "if abs(m[p][q]) < 1e-300:"
+_EIG = "how eig hands them over: on this seed in the right order, and right-handed"
+_ORDER = "order = np.argsort(values.real)[::-1]"
+_SIGN = "vectors[:, 0] *= np.linalg.det(vectors)"
+_JACOBI = "rotations come to the same end, but where zeros stand beside the diagonal: by the seed"
 KNOWN = {
+    "principal_axes": {
+        (_ANGLE, _ANGLE.replace("m[p][p]", "m[p][~p]")): _JACOBI,
+        (_ANGLE, _ANGLE.replace("m[p][p]", "m[~p][p]")): _JACOBI,
+        (_SMALL, _SMALL.replace("[q]", "[-q]")): _JACOBI,
+        (_SMALL, _SMALL.replace("[q]", "[~q]")): _JACOBI,
+        (_ORDER, "order = np.argsort(np.floor(values.real))[::-1]"): _EIG,
+        (_ORDER, "order = np.argsort((values.real ** 0.5))[::-1]"): "a variance that rounding may "
+        "make negative: by the seed",
+        (_SIGN, _SIGN.replace("[:,", "[:2,")): _EIG,
+        (_SIGN, _SIGN.replace("[:,", "[:-1,")): _EIG,
+    },
     "drop_invalid": {
         (
             "return cloud[~np.isnan(work[:, :3]).any(axis=1)]",
