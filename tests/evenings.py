@@ -70,7 +70,7 @@ def _each(lesson, exercise, sources):
     shell = _shell(lesson.released.parent)
     for cell in _cells(lesson, exercise, "")[0]:
         _run(shell, cell)
-        assert cell.succeeded, cell
+        assert cell.succeeded or cell.checks, cell  # steps that earn nothing are not written
     for source in sources:
         yield from _apart(_evening, shell, _cells(lesson, exercise, source)[1])
 

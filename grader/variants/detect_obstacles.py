@@ -1124,7 +1124,8 @@ def detect_obstacles(cloud, threshold=0.12, minimum=4):
 # %% wrong: stub left in place
 # loses: finds_cars, finds_people, test_fresh_streets, test_small_scans
 # says: is not started
-def detect_obstacles(cloud):
+def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
+                     minimum=(-15.0, -7.0, -3.0), maximum=(35.0, 9.0, 1.0)):
     raise NotImplementedError
 
 # %% wrong: a region that ends at 8 m
