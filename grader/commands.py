@@ -434,7 +434,7 @@ def run_league(options: argparse.Namespace) -> int:
         print(console.plain(error), file=sys.stderr)
         return FAULT
     print(f"League: {page}\nWho is who, which is not for the class: {who}")
-    console.print_faults(season.faults)
+    console.print_not_driven(season.faults)
     return FAULT if season.faults else GOOD
 
 

@@ -111,8 +111,8 @@ def _print_beside(console: Console, mark: str, text: str, style: str = "") -> No
     console.print(grid)
 
 
-def print_faults(faults: Iterable[str]) -> None:
-    """Print what could not be done, for reasons of ours."""
+def print_not_driven(faults: Iterable[str]) -> None:
+    """Print who was not driven through which street, for reasons of ours."""
     for fault in faults:
         tell(f"Not driven: {fault}")
 

@@ -162,11 +162,12 @@ def faults_of_reading(driver, root):
     chosen = driver.find_element(By.CSS_SELECTOR, ".positions input:checked")
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", chosen)
     seen = (
-        "return [...document.querySelectorAll('.positions .position')].map(p => p.offsetHeight > 0)"
+        "return [...arguments[0].closest('.positions').querySelectorAll('.position')]"
+        ".map(p => p.offsetHeight > 0)"
     )
-    before = driver.execute_script(seen)
+    before = driver.execute_script(seen, chosen)
     chosen.send_keys(Keys.ARROW_RIGHT)
-    after = driver.execute_script(seen)
+    after = driver.execute_script(seen, chosen)
     if sum(before) != 1 or sum(after) != 1 or before == after:
         yield f"an arrow moves no slider: {before}, {after}"
 

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import BrokenExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,6 +38,7 @@ from grader.judging.key import with_all_they_run
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
+from tests.test_faults import Inline
 from utils.drive import Street, on_time
 from utils.drive.actors import standing
 from utils.drive.driving import drive
@@ -311,18 +312,6 @@ def test_places_are_shared_and_those_to_compare_with_have_none():
 # A class --------------------------------------------------------------------------------------
 
 
-class AtOnce(Executor):
-    """Does a job where it is given."""
-
-    def submit(self, function, /, *arguments):
-        future = Future()
-        try:
-            future.set_result(function(*arguments))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
 @pytest.fixture
 def course(tmp_path):
     def hand_in(student, answers=None):
@@ -351,7 +340,7 @@ def jobs(monkeypatch):
 
 
 def driven_class(course, sandbox, progress=lambda *about: None):
-    return drive_class(course, LESSON, SEED, sandbox, lambda workers: AtOnce(), 2, progress)
+    return drive_class(course, LESSON, SEED, sandbox, Inline, 2, progress)
 
 
 def test_a_class_drives_once_and_whoever_hands_in_again_drives_again(course, jobs, sandbox):

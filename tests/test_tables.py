@@ -23,7 +23,8 @@ def test_a_notebook_gets_rows_and_cells(monkeypatch):
     show_table(HEADINGS, [("a wall", 7, "<b>")])
     (data,) = shown
     page = data["text/html"]
-    assert [page.count(tag) for tag in ("<tr>", "<th ", "<td ")] == [2, 3, 3]
+    assert [page.count(tag) for tag in ("<tr>", "<th ", "<td ")] == [2, 2, 4]
+    assert "></th>" not in page, "an empty heading is none"
     assert "a &lt; b &amp; c" in page and "&lt;b&gt;" in page and "<b>" not in page
     assert "a wall       7" in data["text/plain"]
 

@@ -23,15 +23,18 @@ def show_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> Non
 
 
 def _as_html(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    head, *body = (
-        "".join(
-            f"<{tag} style='text-align:{'right' if column else 'left'}'>{escape(cell)}</{tag}>"
-            for column, cell in enumerate(row)
-        )
-        for tag, row in (("th", headings), *(("td", row) for row in cells))
+    # A heading that says nothing is none: whoever listens to a table would hear an empty one.
+    head = _row([("th" if cell else "td", cell) for cell in headings])
+    rows = "".join(_row([("td", cell) for cell in row]) for row in cells)
+    return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+
+
+def _row(cells: Sequence[tuple[str, str]]) -> str:
+    written = (
+        f"<{tag} style='text-align:{'right' if column else 'left'}'>{escape(cell)}</{tag}>"
+        for column, (tag, cell) in enumerate(cells)
     )
-    rows = "".join(f"<tr>{row}</tr>" for row in body)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    return f"<tr>{''.join(written)}</tr>"
 
 
 def _as_text(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:

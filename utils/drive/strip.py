@@ -133,7 +133,7 @@ def _svg(drive: Drive, report: Report) -> str:
             "font-weight='bold' text-anchor='middle'>✕</text>"
         )
     return (
-        f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' role='img' font-size='17' fill='{INK}' "
+        f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' role='group' font-size='17' fill='{INK}' "
         f"font-family='system-ui, sans-serif' style='width:100%;max-width:{WIDTH}px' "
         f"aria-label='{html.escape(summary(drive, report), quote=True)}'>{''.join(parts)}</svg>"
     )
@@ -167,6 +167,7 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
         Its box is drawn in the colour of the brake.
     """
     import matplotlib.pyplot as plt
+    import shapely
 
     from utils import plots
 
@@ -190,10 +191,10 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
     if braking is not None:
         start = drive.moments[braking.first]
         cause = start.decision.cause.corners + (start.position - moment.position, 0.0, 0.0)
-        low, high = cause[:, :2].min(axis=0), cause[:, :2].max(axis=0)
-        low, high = low - 0.15, high + 0.15
-        rectangle = plt.Rectangle(low, *(high - low), fill=False, color=VERMILION, linewidth=3)
-        axes.add_patch(rectangle)
+        floor = shapely.convex_hull(shapely.multipoints(cause[:, :2]))
+        around = np.array(floor.buffer(0.15, join_style="mitre").exterior.coords)
+        axes.add_patch(plt.Polygon(around, fill=False, color=VERMILION, linewidth=3))
+        high = around.max(axis=0)
         at = (min(high[0], VIEW[0][1] - 12), min(high[1] + 0.4, VIEW[1][1] - 1.5))
         axes.text(*at, "braked for this", color=VERMILION, weight="bold")
     return axes
