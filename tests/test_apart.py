@@ -63,6 +63,7 @@ def soon(monkeypatch):
     return lambda: monkeypatch.setattr(apart, "PATIENCE", 0.5)
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("work", "says"),
     [

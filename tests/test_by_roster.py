@@ -71,6 +71,7 @@ def cells(shown, student):
     return line
 
 
+@pytest.mark.end_to_end
 def test_the_table_has_everybody_on_the_roster_and_tells_four_things_apart(course, capsys):
     assert grade(course) == commands.FAULT
     said = capsys.readouterr()
@@ -125,6 +126,7 @@ def test_where_there_are_several_stages_each_lateness_names_its_own(capsys):
     assert "1.2 d -2" in (shown := capsys.readouterr().out) and "stage" not in shown
 
 
+@pytest.mark.end_to_end
 def test_without_a_roster_the_table_has_who_handed_in(course, capsys):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
@@ -134,6 +136,7 @@ def test_without_a_roster_the_table_has_who_handed_in(course, capsys):
     assert "on the roster" not in shown
 
 
+@pytest.mark.end_to_end
 def test_one_student_is_graded_alone_and_told_how_the_marks_came_to_be(course, capsys):
     grade(course)
     (course.root / "roster.csv").write_text(ROSTER + "ghost,,,\n")
@@ -178,6 +181,7 @@ def test_who_is_named_by_nobody_or_two_is_asked_about(course, capsys):
         who_is_meant(course, "nobody")
 
 
+@pytest.mark.end_to_end
 def test_one_student_is_judged_again_and_nobody_else(course, monkeypatch):
     monkeypatch.undo()
     judged = []

@@ -126,6 +126,7 @@ def watched(change, count, number, after):
     return changing
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize("after", [False, True])
 @pytest.mark.parametrize("written_by", ["us", "a person", "nobody"])
 def test_stopped_anywhere_new_work_never_has_the_time_of_old_work(

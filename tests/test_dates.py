@@ -64,6 +64,7 @@ def told(course):
     return list(notes(course, class_results(course), read_deadlines(course)))
 
 
+@pytest.mark.end_to_end
 def test_the_date_of_everybody_is_the_gradebooks(course):
     assert penalties(course) == {}
     lost = grade_with(course, HEAD)
@@ -102,6 +103,7 @@ def hand_in_at(course, student, time):
     (course.submitted / student / STAGE / "timestamp.txt").write_text(f"{time} UTC")
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("due", "until", "last"),
     [  # Berlin's clocks go back on 25 October 2026, and forth on 28 March 2027
@@ -124,6 +126,7 @@ def test_time_that_is_given_across_a_change_of_clocks_is_all_of_it_and_no_more(
     assert late(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
 
 
+@pytest.mark.end_to_end
 def test_what_leaves_the_file_leaves_the_gradebook(course):
     section = f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
@@ -141,6 +144,7 @@ def test_what_leaves_the_file_leaves_the_gradebook(course):
         assert book.find_submission(STAGE, "bob").extension is None
 
 
+@pytest.mark.end_to_end
 def test_what_a_person_had_entered_comes_back_when_the_files_date_goes(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
@@ -155,6 +159,7 @@ def test_what_a_person_had_entered_comes_back_when_the_files_date_goes(course):
     assert late(course) == dict.fromkeys(EARNED, timedelta(hours=3))
 
 
+@pytest.mark.end_to_end
 def test_time_that_a_person_granted_outlives_the_files_date(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 10:00:00")
@@ -205,6 +210,7 @@ def test_a_later_date_in_the_file_moves_who_has_their_own(course):
     assert told(course) == []
 
 
+@pytest.mark.end_to_end
 def test_what_a_person_grants_in_the_gradebook_counts_until_the_file_names_the_student(course):
     assert "ada" in grade_with(course, HEAD)
     grant(course, "ada", days=3)

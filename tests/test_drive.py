@@ -348,6 +348,7 @@ def test_a_car_that_sees_nothing_drives_on_and_into_who_crosses():
     assert trip.drive.metres < 45
 
 
+@pytest.mark.slow
 def test_true_boxes_stop_for_who_crosses_and_go_on():
     street = straight(actors=(child(40.0, 30 / 3.6),))
     trip = drive_street(street, seconds=12.0)
@@ -491,6 +492,7 @@ def test_results_add_up():
 # How it is shown ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_in_a_notebook_each_braking_opens_its_frame():
     trip = drive_street(STREETS[0], occupied_squares, seconds=1.0, clock=on_time)
     page = trip._repr_html_()
@@ -502,6 +504,7 @@ def test_in_a_notebook_each_braking_opens_its_frame():
     assert "<svg" in page and "<a href='#braking-" in page and "role='img'" not in page
 
 
+@pytest.mark.slow
 def test_films_and_pages_are_written(tmp_path):
     trip = drive_street(STREETS[0], blind, seconds=0.5, clock=on_time)
     said = trip.save(tmp_path / "film.gif")

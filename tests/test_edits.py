@@ -159,6 +159,7 @@ def test_docstrings_and_signatures_stay():
     )
 
 
+@pytest.mark.slow
 def test_there_are_not_too_many():
     long = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(100)))
     assert len(edits_in(long)) == MOST_EDITS

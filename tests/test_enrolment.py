@@ -102,6 +102,7 @@ def test_who_leaves_the_roster_keeps_the_marks_and_is_named(course):
     assert sentence.endswith("nbgrader db student remove ada --force")
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize("folder", ["yan ", "YAN", "  Yan"])
 def test_an_id_that_is_spelt_otherwise_is_the_persons(course, folder):
     hand_in(course, folder, GROUND)

@@ -308,6 +308,7 @@ def words(page):
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
 
 
+@pytest.mark.end_to_end
 def test_a_page_for_each_who_handed_in(pages):
     assert sorted(pages) == ["ada", "bjorn", "cy"]
 
@@ -330,6 +331,7 @@ def test_first_failure_in_full_with_its_hint_and_the_rest_in_lines(pages):
     assert "The last cell <b>breaks</b> off." in text
 
 
+@pytest.mark.end_to_end
 def test_written_answers_come_with_mark_and_comment(pages):
     page = pages["bjorn"]
     assert "write up 7.5 of 10" in words(page)
@@ -354,6 +356,7 @@ def test_text_of_strangers_is_text_and_nothing_is_fetched(pages):
     assert "default-src 'none'" in page
 
 
+@pytest.mark.end_to_end
 def test_the_same_page_again(canvas_course, pages, tmp_path, monkeypatch):
     write(canvas_course, monkeypatch, "--student", "bjorn", "--to", str(tmp_path / "again"))
     (path,) = (tmp_path / "again" / STAGE).iterdir()
@@ -410,6 +413,7 @@ def test_where_nothing_was_graded_that_is_said(tmp_path, monkeypatch, capsys):
 # ---- nbgrader -----------------------------------------------------------------------------------
 
 
+@pytest.mark.end_to_end
 def test_nbgrader_s_pages_say_of_which_function_a_score_is(canvas_course):
     generate = converter(GenerateFeedback, canvas_course.root, STAGE)
     generate.coursedir.student_id = "bjorn"
@@ -506,6 +510,7 @@ def moodle_course(root, teams=(), who=None):
     return make_course(root, files, who=who)
 
 
+@pytest.mark.end_to_end
 def test_moodle_gives_each_their_page(tmp_path, monkeypatch, capsys):
     course = moodle_course(tmp_path / "course")
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
@@ -518,6 +523,7 @@ def test_moodle_gives_each_their_page(tmp_path, monkeypatch, capsys):
     assert "Upload multiple feedback files in a zip" in capsys.readouterr().out
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize("is_team", [False, True])
 def test_who_handed_in_to_two_assignments_gets_a_page_in_each(
     tmp_path, monkeypatch, capsys, is_team
@@ -549,6 +555,7 @@ def test_who_was_not_collected_from_there_is_named(canvas_course, tmp_path, monk
     assert "bjorn: their work was not collected from a zip of Moodle's" in capsys.readouterr().err
 
 
+@pytest.mark.end_to_end
 def test_a_team_is_nobody_s_participant(tmp_path, monkeypatch, capsys):
     answers = {"Team Red_53": "ada,bjorn"}
     teams = {"ada": ("Team Red", 53), "bjorn": ("Team Red", 53)}

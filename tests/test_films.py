@@ -22,6 +22,7 @@ def box_of_everything(cloud):
     return np.array([[np.where([k & 1, k & 2, k & 4], high, low) for k in range(8)]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("renderer", ["pyvista", "matplotlib"])
 def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
     pytest.importorskip("imageio_ffmpeg")

@@ -72,6 +72,7 @@ def test_two_wrong_helpers_are_both_named(sandbox, tmp_path):
     assert "line_through and point_line_distance, which ransac_line calls, are wrong" in calls.cause
 
 
+@pytest.mark.slow
 def test_a_right_helper_is_not_blamed(sandbox, tmp_path):
     gives_up = source_of("ransac_line").replace("continue", "break")
     calls = judged({"ransac_line": gives_up}, sandbox, tmp_path)["ransac_line"]

@@ -8,6 +8,8 @@ from grader.judging.judge import judge
 from utils.checks import check
 from utils.checks.core import ChecksFailed
 
+pytestmark = pytest.mark.slow
+
 LESSON = find_lesson("11_pca_boxes")
 # As the lesson's hints spell it out, on whatever principal_axes there is.
 AS_HINTED = """\
@@ -41,7 +43,6 @@ def results(axes, boxes, sandbox, folder):
     return {one.name: one for one in judge(path, 7, sandbox).exercises}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "axes, least",
     [
@@ -61,7 +62,6 @@ def test_right_boxes_over_wrong_axes_earn_everything(axes, least, sandbox, tmp_p
     assert least <= fared["principal_axes"].score < 10
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("axes", ["not centred", "left-handed at times"])
 def test_other_wrong_axes_cost_the_boxes_nothing(axes, sandbox, tmp_path):
     assert results(wrong_axes(axes), AS_HINTED, sandbox, tmp_path)["get_oriented_boxes"].score == 20

@@ -300,6 +300,7 @@ def set_time(submission):
     submission.timestamp = datetime.datetime(2026, 3, 1, 12)
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("change", "says"),
     [
@@ -352,6 +353,7 @@ def test_who_is_not_in_the_gradebook_is_named(entered):
     ]
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     "content", [None, "{", "[]", "{}", '{"metadata": 7}', '{"metadata": {"verdict_key": "x"}}']
 )
@@ -399,6 +401,7 @@ OF_OLD = {
 }
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     "what",
     [
@@ -475,6 +478,7 @@ def test_what_is_withdrawn_is_taken_out_though_its_copies_are_gone(entered):
     assert {student for student, _ in marks(entered)} == {"bob"}
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     "given", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
 )
@@ -513,6 +517,7 @@ def set_due(course, hour):
         book.update_or_create_assignment(STAGE, duedate=f"2026-03-01 {hour}:00:00")
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(
     ("seconds", "lost"),
     [(-1, {}), (0, {}), (1, {"ada": pytest.approx(3.0)}), (2400, {"ada": pytest.approx(3.0)})],
@@ -535,6 +540,7 @@ def test_who_is_late_loses_what_the_course_says(entered, seconds, lost):
     assert penalties(entered) == {}
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize(("hour", "lost"), [("14", {}), ("12", {}), ("11", {"ada": 30.0})])
 def test_a_penalty_that_asks_for_no_time_is_for_who_is_late(entered, hour, lost):
     (entered.root / "nbgrader_config.py").write_text(
@@ -553,6 +559,7 @@ def test_without_a_penalty_nobody_loses_anything(entered):
     assert penalties(entered) == {}
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize("text", [b"yesterday", b"\xff\xfe", b"9" * 400, b"", b" \n"])
 def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
     when = entered.submitted / "ada" / STAGE / "timestamp.txt"
@@ -575,6 +582,7 @@ def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
 # ---- files --------------------------------------------------------------------------------------
 
 
+@pytest.mark.end_to_end
 def test_what_lies_beside_a_notebook_comes_with_its_copy(course):
     place = course.submitted / "ada" / STAGE
     (place / "figures" / "first").mkdir(parents=True)
@@ -704,6 +712,7 @@ def test_a_mark_is_for_the_answer_that_was_read(written):
     assert about_answer(course) == (7.5, True, None)
 
 
+@pytest.mark.end_to_end
 def test_of_an_answer_that_was_not_given_the_comment_says_so(written):
     course, enter_answer = written
     enter_answer("")

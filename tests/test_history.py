@@ -89,6 +89,7 @@ def test_another_verdict_is_named(course):
     ]
 
 
+@pytest.mark.end_to_end
 def test_marks_of_a_person_are_noticed(course):
     by_hand(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
     assert enter_again(course) == [("ada", SECOND, 8.5, 12.0, "a person")]

@@ -133,6 +133,7 @@ def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tm
     assert_covered(lesson, (solved, mistaken, entangled), tmp_path, sandbox)
 
 
+@pytest.mark.slow
 def test_every_file_that_a_right_helper_comes_from_is_in_the_key(sandbox, tmp_path):
     """In the lesson that takes least time; the test above tries them all."""
     assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)

@@ -152,12 +152,14 @@ def test_what_reaches_out_is_kept_off(function, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_loop_without_an_end_takes_no_longer_than_it_may():
     begin = time.monotonic()
     assert place_to_change(never_ends, CHECKS, CHECKS[:1]) is None
     assert time.monotonic() - begin < 60  # it is given three seconds
 
 
+@pytest.mark.slow
 def test_no_process_is_left():
     others = children()
     place_to_change(never_ends, CHECKS, CHECKS[:1])

@@ -35,6 +35,7 @@ def notebook(monkeypatch):
     return functions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "frames"), [("highway", 2), ("city", 1), ("city", 2), ("cyclist", 2)]
 )

@@ -225,6 +225,7 @@ def test_small_figures_open_one_new_figure(figure):
     assert len(png(axes)) < 150_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", ROWS)
 def test_rows_of_panels(figure):
     draw, count = ROWS[figure]

@@ -817,6 +817,7 @@ def test_pictures_stay_and_nothing_else_does():
     assert cell.attachments == {"a.png": {"image/png": picture}}
 
 
+@pytest.mark.end_to_end
 def test_a_picture_that_is_not_there_stops_no_page():
     text_with = "![](attachment:gone.png) [a]: attachment:b%20c.png <x attachment:>"
     notebook = json.loads(fill_in(WRITTEN, {"write_up": text_with}))

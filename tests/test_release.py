@@ -32,6 +32,8 @@ from grader.site.solution import as_notebook
 from tests.running import errors_of, run
 from tests.test_requirements import distributions, normal, own_pins, strangers_by_file
 
+pytestmark = pytest.mark.slow
+
 STAGE = "stage3_obstacles"
 LESSON = find_lesson("08_bounding_boxes")
 NOW = datetime(2026, 10, 12, 12, tzinfo=UTC)
@@ -97,7 +99,6 @@ def test_nothing_is_in_it_but_what_students_need(zips):
     assert code == {name for name in inside if name.startswith("utils/")}
 
 
-@pytest.mark.slow
 def test_what_students_install_is_all_that_their_notebooks_import():
     text = release.student_requirements()
     pins = dict(re.findall(r"^([\w.-]+)==(\S+)$", text, re.M))
@@ -130,7 +131,6 @@ def first_cells(path, count):
     return notebook
 
 
-@pytest.mark.slow
 def test_unzipped_anywhere_it_runs(zips, tmp_path, monkeypatch):
     monkeypatch.delenv("PYTHONPATH", raising=False)
     with zipfile.ZipFile(zips / f"{STAGE}.zip") as archive:
@@ -318,7 +318,6 @@ def tiny(tmp_path, monkeypatch, source):
     return Tiny
 
 
-@pytest.mark.slow
 def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     marked = "### BEGIN SOLUTION\nprint(6 * 7)\n### END SOLUTION"
     lesson = tiny(tmp_path, monkeypatch, marked)
@@ -332,7 +331,6 @@ def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     assert len(list((tmp_path / "kept").iterdir())) == 1  # the other one is of no use now
 
 
-@pytest.mark.slow
 def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
     lesson = tiny(tmp_path, monkeypatch, "1 / 0")
     with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):

@@ -14,6 +14,8 @@ from grader.lms.autograded import score_output
 from grader.sandbox import Limits
 from tests.test_slips import solution_of
 
+pytestmark = pytest.mark.slow
+
 SEED = 23
 LINE = find_lesson("02_ransac_line")
 
@@ -155,7 +157,6 @@ def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
         assert exercises["drop_invalid"].slip is None
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("otherwise", ["a, b, a * p[0] + b * p[1]", "None", "b, a, 0"])
 def test_a_coin_earns_no_more_than_whoever_writes_its_wrong_side_down(sandbox, otherwise):
     """Whatever edit makes a coin right makes that right, too; and the coin may still fall wrong."""

@@ -101,6 +101,7 @@ def not_listed(packages, file):
     }
 
 
+@pytest.mark.slow
 def test_what_is_imported_is_listed():
     strangers = strangers_by_file()
     assert {"numpy", "yaml", "nbgrader", "pyvista", "distributed", "hypothesis"} <= set().union(
@@ -110,6 +111,7 @@ def test_what_is_imported_is_listed():
     assert not {path: names for path, names in missing.items() if names}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [path for path in NEEDED_BY if path.endswith(".py")])
 def test_a_file_with_requirements_of_its_own_needs_them(path):
     assert not_listed(strangers_by_file()[path], "requirements.txt")

@@ -438,6 +438,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.end_to_end
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_what_breaks_readers_costs_its_author_only(kind, course):
     pair = last_two(course)

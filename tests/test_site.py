@@ -257,6 +257,7 @@ def test_a_guide_links_to_pages_to_files_or_to_nothing():
     )
 
 
+@pytest.mark.slow
 def test_the_front_page_has_every_lesson():
     page = front.page(read_origin(), Pictures())
     assert re.findall(r'class="lesson-card" href="(\w+/\w+)\.html"', page) == [

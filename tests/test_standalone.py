@@ -24,6 +24,8 @@ from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import build_copy, graded_cells
 from tests.test_requirements import imports
 
+pytestmark = pytest.mark.slow
+
 LESSON = find_lesson("06_filter_ground")
 
 
@@ -48,7 +50,6 @@ def unpacked(notebook):
         }
 
 
-@pytest.mark.slow
 def test_one_small_notebook_a_lesson(written):
     assert [path.stem for path in sorted(written.iterdir())] == [
         lesson.name for lesson in all_lessons()
@@ -58,7 +59,6 @@ def test_one_small_notebook_a_lesson(written):
         nbformat.validate(nbformat.read(path, as_version=4))
 
 
-@pytest.mark.slow
 def test_the_same_bytes_again(written, tmp_path):
     standalone.setup_cell.cache_clear()
     standalone.write_standalone(tmp_path, [LESSON.stage])
@@ -170,7 +170,6 @@ def test_what_is_judged_is_shown_whatever_cell_it_looks_like(hidden):
     assert source in shown and setup not in shown
 
 
-@pytest.mark.slow
 def test_functions_of_another_standalone_notebook_beside_it(tmp_path):
     here = tmp_path / "downloads"
     here.mkdir()

@@ -92,6 +92,7 @@ def test_who_is_held_up_by_us_loses_nothing(soon, sandbox, monkeypatch):
     assert "a fault of ours" in verdict.faults[0]
 
 
+@pytest.mark.slow
 def test_what_no_page_could_be_made_of_is_not_shown(soon):
     """The Markdown of feedback and Formgrader looks at this for minutes."""
     given = handed_in("\\\\( \\) " * 60_000)
@@ -101,6 +102,7 @@ def test_what_no_page_could_be_made_of_is_not_shown(soon):
     assert len(str(copy)) < 100_000
 
 
+@pytest.mark.slow
 def test_a_long_text_is_shown():
     essay = "I looked at $a_n$, and at `b`.\n\n" * 3000
     copy, complaint = autograded.copy_apart(handed_in(essay), LESSON)

@@ -20,6 +20,8 @@ from grader.sandbox.student import Student
 from tests.attacks.attacking import SHORT, function, tried
 from tests.demands import demand_walls
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module", autouse=True)
 def walls():
@@ -197,7 +199,6 @@ except SandboxUnavailable as error:
 """
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("right", ["sys_chroot", "setuid", "setgid", "chown", "mknod"])
 def test_refuses_without_the_right(right):
     command = ["setpriv", f"--bounding-set=-{right}", f"--inh-caps=-{right}", sys.executable]

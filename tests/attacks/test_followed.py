@@ -9,6 +9,8 @@ from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from tests.demands import demand_walls
 
+pytestmark = pytest.mark.slow
+
 WALLS = demand_walls()
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
@@ -76,7 +78,6 @@ def test_what_comes_later_helps_nobody_who_comes_before(tmp_path):
     assert results["line_through"].score < results["line_through"].max_score / 5
 
 
-@pytest.mark.slow
 def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
     answers = {"ransac_line": RANSAC}
     results, verdict = judged(LINE, tmp_path, **answers)
@@ -100,7 +101,6 @@ def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
     assert not [text for text in parsed if "a text of the student" in text]
 
 
-@pytest.mark.slow
 def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
     """It gives up where its helper was asked before: so it fails once, and has another throw."""
     counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)

@@ -25,6 +25,8 @@ from utils.checks import checks_of, tips
 from utils.checks.diagnosis import known_mistakes
 from utils.notebooks import edits
 
+pytestmark = pytest.mark.slow
+
 # A function that learns a question and wants to tell it: letters stand for its digits.
 TELLS = """
 def {name}(*arguments, **keywords):
@@ -65,7 +67,6 @@ def shown(tmp_path, capsys):
     return shown
 
 
-@pytest.mark.slow
 @tried(
     "body",
     {
@@ -199,7 +200,6 @@ def test_tells_by_its_exit_code(hand_in):
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
@@ -217,7 +217,6 @@ def test_tells_in_other_lessons(name, hand_in):
         assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
 
 
-@pytest.mark.slow
 def test_no_number_of_a_hidden_question_is_in_a_message(hand_in):
     """Answers that are nearly right make the judge talk about rows and values."""
     answers = {

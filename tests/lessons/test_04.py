@@ -162,6 +162,7 @@ def test_what_a_search_costs():
     assert shuffled[3] < by_x[3] < wall[3]
 
 
+@pytest.mark.slow
 def test_the_lamp_post_again():
     space = taught()
     levels, visits, found = space["search_the_scan"](space["post"], space["half_a_metre"])

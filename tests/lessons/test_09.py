@@ -23,6 +23,7 @@ def shown():
     return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
+@pytest.mark.slow
 def test_ten_points(shown):
     """What the notebook prints beside "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
@@ -32,6 +33,7 @@ def test_ten_points(shown):
     assert (len(set(filtered[filtered > 0])), (filtered == 0).sum()) == (1, 6)
 
 
+@pytest.mark.slow
 def test_the_slider_reaches_the_default_and_clears_the_road(shown):
     slider = find_lesson(NAME).source.read_text("utf-8").split("IntSlider(")[1].split(")")[0]
     settings = dict(part.strip().split("=") for part in slider.split(",")[:4])

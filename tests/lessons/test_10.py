@@ -86,6 +86,7 @@ def test_the_cheap_step_settles_nearly_all(obstacles, right):
         assert len(np.unique(right[labels == part])) == 1
 
 
+@pytest.mark.slow
 def test_both_versions_are_exact_and_number_alike(obstacles, right):
     for points, threshold in ((obstacles, 0.5), (obstacles[::5], 0.23), (obstacles[::9], 1.4)):
         taught = LESSON.euclidean_clustering_accelerated(points, threshold)
