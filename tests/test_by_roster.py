@@ -242,6 +242,14 @@ def test_the_doctor_goes_by_the_roster(course, monkeypatch):
     assert ("deadlines", True, f"{STAGE} 2026-03-01 12:00 UTC, 1 later, 1 excused") in found
 
 
+def test_the_doctor_says_when_a_stage_is_due_for_a_section(course, monkeypatch):
+    dates = course.root / "deadlines.toml"
+    dates.write_text(f"{dates.read_text()}\n[{STAGE}.sections]\nB = 2026-03-02T09:30:00\n")
+    said = {subject: text for subject, _, text in findings(course, monkeypatch)}
+    words = f"{STAGE} 2026-03-01 12:00 UTC, section B 2026-03-02 09:30 UTC, 1 later, 1 excused"
+    assert said["deadlines"] == words
+
+
 def test_the_doctor_says_what_is_not_there(course, monkeypatch):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()

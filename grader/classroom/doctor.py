@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from datetime import datetime
 from importlib import metadata
 
 from grader.classroom.folders import spelt_otherwise, strangers
@@ -224,8 +225,15 @@ def _dates(course: Course) -> Finding:
         )
     texts = []
     for stage, dates in deadlines.stages.items():
-        about = [f"{deadlines.local(dates.due):%Y-%m-%d %H:%M %Z}" if dates.due else "no date"]
+        about = [_shown(deadlines, dates.due) if dates.due else "no date"]
+        about += [
+            f"section {name} {_shown(deadlines, due)}" for name, due in dates.sections.items()
+        ]
         about += [f"{len(deadlines.extended(stage))} later"] * bool(deadlines.extended(stage))
         about += [f"{len(dates.excused)} excused"] * bool(dates.excused)
         texts.append(f"{stage} {', '.join(about)}")
     return Finding("deadlines", True, "; ".join(texts) or "deadlines.toml names no stage")
+
+
+def _shown(deadlines: Deadlines, due: datetime) -> str:
+    return f"{deadlines.local(due):%Y-%m-%d %H:%M %Z}"
