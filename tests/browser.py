@@ -13,6 +13,7 @@ from nbconvert.exporters import HTMLExporter
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
+PDF_TO_TEXT = shutil.which("pdftotext")
 # Debian's package libjs-mathjax; or a folder with MathJax 2, or MathJax 3's `es5`.
 MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
 # Without its safe mode: what holds there holds in it.
@@ -56,6 +57,27 @@ def page_of(texts, entry):
         settings = "MathJax = {tex: {inlineMath: [['$', '$'], ['\\\\(', '\\\\)']]}}"
         page = page.replace("<head>", f"<head><script>{settings}</script>", 1)
     return page
+
+
+def printed(page, folder):
+    """What stands on each sheet of paper, a list of its lines; needs Poppler's `pdftotext`."""
+    folder.mkdir()
+    (folder / "page.html").write_text(page, "utf-8")
+    command = [
+        BROWSER,
+        *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"),
+        *("--disable-background-networking", "--no-first-run", f"--user-data-dir={folder}/user"),
+        *("--no-pdf-header-footer", f"--print-to-pdf={folder}/page.pdf"),
+        (folder / "page.html").as_uri(),
+    ]
+    subprocess.run(command, capture_output=True, check=True, timeout=PATIENCE)
+    text = subprocess.run(
+        [PDF_TO_TEXT, "-layout", folder / "page.pdf", "-"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    return [sheet.split("\n") for sheet in text.split("\f")[:-1]]
 
 
 def seen(page, folder, elsewhere):

@@ -29,7 +29,7 @@ from grader.lms.results import (
     NotebookResult,
     StageResult,
 )
-from tests.browser import BROWSER, seen
+from tests.browser import BROWSER, PDF_TO_TEXT, printed, seen
 
 SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance")
 STAGE = SIX.stage
@@ -435,3 +435,20 @@ def test_students_are_sorted_and_found_without_a_network(tmp_path):
     (title,) = re.findall("<title>(.*?)</title>", shown)
     assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
     assert asked == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (BROWSER and PDF_TO_TEXT), reason="no browser, or no pdftotext")
+def test_on_paper_no_heading_stands_alone_at_the_foot_of_a_page(tmp_path):
+    page = report(tmp_path, [verdict("ada", [check(True)])])
+    rows = "<tr><td>check</td><td>passed</td></tr>"
+    table = "<table class='cards'><thead><tr><th>What</th><th>How</th></tr></thead>{}</table>"
+    folds = "".join(
+        f"<h2>Heading</h2><p class='soft'>Heading's words</p>{table.format(rows * (2 + n % 3))}"
+        f"<details><summary>Heading of a fold</summary>{table.format(rows * (3 + n % 5))}</details>"
+        for n in range(90)
+    )
+    sheets = printed(page.replace("</body>", f"{folds}</body>"), tmp_path / "paper")
+    last = [[line for line in sheet if line.strip()][-1] for sheet in sheets]
+    assert len(sheets) > 15
+    assert [line for line in last if re.search("Heading|What", line)] == []
