@@ -203,7 +203,7 @@ class Beyond(Remote):
         return timed(self.function, *arguments)
 
     def each(self, calls):
-        call_each(self.function, calls)
+        return call_each(self.function, calls)
 
 
 def is_ours(failure):

@@ -66,9 +66,9 @@ class RemoteFunction(Remote):
         meter.look(answered=True)
         return answer, meter.seconds
 
-    def each(self, calls: Sequence[Sequence]) -> None:
+    def each(self, calls: Sequence[Sequence]) -> list:
         """Call it with each of these arguments, in one message; they share the time of a call."""
-        self._student._ask(self.__name__, calls, held=self._held)
+        return self._student._ask(self.__name__, calls, held=self._held, each=True) if calls else []
 
 
 class RemoteObject(Remote):
@@ -193,10 +193,11 @@ class Student:
         held: _Held | None = None,
         call: bool = True,
         observe: bool = False,
+        each: bool = False,
     ) -> object:
         """Call a function or a method of an object that is held inside, or ask for an attribute.
 
-        Of several calls the last one's answer comes back, or the first exception.
+        Of several calls all answers come back, without what stays inside, or the first exception.
         """
         self._refuse_what_is_gone(name, held)
         if call:
@@ -211,9 +212,12 @@ class Student:
             "keywords": keywords or {},
             "object": held and held.number,
             "observe": observe,
+            "each": each,
         }
         reply = self._reply_to(request)
         result = self._result_in(reply, name, held, call)
+        if each and (not isinstance(result, list) or len(result) != len(calls)):
+            self._stop_off_the_question(name)
         self._remember(reply.get("beside"))
         if not call:
             return self._known.get((held.number, name), result)

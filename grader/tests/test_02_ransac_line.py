@@ -31,7 +31,7 @@ from utils.checks.lesson_02 import (
     wall_and_clutter,
 )
 from utils.checks.lesson_02 import assert_measures as assert_plain_case
-from utils.checks.vocabulary import CheckFailed
+from utils.checks.vocabulary import CheckFailed, call_each
 
 
 def some_pairs(seed, n, reach=20.0):
@@ -315,9 +315,11 @@ def test_own_inliers(student, seed):
         answer = student.ransac_line(rough.copy(), 40, tolerance, rng)
         assert_own_inliers(answer, rough, tolerance)
     # Of few samples, where the best of many hides nothing.
-    for run in range(40):
-        points, _ = wall_and_clutter((seed, run, 4), 14, 26)
-        answer = student.ransac_line(points.copy(), 2 + run % 2, 0.4, np.random.default_rng(run))
+    clouds = [wall_and_clutter((seed, run, 4), 14, 26)[0] for run in range(40)]
+    calls = [
+        (points, 2 + run % 2, 0.4, np.random.default_rng(run)) for run, points in enumerate(clouds)
+    ]
+    for points, answer in zip(clouds, call_each(student.ransac_line, calls), strict=True):
         assert_own_inliers(answer, points, 0.4)
 
 
@@ -387,7 +389,7 @@ def test_two_points(student, seed):
     p, q = (points[0] for points in some_pairs(seed + 5, 1))
     third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # far from the line of the others
     three = np.array([p, q, third])
-    for line in list(lines_of_few(student.ransac_line, three)):
+    for line in lines_of_few(student.ransac_line, three):
         if line is None:
             raise CheckFailed(
                 "Any two of three points make a line, and in some runs there is none."

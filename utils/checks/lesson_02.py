@@ -1,6 +1,6 @@
 """Visible checks of lesson 02: `line_through`, `point_line_distance` and `ransac_line`."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,7 @@ from utils.checks.vocabulary import (
     WrongForm,
     as_array,
     brief,
+    call_each,
     frozen,
     in_shape,
     needs,
@@ -799,6 +800,18 @@ def _answer(
     return as_result(ransac_line(points.copy(), max_iterations, tolerance, rng), len(points))
 
 
+def quick_answers(
+    ransac_line: Callable,
+    points: np.ndarray,
+    max_iterations: int,
+    tolerance: float,
+    generators: Iterable[np.random.Generator | int],
+) -> list[tuple[np.ndarray | None, np.ndarray]]:
+    """The lines and masks of runs so short that all of them together take next to no time."""
+    calls = [(points, max_iterations, tolerance, rng) for rng in generators]
+    return [as_result(answer, len(points)) for answer in call_each(ransac_line, calls)]
+
+
 def _noticed(
     answers: Sequence[tuple],
     ransac_line: Callable,
@@ -990,12 +1003,9 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
 def draws_no_more_than_told(ransac_line: Callable) -> None:
     assert_works(ransac_line)
     points, on_line = wall_and_clutter(7, 14, 46)
-    found = 0
-    for seed in range(48):
-        if found + 48 - seed < 24:  # it cannot become so many any more
-            return
-        answer = ransac_line(points.copy(), 1, 0.3, np.random.default_rng(seed))
-        found += is_found(as_result(answer, len(points))[0], points[on_line], 0.3)
+    generators = map(np.random.default_rng, range(48))
+    answers = quick_answers(ransac_line, points, 1, 0.3, generators)
+    found = sum(is_found(line, points[on_line], 0.3) for line, _ in answers)
     if found >= 24:  # with a chance of 1 in 25, never
         raise CheckFailed(
             fixed(
@@ -1016,7 +1026,7 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
 )
 def draws_different_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
-    runs = list(lines_of_few(ransac_line, _TRIANGLE))
+    runs = lines_of_few(ransac_line, _TRIANGLE)
     lost = sum(line is None for line in runs)
     if lost:
         raise CheckFailed(
@@ -1032,20 +1042,17 @@ _FOUR = frozen(np.array([[1.0, 2.0], [5.0, -1.0], [-2.0, -4.0], [4.0, 6.0]]))
 _TRIANGLE = frozen(_FOUR[:3])
 
 
-def lines_of_few(ransac_line: Callable, points: np.ndarray) -> Iterator[np.ndarray | None]:
-    """The lines that 64 seeds find in two rounds, a few at least; each is asked for in its turn.
+def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray | None]:
+    """The lines that 64 seeds find in two rounds, a few at least.
 
     Whoever draws with replacement finds none in one run of nine, of three points; whoever leaves
     a round out is asked about that elsewhere.
     """
-    is_there_one = False
-    for seed in range(64):
-        answer = ransac_line(points.copy(), 2, 0.1, np.random.default_rng(seed))
-        line, _ = as_result(answer, len(points))
-        is_there_one |= line is not None
-        yield line
-    if not is_there_one:
+    generators = map(np.random.default_rng, range(64))
+    lines = [line for line, _ in quick_answers(ransac_line, points, 2, 0.1, generators)]
+    if all(line is None for line in lines):
         raise NotYet(f"{len(points)} points and two rounds give a line")
+    return lines
 
 
 @visible(
@@ -1115,16 +1122,14 @@ def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
         Takes a seed; returns what to pass as `rng`.
     """
     points, _ = wall_and_clutter(3, 20, 20)
-    for seed in range(20):
-        once, again = (
-            as_result(ransac_line(points.copy(), 2, 0.4, as_rng(seed)), len(points))
-            for _ in range(2)
-        )
-        if not (_same(once[0], again[0]) and np.array_equal(once[1], again[1])):
+    generators = [as_rng(seed) for seed in range(20) for _ in range(2)]
+    answers = quick_answers(ransac_line, points, 2, 0.4, generators)
+    for seed, (first, again) in enumerate(zip(answers[::2], answers[1::2], strict=True)):
+        if not (_same(first[0], again[0]) and np.array_equal(first[1], again[1])):
             raise CheckFailed(
                 "The same seed gave two different answers.",
                 given=f"twice the seed {seed}, and max_iterations=2",
-                yours=f"first the line {_written(once[0])}, then {_written(again[0])}",
+                yours=f"first the line {_written(first[0])}, then {_written(again[0])}",
                 expected="twice the same line and mask",
             )
 

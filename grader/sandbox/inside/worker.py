@@ -326,21 +326,23 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Do what a request asks for; the result, or what went wrong.
 
     A request names a function of the notebook, or a method or an attribute (with dots, an
-    attribute's) of an object that an earlier answer left here under a number. Of several calls the
-    last one is answered. `seconds`, where it is not None, are how long they may take.
+    attribute's) of an object that an earlier answer left here under a number. With `each` there
+    are several calls, and a list of what they return. `seconds`, where it is not None, are how long
+    they may take.
     """
     try:
         if request["object"] is None:
             wanted = namespace[request["name"]]
         else:
             wanted = operator.attrgetter(request["name"])(objects[request["object"]])
-        result = wanted
         with interrupted_after(request["seconds"]):
-            for arguments in request["calls"]:
-                result = wanted(*arguments, **request["keywords"])
+            results = [wanted(*arguments, **request["keywords"]) for arguments in request["calls"]]
     except BaseException as error:
         return {"error": describe(error)}
-    seen = observed(result, request["calls"][-1]) if request["observe"] else {}
+    if request["each"]:
+        return {"result": results}
+    result = results[0] if results else wanted
+    seen = observed(result, request["calls"][0]) if request["observe"] else {}
     if not request["calls"] and not callable(result):
         seen["beside"] = beside(request["object"], objects)
     if wire_format.is_plain(result):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from fractions import Fraction
+from decimal import Decimal, localcontext
 
 import numpy as np
 
@@ -224,7 +224,7 @@ promises.names(
 
 
 def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | None:
-    """The right answer to `iterations_needed`, counted up in exact arithmetic.
+    """The right answer to `iterations_needed`, counted up with sixty digits.
 
     Parameters
     ----------
@@ -237,14 +237,15 @@ def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | No
     int or None
         None where rounding could decide, or where 400 samples are not enough.
     """
-    bad, remaining = 1 - Fraction(ratio) ** size, Fraction(1)
-    allowed = 1 - Fraction(confidence)
-    for number in range(1, 400):
-        remaining *= bad
-        if abs(float(remaining / allowed) - 1) < 1e-6:
-            return None
-        if remaining <= allowed:
-            return number
+    with localcontext(prec=60):
+        bad, remaining = 1 - Decimal(ratio) ** size, Decimal(1)
+        allowed = 1 - Decimal(confidence)
+        for number in range(1, 400):
+            remaining *= bad
+            if abs(remaining - allowed) < allowed * Decimal("1e-6"):
+                return None
+            if remaining <= allowed:
+                return number
     return None
 
 

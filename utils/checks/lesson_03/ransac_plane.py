@@ -1,6 +1,6 @@
 """Visible checks of `ransac_plane`."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -25,7 +25,14 @@ from utils.checks.lesson_03.results import (
 )
 from utils.checks.promises import Case
 from utils.checks.remembering import once
-from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs, point_text
+from utils.checks.vocabulary import (
+    CheckFailed,
+    assert_untouched,
+    call_each,
+    frozen,
+    needs,
+    point_text,
+)
 from utils.geometry import gaps_from
 
 # The small case of the notebook: five points on a floor, two above it.
@@ -220,14 +227,12 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
 def tries_no_more(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
     points, belongs = scattered_plane(32, 20, 40)
-    lucky = 0
-    for seed in range(48):
-        if lucky + 48 - seed <= 18:  # it cannot become more any more
-            return
-        model, _ = pair_of(ransac_plane(points.copy(), 1, 0.2, np.random.default_rng(seed)))
-        if model is not None:
-            near = gaps_from(points, as_plane(model)) <= 0.2
-            lucky += np.count_nonzero(near & belongs) > 17
+    generators = map(np.random.default_rng, range(48))
+    lucky = sum(
+        np.count_nonzero(belongs & (gaps_from(points, plane) <= 0.2)) > 17
+        for plane in _quick_planes(ransac_plane, points, 1, 0.2, generators)
+        if plane is not None
+    )
     if lucky > 18:  # expected: one
         raise CheckFailed(
             fixed(
@@ -321,7 +326,7 @@ def draws_three_rows(ransac_plane: Callable) -> None:
 
 def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
     """Each run finds a plane where any three points make one."""
-    planes = list(planes_of_few(ransac_plane, points))
+    planes = planes_of_few(ransac_plane, points)
     lost = sum(plane is None for plane in planes)
     if lost:
         raise CheckFailed(
@@ -339,19 +344,16 @@ _FIVE = frozen(
 )
 
 
-def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> Iterator[np.ndarray | None]:
-    """The planes that 48 seeds find in two rounds, a few at least; each is asked for in its turn.
+def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray | None]:
+    """The planes that 48 seeds find in two rounds, a few at least.
 
     Whoever draws with replacement finds none in a quarter of the runs, of five points; whoever
     leaves a round out is asked about that elsewhere.
     """
-    is_there_one = False
-    for seed in range(48):
-        plane = _plane_or_none(ransac_plane(points.copy(), 2, 0.1, np.random.default_rng(seed)))
-        is_there_one |= plane is not None
-        yield plane
-    if not is_there_one:
+    planes = _quick_planes(ransac_plane, points, 2, 0.1, map(np.random.default_rng, range(48)))
+    if all(plane is None for plane in planes):
         raise NotYet(f"{len(points)} points and two rounds give a plane")
+    return planes
 
 
 @visible(
@@ -480,20 +482,16 @@ def follows_the_generator(ransac_plane: Callable) -> None:
     assert_runs(ransac_plane)
     # One sample of three points is good once in eight times: who refits gets different planes, too.
     points, _ = scattered_plane(61, 30, 30, noise=0.05)
-    planes = []
-    for seed in range(12):
-        once, again = (
-            _plane_or_none(ransac_plane(points.copy(), 2, 0.2, np.random.default_rng(seed)))
-            for _ in range(2)
-        )
-        if not _alike(once, again):
+    generators = [np.random.default_rng(seed) for seed in range(12) for _ in range(2)]
+    planes = _quick_planes(ransac_plane, points, 2, 0.2, generators)
+    for seed, (first, again) in enumerate(zip(planes[::2], planes[1::2], strict=True)):
+        if not _alike(first, again):
             raise CheckFailed(
                 "The same seed gave two different planes: not all that is drawn comes from rng.",
                 given=f"twice the same points, max_iterations=2, rng=np.random.default_rng({seed})",
-                yours=f"{plane_text(once)} and {plane_text(again)}",
+                yours=f"{plane_text(first)} and {plane_text(again)}",
                 expected="twice the same",
             )
-        planes.append(once)
     if all(plane is None for plane in planes):
         raise NotYet("two rounds give a plane")
     if all(_alike(planes[0], plane) for plane in planes):
@@ -508,6 +506,18 @@ def follows_the_generator(ransac_plane: Callable) -> None:
 def _plane_or_none(answer: object) -> np.ndarray | None:
     model, _ = pair_of(answer)
     return None if model is None else as_plane(model)
+
+
+def _quick_planes(
+    ransac_plane: Callable,
+    points: np.ndarray,
+    max_iterations: int,
+    tolerance: float,
+    generators: Iterable[np.random.Generator],
+) -> list[np.ndarray | None]:
+    """The planes of runs so short that all of them together take next to no time."""
+    calls = [(points, max_iterations, tolerance, rng) for rng in generators]
+    return [_plane_or_none(answer) for answer in call_each(ransac_plane, calls)]
 
 
 def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
@@ -530,7 +540,7 @@ def takes_a_seed(ransac_plane: Callable) -> None:
         points, belongs = scattered_plane(70 + seed, 60, 30)
         assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, belongs)
     generators, seeds = (
-        [_plane_or_none(ransac_plane(points.copy(), 2, 0.2, rng)) for rng in pair]
+        _quick_planes(ransac_plane, points, 2, 0.2, pair)
         for pair in ((np.random.default_rng(3), np.random.default_rng(3)), (3, 3))
     )
     if _alike(*generators) and not _alike(*seeds):
