@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
@@ -287,6 +288,8 @@ def test_labels_and_arrays_say_what_was_expected():
     [
         (lambda: CLOUD[np.ones(2, dtype=bool)], "a mask fits"),
         (lambda: CLOUD[(CLOUD > 0).all(axis=0)], "axis=1"),
+        (lambda: np.arange(5)[np.ones(4, dtype=bool)], "may be one value"),
+        (lambda: linear_sum_assignment(np.full((2, 1), np.inf)), "a huge number"),
         (lambda: CLOUD[CLOUD[0] > 0], "cloud[:, 0]"),
         (lambda: CLOUD[:, CLOUD[:, 0] > 0], "cloud[mask]"),
         (lambda: np.zeros((8, 3)).__setitem__(0, np.ones(4)), "another shape"),

@@ -160,7 +160,8 @@ _TIPS = (
         r"boolean index did not match indexed array along (axis|dimension) 0; "
         r"(size of axis|dimension) is \d+ but .* (is|dimension is) [34]$",
         "",
-        "This mask has one value for each column, not for each point. A column of the cloud is "
+        "The mask and the array have different lengths: a mask fits the array that it was made "
+        "from. Three or four values may be one value for each column: a column of the cloud is "
         "cloud[:, 0], while cloud[0] is a row; and axis=1 goes along a row.",
     ),
     (
@@ -279,6 +280,13 @@ _TIPS = (
         "",
         "Here there is nothing to take the smallest or largest of, or to stack: a cloud can be "
         "empty, and a label that does not occur has no rows.",
+    ),
+    (
+        "ValueError",
+        r"cost matrix is infeasible",
+        "",
+        "With infinity for what may not be, some row has nobody left to go to. Write a huge "
+        "number there, and leave out the pairs that have it.",
     ),
     (
         "ValueError",

@@ -133,3 +133,17 @@ def coast(missed, partners, patience):
     missed += 1
     missed[seen] = 0
     return missed, missed <= patience
+
+# %% wrong: who is kept before the counts
+# says: The two answers are exchanged
+def coast(missed, partners, patience):
+    seen = np.isin(np.arange(len(missed)), partners)
+    missed = np.where(seen, 0, missed + 1)
+    return missed <= patience, missed
+
+# %% wrong: a mask over the boxes, where one over the tracks is needed
+# says: boolean index did not match
+def coast(missed, partners, patience):
+    missed = missed + 1
+    missed[partners >= 0] = 0
+    return missed, missed <= patience

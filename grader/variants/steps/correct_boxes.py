@@ -126,3 +126,27 @@ def correct_boxes(expected, velocities, found, gain, seconds):
     off = found.mean(axis=1) - expected.mean(axis=1)
     velocities += 2 * (1 - np.sqrt(1 - gain)) ** 2 * off / seconds
     return found - (1 - gain) * off[:, None], velocities
+
+# %% wrong: writes into the boxes that were found
+# loses only: leaves_what_was_given
+# says: found - ... makes new boxes
+def correct_boxes(expected, velocities, found, gain, seconds):
+    off = found.mean(axis=1) - expected.mean(axis=1)
+    found -= (1 - gain) * off[:, None]
+    return found, velocities + 2 * (1 - np.sqrt(1 - gain)) ** 2 * off / seconds
+
+# %% wrong: the heights stay
+# loses only: lies_between, has_two_ends, keeps_the_shape
+# says: not the gain's share
+def correct_boxes(expected, velocities, found, gain, seconds):
+    off = found.mean(axis=1) - expected.mean(axis=1)
+    moved = found.copy()
+    moved[:, :, :2] -= (1 - gain) * off[:, None, :2]
+    return moved, velocities + 2 * (1 - np.sqrt(1 - gain)) ** 2 * off / seconds
+
+# %% wrong: velocities before boxes
+# says: The two answers are exchanged
+def correct_boxes(expected, velocities, found, gain, seconds):
+    off = found.mean(axis=1) - expected.mean(axis=1)
+    beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
+    return velocities + beta * off / seconds, found - (1 - gain) * off[:, None]

@@ -215,7 +215,7 @@ def leaves_the_cloud(detect_obstacles: Callable) -> None:
 @noted(
     "detect_obstacles",
     title="Returns an array",
-    why="score and follow, in the next cells, choose boxes with a mask: a list takes none.",
+    why="The cells below choose boxes with a mask: a list takes none.",
 )
 def returns_an_array(detect_obstacles: Callable) -> None:
     for cloud in (street_before().cloud.copy(), np.empty((0, 4))):
@@ -232,7 +232,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
 @noted(
     "detect_obstacles",
     title="The four corners of the floor come first, or those of the roof",
-    why="score, in the next cells, takes the first four for the ground that a box covers.",
+    why="The score card takes the first four for the ground that a box covers.",
 )
 def has_the_floor_first(detect_obstacles: Callable) -> None:
     for box in as_boxes(detect_obstacles(street_before().cloud.copy())):

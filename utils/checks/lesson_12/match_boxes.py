@@ -268,12 +268,14 @@ def marks_new_ones(match_boxes: Callable) -> None:
     weight=6,
     title="Boxes farther apart than max_distance are no partners",
     why="A name that jumps to somebody far away gives them a speed that they do not have.",
-    hint="Compare the distance itself with max_distance before you accept a pair.",
+    hint="Compare the distance itself, as np.linalg.norm gives it, with max_distance before you "
+    "accept a pair.",
 )
 def ends_at_the_limit(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
     previous = cubes([[0, 0], [20, 0], [40, 0]])
-    current = cubes([[40, 2.6], [0, 0.4], [20, -1.4]])
+    # The last one has moved by 1.4 m, askew.
+    current = cubes([[40, 2.6], [0, 0.4], [19.16, -1.12]])
     for limit, expected in (
         (3.0, [2, 0, 1]),
         (2.0, [-1, 0, 1]),
@@ -391,7 +393,7 @@ promises.untouched(
 @noted(
     "match_boxes",
     title="Indices are whole numbers",
-    why="follow, in the next cell, looks names up with them, and 2.0 is no index.",
+    why="The tracker, below, looks names up with them, and 2.0 is no index.",
 )
 def has_whole_indices(match_boxes: Callable) -> None:
     kind = as_array(match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)).dtype
@@ -404,14 +406,14 @@ def has_whole_indices(match_boxes: Callable) -> None:
 # "near" boxes are large, and their corners start elsewhere in the second frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
 _CALLS = {
-    "moved": (2.0, (*_ROW, (30, 0)), ((20, 1.1), (0, 1.1), (30, 1.1), (10, 1.1)), (2, 0, 3, 1)),
+    "moved": (2.0, (*_ROW, (30, 0)), ((20, 1.15), (0, 1.1), (30, 1.2), (10, 1.25)), (2, 0, 3, 1)),
     "rivals": (1.9, _ROW, ((10.9, 0.8), (10.2, 0), (20.8, 0), (40, 0)), (-1, 1, 2, -1)),
     "crowd": (1.7, ((0, 0),), ((1.2, 0), (0.2, 0), (0, 0.9)), (-1, 0, -1)),
     "merge": (1.6, ((1.2, 0), (0.2, 0), (0, -0.9)), ((0, 0),), (1,)),
     "between": (1.4, ((0, 0), (1.1, 0), (10, 0)), ((0.4, 0), (10.3, 0)), (0, 2)),
     "far": (3.0, _ROW, ((20, 2.5), (0, 0.8), (10, 6)), (2, 0, -1)),
     "small": (0.5, _ROW, ((0, 0.6), (20, 0.3), (10, 0.45)), (-1, 2, 1)),
-    "near": (1.3, _ROW[:2], ((10, 1.2), (0, 1.2)), (1, 0)),
+    "near": (1.3, _ROW[:2], ((10, 1.2), (0, 1.25)), (1, 0)),
     "chain": (1.8, ((0, 0), (4, 0)), ((3.2, 0), (7.2, 0)), (1, -1)),
     "gap": (2.5, ((0, 0), (4, 0), (20, 0)), ((7, 0), (3.1, 0)), (-1, 1)),
     "askew": (1.0, ((0, 0), (10, 0)), ((0.8, -0.8), (10.3, 0)), (-1, 1)),
@@ -447,8 +449,23 @@ def _by_means_of_corners(
     return partners
 
 
+def _closest_alone(
+    right: np.ndarray, previous: np.ndarray, current: np.ndarray, max_distance: float
+) -> np.ndarray:
+    """As if there were one pair at most."""
+    table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1), axis=2)
+    closest = table.min(axis=1)
+    alone = (closest == closest.min()) & (closest <= max_distance)
+    return np.where(alone, right, -1)
+
+
 mistakes(
     "match_boxes",
+    Mistake(
+        "A single pair is made, the closest of all. The other boxes are not looked at.",
+        _closest_alone,
+        "Go on with while as long as a pair is close enough, and return behind the loop.",
+    ),
     Mistake(
         "Each current box takes the nearest previous one that is close enough, also where that "
         "one has a nearer partner.",

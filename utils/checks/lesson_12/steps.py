@@ -204,7 +204,7 @@ mistakes(
 # ---- correct_boxes -----------------------------------------------------------------------------
 
 _EXPECTED = frozen(cubes([[10, 0], [20, -1]]))
-_FOUND = frozen(np.vstack([cubes([[10.4, 0.2]]), cubes([[19, -1]], 2.0, turn=2)]))
+_FOUND = frozen(np.vstack([cubes([[10.4, 0.2]]), cubes([[19, -1, 0.4]], 2.0, turn=2)]))
 _SPEEDS = frozen(np.array([[-5.0, 0, 0], [-12.0, 1.0, 0.5]]))
 _RESULTS = "boxes", "velocities"
 
@@ -225,6 +225,12 @@ def _middle(boxes: np.ndarray) -> np.ndarray:
 def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
     arguments = (_EXPECTED.copy(), _SPEEDS.copy(), _FOUND.copy(), gain, seconds)
     boxes, velocities = _pair(correct_boxes(*arguments), _RESULTS)
+    if np.shape(boxes) == _SPEEDS.shape and np.shape(velocities) == _FOUND.shape:
+        raise WrongForm(
+            "The two answers are exchanged: boxes come first, then velocities.",
+            yours=f"shapes {np.shape(boxes)} and {np.shape(velocities)}",
+            expected=f"shapes {_FOUND.shape} and {_SPEEDS.shape}",
+        )
     velocities = as_array(velocities, columns=3, what="velocities, three numbers each")
     if len(velocities) != len(_FOUND):
         raise WrongForm(
@@ -338,7 +344,8 @@ def has_two_ends(correct_boxes: Callable) -> None:
     "correct_boxes",
     title="Leaves what it was given as it is",
     why="The boxes that were found are drawn after this.",
-    hint="velocities + ... makes new velocities; velocities += ... writes into the old ones.",
+    hint="found - ... makes new boxes, and velocities + ... new velocities; -= and += write into "
+    "the old ones.",
 )
 def leaves_what_was_given(correct_boxes: Callable) -> None:
     arguments = _EXPECTED, _SPEEDS, _FOUND, 0.5, 0.1
@@ -439,6 +446,12 @@ def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
     missed, partners, patience = case
     counted, kept = _pair(coast(missed.copy(), partners.copy(), patience), ("missed", "kept"))
     counted, kept = as_array(counted), as_array(kept)
+    if counted.dtype.kind == "b" and kept.dtype.kind in "iuf":
+        raise WrongForm(
+            "The two answers are exchanged: the counts come first, then who is kept.",
+            yours=f"{brief(counted)}, {brief(kept)}",
+            expected="numbers, then True or False",
+        )
     for what, values in (("missed", counted), ("kept", kept)):
         if values.shape != missed.shape and not values.size == missed.size == 0:
             raise WrongForm(
@@ -557,10 +570,7 @@ mistakes(
     ),
     Mistake(
         "The old counts are compared with patience: a track lives one frame too long.",
-        lambda right, missed, partners, patience: (
-            right[0],
-            (missed <= patience) | (right[0] == 0),
-        ),
+        lambda right, missed, partners, patience: (right[0], missed <= patience),
         "Compare the new counts.",
     ),
     Mistake(
@@ -594,7 +604,7 @@ mistakes(
     ),
     cases=(
         (np.array([2, 3, 2, 1, 1, 4]), np.array([-1, 3, 0, -1]), 3),
-        (np.array([2, 1, 0, 2, 5, 1, 2]), np.array([4, -1, 1, -1]), 2),
+        (np.array([2, 1, 0, 2, 2, 1, 2]), np.array([4, -1, 1, -1]), 2),
     ),
     right=_waited,
     same=_same_pair,
