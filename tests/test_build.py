@@ -214,8 +214,20 @@ TOY = """# %% [markdown]
 # @title What it does
 x = 1
 
+# %% nbgrader={"grade": false, "grade_id": "toy", "solution": true}
+def toy():
+    ### BEGIN SOLUTION
+    return 1
+    ### END SOLUTION
+
+# %% tags=["folded"]
+print(toy() + 1)
+
 # %% nbgrader={"grade": true, "grade_id": "test_toy"}
 check(toy)
+
+# %%
+print(x)
 
 # %% [markdown]
 # **Next:** 04 · Trees
@@ -239,13 +251,18 @@ def test_folded_cells_are_folded_everywhere(toy):
     assert toy.cells[1].metadata["_kg_hide-input"] is True
 
 
-def test_run_all_goes_on_after_a_check(toy):
-    assert toy.cells[2].metadata["tags"] == ["raises-exception"]
+def test_run_all_goes_on_from_an_answer_to_its_check_and_beyond(toy):
+    tags = {cell.source: cell.metadata.get("tags", []) for cell in toy.cells}
+    assert tags["print(toy() + 1)"] == ["folded", "raises-exception"]
+    assert tags["check(toy)"] == ["raises-exception"]
+    others = [names for source, names in tags.items() if "toy()" not in source]
+    assert sum("raises-exception" in names for names in others) == 1
+    assert "raises-exception" not in tags["print(x)"]
 
 
 def test_the_next_lesson_is_a_link(toy):
-    assert "**Next:** [04 · Trees](../stage2_clustering/04_kd_tree.ipynb)" in toy.cells[3].source
-    assert "**Next:** 99 · Nowhere" in toy.cells[3].source
+    assert "**Next:** [04 · Trees](../stage2_clustering/04_kd_tree.ipynb)" in toy.cells[-1].source
+    assert "**Next:** 99 · Nowhere" in toy.cells[-1].source
 
 
 def test_minutes_are_computed(toy):

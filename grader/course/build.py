@@ -147,6 +147,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         else:
             _show_as_meant(cell)
         cell.id = _stable_id(cell, seen)
+    _let_run_all_go_on(notebook)
     return notebook
 
 
@@ -316,12 +317,26 @@ def _linked(lesson: Lesson, found: re.Match) -> str:
 
 
 def _show_as_meant(cell: NotebookNode) -> None:
-    """Fold what is not the subject; let Run All go on after a check that fails."""
-    tags = set(cell.metadata.get("tags", ()))
-    if "folded" in tags:
+    """Fold what is not the subject."""
+    if "folded" in cell.metadata.get("tags", ()):
         cell.metadata.update(HIDDEN)
-    if cell.metadata.get("nbgrader", {}).get("grade"):
-        cell.metadata["tags"] = sorted(tags | {"raises-exception"})
+
+
+def _let_run_all_go_on(notebook: NotebookNode) -> None:
+    """Let Run All reach the check that says why, and what is below, whatever an answer does."""
+    tried = None  # cells since the last answer
+    for cell in notebook.cells:
+        if cell.cell_type != "code":
+            continue
+        if cell.metadata.get("nbgrader", {}).get("solution"):
+            tried = []
+        elif tried is not None:
+            tried.append(cell)
+            if cell.source.startswith("check("):
+                for one in tried:
+                    tags = {*one.metadata.get("tags", ()), "raises-exception"}
+                    one.metadata["tags"] = sorted(tags)
+                tried = None
 
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:

@@ -47,7 +47,10 @@ def record(lesson: Lesson) -> bytes:
         path = Path(folder) / "answers.json"
         listen(notebook, lesson, path)
         client = nbclient.NotebookClient(
-            notebook, timeout=120, resources={"metadata": {"path": str(lesson.released.parent)}}
+            notebook,
+            timeout=120,
+            resources={"metadata": {"path": str(lesson.released.parent)}},
+            force_raise_errors=True,
         )
         client.comm_open_handlers.clear()
         try:

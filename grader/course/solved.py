@@ -171,6 +171,7 @@ def _run(lesson: Lesson, before: str) -> bytes:
         timeout=LONGEST_CELL,
         resources={"metadata": {"path": str(lesson.released.parent)}},
         store_widget_state=False,
+        force_raise_errors=True,  # its cells' tags say that a student's go on
         extra_arguments=["--log-level=ERROR"],  # what kernels remark upon would cross the bar
     )
     client.comm_open_handlers.clear()  # what a widget shows stays in its cell

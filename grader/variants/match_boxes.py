@@ -410,7 +410,7 @@ def match_boxes(previous, current, max_distance):
     return answer
 
 # %% wrong: the ways along the axes added up
-# loses only: ends_at_the_limit, test_limit, test_nearer, test_rivals, test_earlier, test_many
+# loses only: ends_at_the_limit, test_limit, test_many_boxes
 # says: Compare the distance itself
 def match_boxes(previous, current, max_distance):
     table = np.abs(current.mean(axis=1)[:, None] - previous.mean(axis=1)).sum(axis=2)

@@ -533,7 +533,12 @@ drive_with(0.2) if is_written(euclidean_clustering) else print(
     "euclidean_clustering is not written yet.")
 
 # %% [markdown]
-# At 0.2 m nothing has ten points, and nobody has a box. Try `drive_with(0.5)`, and open a braking below the strip to see its frame. From which threshold on do the two share one box, and from which do they share it with what stands beside the road?
+# At 0.2 m nothing has ten points, and nobody has a box. Try `drive_with(0.5)`, and open a braking below the strip to see its frame. From which threshold on do the two share one box? And is one box as good as two?
+#
+# <details><summary>An answer</summary>
+#
+# At 0.5 m they share one in 3 of the 10 scans in which both have ten points, at 0.6 m in 13 of 14, from 0.7 m on in all. The driver brakes for one box as for two, if it holds still. At 0.9 m it does not: far off it is now around one of them, now around both. A box that jumps tells no speed, so the driver does not know that it comes into the lane, brakes 0.2 s later than at 0.5 m, and the drive ends at a person.
+# </details>
 
 # %% [markdown]
 # ## In practice

@@ -572,7 +572,12 @@ def drive_with(half_width):
 drive_with(1.6) if is_written(crop_region) else print("crop_region is not written yet.")
 
 # %% [markdown]
-# The region holds all of our lane, and it is too narrow: what will be in the lane in a second is not in it yet. Try `drive_with(6)`. How narrow may it be before the braking gets harsh?
+# The region holds all of our lane, and it is too narrow: what will be in the lane in a second is not in it yet. Try `drive_with(6)`. How narrow may it be before the drive ends at the child again?
+#
+# <details><summary>An answer</summary>
+#
+# 2.5 m will do: the car brakes after 7.1 s, with 8 m to go, much as with 6 m. With 2.2 m it brakes 0.3 s later, with 5 m to go, and that is too late.
+# </details>
 
 # %% [markdown]
 # ## In practice

@@ -462,6 +462,11 @@ drive_with(12) if is_written(get_bounding_boxes) else print("get_bounding_boxes 
 
 # %% [markdown]
 # Try `drive_with(0)`. From how many degrees on does a parked car block the lane? Lesson 11 turns the boxes instead.
+#
+# <details><summary>An answer</summary>
+#
+# Up to 4° nothing does. From 5° on the long box of a lorry does, from 8° on that of a parked car; and from 9° on the car stands still before the first one, after 13 m at most.
+# </details>
 
 # %% [markdown]
 # ## In practice

@@ -189,7 +189,7 @@ for notebook, functions in useful.items():
 #
 # The judge shows it scans of a 64-beam scanner 1.73 m above streets that you have not seen. It asks that
 #
-# - cars which stand free, with all of them within 10 m and no farther than 7 m to the side, have a box of their own, turned with them: one that crosses 9 m ahead has one, too;
+# - cars which stand free, wholly within 10 m and no farther than 7 m to the side, have a box of their own, turned with them: one that crosses 9 m ahead has one, too;
 # - pedestrians who stand free within 7 m have one, too: of a person 20 to 40 points are left after thinning;
 # - at least six of ten boxes hold obstacles and not road, and a single raindrop in the air gets no box;
 # - no box stands where our own car is: from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4), as in lesson 07, however much of its bonnet and roof the scanner sees;
@@ -612,7 +612,7 @@ coming = np.array([[-5.0, 0, 0], [-13.0, 0, 0]])
 if is_written(predict_boxes):
     print(predict_boxes(two, coming, 0.1).mean(axis=1)[:, 0])
 
-# %% tags=["raises-exception"]
+# %%
 check(predict_boxes)
 
 # %% [markdown]
@@ -668,7 +668,7 @@ if is_written(predict_boxes) and is_written(correct_boxes):
     believed, faster = correct_boxes(should_be, coming, should_be + [0.4, 0, 0], 0.5, 0.1)
     print(believed.mean(axis=1)[:, 0], faster[:, 0].round(2))
 
-# %% tags=["raises-exception"]
+# %%
 check(correct_boxes)
 
 # %% [markdown]
@@ -711,7 +711,7 @@ def coast(missed, partners, patience):
 if is_written(coast):
     print(*coast(np.array([0, 3, 2, 1]), np.array([3, 0, -1]), 3))
 
-# %% tags=["raises-exception"]
+# %%
 check(coast)
 
 # %% [markdown]
