@@ -1,6 +1,6 @@
 # Answers to euclidean_clustering_accelerated; see grader/course/variants.py.
 
-# %% right: the lesson's plan, a KD-tree of cells and a loop over what is open
+# %% right: rows of cells, a KD-tree of cells and a loop over what is open
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -23,6 +23,37 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% right: the hints followed to the letter, in three steps
 def points_in_cells(points, threshold):
     rows = np.floor(points / (threshold / np.sqrt(3)))
+    numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
+    return rows[first], first, which
+# ---- another cell ----
+def join_cheaply(points, cells, first, threshold):
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    a, b = points[first[pairs[:, 0]]], points[first[pairs[:, 1]]]
+    small = np.linalg.norm(a - b, axis=1) < threshold
+    label = components(len(cells), pairs[small])
+    return pairs, label
+# ---- another cell ----
+def join_exactly(points, cell_of_point, pairs, label, threshold):
+    differs = label[pairs[:, 0]] != label[pairs[:, 1]]
+    p, q, floor_of_q, pieces_on = on_floors(points, cell_of_point, pairs[differs], label, threshold)
+    distances, nearest = cKDTree(p).query(q)
+    near = distances < threshold
+    return components(label.max() + 1, pieces_on[floor_of_q[near]])[label]
+# ---- another cell ----
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = points_in_cells(points, threshold)
+    pairs, label = join_cheaply(points, cells, first, threshold)
+    label = join_exactly(points, cell_of_point, pairs, label, threshold)
+    pieces = label[cell_of_point]
+    names, start, which = np.unique(pieces, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
+# %% right: three steps, with rows for cells and a loop over open pairs
+def points_in_cells(points, threshold):
+    rows = np.floor(points / (threshold / np.sqrt(3)))
     found, first, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     return found, first, which.ravel()
 # ---- another cell ----
@@ -33,6 +64,11 @@ def join_cheaply(points, cells, first, threshold):
     label = components(len(cells), pairs[small])
     return pairs, label
 # ---- another cell ----
+def points_of_each_cell(points, cell_of_point):
+    sizes = np.bincount(cell_of_point)
+    return np.split(points[np.argsort(cell_of_point)], np.cumsum(sizes)[:-1])
+
+
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     members = points_of_each_cell(points, cell_of_point)
     label = label.copy()
@@ -574,6 +610,39 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
     return np.argsort(np.argsort(start))[which] + 1
 
+# %% wrong: groups compared without their floors
+# loses: clusters_the_seven
+# says: have the same label
+def points_in_cells(points, threshold):
+    rows = np.floor(points / (threshold / np.sqrt(3)))
+    numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
+    return rows[first], first, which
+# ---- another cell ----
+def join_cheaply(points, cells, first, threshold):
+    pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
+    a, b = points[first[pairs[:, 0]]], points[first[pairs[:, 1]]]
+    small = np.linalg.norm(a - b, axis=1) < threshold
+    label = components(len(cells), pairs[small])
+    return pairs, label
+# ---- another cell ----
+def join_exactly(points, cell_of_point, pairs, label, threshold):
+    differs = label[pairs[:, 0]] != label[pairs[:, 1]]
+    p, q, floor_of_q, pieces_on = on_floors(points, cell_of_point, pairs[differs], label, threshold)
+    distances, nearest = cKDTree(p[:, :3]).query(q[:, :3])
+    near = distances < threshold
+    return components(label.max() + 1, pieces_on[floor_of_q[near]])[label]
+# ---- another cell ----
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    points = cloud[:, :3]
+    if len(points) == 0:
+        return np.zeros(0, dtype=int)
+    cells, first, cell_of_point = points_in_cells(points, threshold)
+    pairs, label = join_cheaply(points, cells, first, threshold)
+    label = join_exactly(points, cell_of_point, pairs, label, threshold)
+    pieces = label[cell_of_point]
+    names, start, which = np.unique(pieces, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[which] + 1
+
 # %% wrong: squared distance against plain threshold
 # loses: follows_the_threshold
 # says: Take the root first
@@ -704,8 +773,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # told: taken for rows of points
 def points_in_cells(points, threshold):
     rows = np.floor(points / (threshold / np.sqrt(3)))
-    found, first, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    return found, first, which.ravel()
+    numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
+    return rows[first], first, which
 # ---- another cell ----
 def join_cheaply(points, cells, first, threshold):
     pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
@@ -715,16 +784,11 @@ def join_cheaply(points, cells, first, threshold):
     return pairs, label
 # ---- another cell ----
 def join_exactly(points, cell_of_point, pairs, label, threshold):
-    members = points_of_each_cell(points, cell_of_point)
-    label = label.copy()
     differs = label[pairs[:, 0]] != label[pairs[:, 1]]
-    for a, b in pairs[differs]:
-        if label[a] == label[b]:
-            continue
-        distances, nearest = cKDTree(members[a]).query(members[b])
-        if distances.min() < threshold:
-            label[label == label[b]] = label[a]
-    return label
+    p, q, floor_of_q, pieces_on = on_floors(points, cell_of_point, pairs[differs], label, threshold)
+    distances, nearest = cKDTree(p).query(q)
+    near = distances < threshold
+    return components(label.max() + 1, pieces_on[floor_of_q[near]])[label]
 # ---- another cell ----
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
@@ -743,8 +807,8 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # told: from cell to cell, in cells
 def points_in_cells(points, threshold):
     rows = np.floor(points / (threshold / np.sqrt(3)))
-    found, first, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    return found, first, which.ravel()
+    numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
+    return rows[first], first, which
 # ---- another cell ----
 def join_cheaply(points, cells, first, threshold):
     pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
@@ -754,16 +818,11 @@ def join_cheaply(points, cells, first, threshold):
     return pairs, label
 # ---- another cell ----
 def join_exactly(points, cell_of_point, pairs, label, threshold):
-    members = points_of_each_cell(points, cell_of_point)
-    label = label.copy()
     differs = label[pairs[:, 0]] != label[pairs[:, 1]]
-    for a, b in pairs[differs]:
-        if label[a] == label[b]:
-            continue
-        distances, nearest = cKDTree(members[a]).query(members[b])
-        if distances.min() < threshold:
-            label[label == label[b]] = label[a]
-    return label
+    p, q, floor_of_q, pieces_on = on_floors(points, cell_of_point, pairs[differs], label, threshold)
+    distances, nearest = cKDTree(p).query(q)
+    near = distances < threshold
+    return components(label.max() + 1, pieces_on[floor_of_q[near]])[label]
 # ---- another cell ----
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]

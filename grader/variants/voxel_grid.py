@@ -58,9 +58,8 @@ def voxel_grid(cloud, voxel_size=0.2):
     if len(cloud) == 0:
         return cloud
     cells = np.floor(cloud[:, :3] / voxel_size)
-    different, which, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
-    which = which.ravel()
-    number_of_cells = len(different)
+    different, which, counts = np.unique(as_numbers(cells), return_inverse=True, return_counts=True)
+    number_of_cells = len(counts)
     sums = np.zeros((number_of_cells, cloud.shape[1]))
     np.add.at(sums, which, cloud)
     return sums / counts[:, None]

@@ -293,13 +293,21 @@ show_what_is_left({"every fifth": by_skipping})
 #
 # Points with the same three whole numbers share a cell. Their mean, the *centroid*, stands for all of them, intensity included.
 #
-# Two tools of NumPy do most of the work. `np.unique` finds the different rows of an array, and tells for each row which of them it is:
+# Two tools of NumPy do most of the work. `np.unique` finds the different numbers of an array, and tells for each which of them it is. A cell is three numbers, so `as_numbers` first makes one of each row: computers sort numbers several times as fast as rows.
 
 # %%
+def as_numbers(rows):
+    """One whole number for each row of whole numbers: equal for equal rows, and for no others."""
+    rows = rows - rows.min(axis=0)
+    extent = rows.max(axis=0) + 1
+    if not np.log2(extent).sum() < 62:  # more rows are possible than there are numbers
+        return np.unique(rows, axis=0, return_inverse=True)[1].ravel()
+    return np.ravel_multi_index(rows.T.astype(int), extent.astype(int))
+
+
 cells = np.array([[0, 1], [3, 2], [0, 1], [0, 1]])
-different, which, how_many = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
-which = which.ravel()  # some versions of NumPy return it as a column
-print("different rows:\n", different)
+different, which, how_many = np.unique(as_numbers(cells), return_inverse=True, return_counts=True)
+print("a number for each row:", as_numbers(cells), "  different ones:", different)
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
@@ -350,11 +358,10 @@ def voxel_grid(cloud, voxel_size=0.2):
     cloud = cloud[np.isfinite(cloud[:, :3]).all(axis=1)]
     if len(cloud) == 0:
         return cloud
-    cell_of_point = np.floor(cloud[:, :3] / voxel_size).astype(int)
-    occupied, rank, count = np.unique(cell_of_point, axis=0, return_inverse=True,
-                                      return_counts=True)
-    sums = np.zeros((len(occupied), cloud.shape[1]))
-    np.add.at(sums, rank.ravel(), cloud)
+    cell_of_point = np.floor(cloud[:, :3] / voxel_size)
+    _, rank, count = np.unique(as_numbers(cell_of_point), return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), cloud.shape[1]))
+    np.add.at(sums, rank, cloud)
     return sums / count[:, None]
     ### END SOLUTION
 
@@ -365,7 +372,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `np.unique(cells, axis=0, return_inverse=True, return_counts=True)` gives three things. The second says for each point which cell it belongs to; apply `.ravel()` to it.
+# `np.unique(as_numbers(cells), return_inverse=True, return_counts=True)` gives three things. The second says for each point which cell it belongs to; the third has one entry for each cell.
 # </details>
 # <details><summary>Hint 3</summary>
 #

@@ -25,7 +25,7 @@ def filter_ground():
 
 @pytest.fixture(scope="module")
 def voxel_grid():
-    return taught("voxel_grid")
+    return names_of("06_filter_ground", "voxel_grid")["voxel_grid"]
 
 
 def test_the_peak_is_the_ground(street):

@@ -352,8 +352,8 @@ def _rows(number: int) -> str:
     weight=4,
     title="One point per occupied cell",
     why="That is the whole purpose: as many points as cells, however dense the scan.",
-    hint="floor(xyz / voxel_size) gives three whole numbers per point; np.unique with "
-    "axis=0 finds the different ones.",
+    hint="floor(xyz / voxel_size) gives three whole numbers per point; np.unique of "
+    "as_numbers, or of rows with axis=0, finds the different ones.",
 )
 def one_point_per_cell(voxel_grid: Callable) -> None:
     assert_cells(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)

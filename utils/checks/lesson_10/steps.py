@@ -122,8 +122,8 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     "points_in_cells",
     title="The seven points lie in six cells",
     why="Points that share a cell are one cluster without measuring: the cell must be right.",
-    hint="np.floor(points / side) names the cell of each point, below zero as well; np.unique "
-    "with axis=0 returns cells, first and cell_of_point in this order.",
+    hint="np.floor(points / side) names the cell of each point, below zero as well; np.unique of "
+    "their numbers finds first and cell_of_point, and cells[first] are the different cells.",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
     _assert_cells(points_in_cells(SEVEN.copy(), WIDE), SEVEN, WIDE, _GIVEN)
@@ -217,8 +217,9 @@ def _exactly(label: np.ndarray) -> tuple:
     "join_exactly",
     title="Points 3 and 4 join their pieces, and all cells of these",
     why="Where only one cell of a piece changes sides, the rest of a car stays behind.",
-    hint="Where the closest pair of two cells is below the threshold, all cells with the one label "
-    "get the other: label[label == label[b]] = label[a].",
+    hint="Where a distance is below the threshold, all cells of both pieces get one number: "
+    "components of pieces, picked out with [label]; or, in a loop over pairs of cells, "
+    "label[label == label[b]] = label[a].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
     # The pieces have numbers as they come, and either may be the larger.
