@@ -469,46 +469,34 @@ distances, nearest = cKDTree(p).query(q)
 print("from points 4, 5, 6 to the nearest of 0 to 3:", distances.round(2), "which are", nearest)
 
 # %% [markdown]
-# But more than a thousand pairs are open, and a loop that builds a tree for each takes longer than all the rest. One tree can answer for all, if they are kept apart: each two pieces meet on a *floor* of their own. A fourth coordinate says which; from floor to floor it grows by two thresholds, so nothing is near what stands on another floor. `on_floors` is yours to use:
+# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every open pair of cells moves to a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. On a floor all distances stay what they are, and nothing is near what stands on another floor. `on_floors` is yours to use:
 
-# %% tags=["folded"]
-# @title Puts what pieces have in their open pairs of cells on floors (you need not read this)
-def on_floors(points, cell_of_point, open_pairs, label, threshold):
-    """Give each two pieces a floor, and put what they have in their open pairs of cells on it.
+# %%
+def on_floors(points, cell_of_point, open_pairs, threshold):
+    """The points of open pairs of cells, each pair on a floor of its own.
 
     Returns
     -------
     p, q : ndarray, shape (k, 4) and (l, 4)
-        The points of the one piece and of the other: x, y, z, and the height of their floor.
+        The points of the first cells and those of the second: x, y, z, height of the floor.
     floor_of_q : ndarray of int, shape (l,)
-        The number of the floor on which each point of `q` stands.
-    pieces_on : ndarray of int, shape (number of floors, 2)
-        The labels of the two pieces on each floor.
+        The number of the floor on which each point of `q` stands: the row of its open pair.
     """
-    if len(open_pairs) == 0:
-        return np.empty((0, 4)), np.empty((0, 4)), np.empty(0, int), np.empty((0, 2), int)
-    one_first = np.argsort(label[open_pairs], axis=1)  # on a floor, the same piece is always `p`
-    open_pairs = np.take_along_axis(open_pairs, one_first, axis=1)
-    _, place, floor = np.unique(as_numbers(label[open_pairs]), return_index=True,
-                                return_inverse=True)
-    by_cell, sizes = np.argsort(cell_of_point), np.bincount(cell_of_point)
-    sides = []
+    by_cell, sizes = points[np.argsort(cell_of_point)], np.bincount(cell_of_point)
+    ends, sides = np.cumsum(sizes), []
     for cells in open_pairs.T:
-        _, once = np.unique(as_numbers(np.column_stack([floor, cells])), return_index=True)
-        cell, count = cells[once], sizes[cells[once]]
-        end_of_cell, end = np.cumsum(sizes)[cell], np.cumsum(count)
-        rows = by_cell[np.arange(end[-1]) + np.repeat(end_of_cell - end, count)]
-        floor_of_row = np.repeat(floor[once], count)
-        sides.append(np.column_stack([points[rows], 2 * threshold * floor_of_row]))
-    return *sides, floor_of_row, label[open_pairs[place]]
+        members = [by_cell[end - size : end] for end, size in zip(ends[cells], sizes[cells])]
+        floor = np.repeat(np.arange(len(cells)), sizes[cells])
+        members = np.concatenate([np.empty((0, 3)), *members])  # there may be no open pair
+        sides.append(np.column_stack([members, 2 * threshold * floor]))
+    return *sides, floor
 
-# %%
-# On each floor the points of two pieces; p, q, floor_of_q and pieces_on are what on_floors returns.
-p, q, floor_of_q, pieces_on = on_floors(seven, cell_of_point, pairs[differs], label, np.sqrt(3))
-for floor, pieces in enumerate(pieces_on):
-    there = p[p[:, 3] == q[floor_of_q == floor][0, 3]]
-    print(f"floor {floor}, pieces {pieces}: {there[:, :2].tolist()} and "
-          f"{q[floor_of_q == floor, :2].tolist()}")
+
+open_pairs = pairs[differs]
+p, q, floor_of_q = on_floors(seven, cell_of_point, open_pairs, np.sqrt(3))
+print(f"open pairs of cells: {open_pairs.tolist()}\np, with the height of its floor last:")
+print(p.round(2))
+print(f"q, which stands on floors {floor_of_q}:\n{q.round(2)}")
 
 # %% nbgrader={"grade": false, "grade_id": "join_exactly", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def join_exactly(points, cell_of_point, pairs, label, threshold):
@@ -531,21 +519,21 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
     """
     # 1. The pairs of cells whose labels differ, and what on_floors makes of them.
     # 2. For each point of q, the distance to the nearest point of p: one tree, one question.
-    # 3. Where that is below the threshold, the two pieces on its floor belong together.
-    # 4. Components of pieces, joined by these; then each cell gets the number of its piece's.
+    # 3. Where that is below the threshold, the open pair on that floor belongs together.
+    # 4. Components of pieces, joined by these pairs; then for each cell that of its piece.
     # roughly 5 lines
     ### BEGIN SOLUTION
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q, pieces_on = on_floors(points, cell_of_point, open_pairs, label, threshold)
+    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distance, _ = cKDTree(p).query(q, distance_upper_bound=threshold)
-    touching = pieces_on[floor_of_q[distance < threshold]]
-    return components(label.max() + 1, touching)[label]
+    touching = open_pairs[floor_of_q[distance < threshold]]
+    return components(label.max() + 1, label[touching])[label]
     ### END SOLUTION
 
 # %% [markdown]
 # <details><summary>A hint for step 3</summary>
 #
-# `pairs[mask]` are the open pairs; the mask is `differs`, as it was computed for the seven points. With the points of `q` near enough, `pieces_on[floor_of_q[near]]` are pairs of pieces, and `components(label.max() + 1, ...)` numbers what they join to: one number for each *piece*. Picked out with `[label]` there is one for each *cell*, so that the other cells of a piece come along. `query(q, distance_upper_bound=threshold)` is right, too, and sooner done.
+# `pairs[mask]` are the open pairs; the mask is `differs`, as it was computed for the seven points. With `near = distances < threshold`, `floor_of_q[near]` are the rows of the open pairs to join, and `label[...]` turns their cells into pieces. `components(label.max() + 1, ...)` then has one number for each *piece*; picked out with `[label]` it is one for each *cell*, so that no cell of a piece stays behind. `query(q, distance_upper_bound=threshold)` is right, too, and sooner done.
 # </details>
 
 # %%
@@ -800,7 +788,7 @@ if is_written(euclidean_clustering_accelerated):
 # | representatives only, no exact test | things are torn where points are sparse, and other things once the cloud moves by 10 cm |
 # | only the 26 cells around a cell | pairs two cells apart are missed: thin things tear |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
-# | no floors: `p[:, :3]` and `q[:, :3]` | pieces join that never met |
+# | no floors: `p[:, :3]` and `q[:, :3]` | things join whose points never met |
 # | a list of all pairs | right, until the memory is full |
 # | the points thinned first | right for the thin cloud; clusters of the full one differ |
 #

@@ -348,7 +348,7 @@ if is_written(detect_obstacles):
     longest = next(iter(steps))
     slowest.compare(longest if longest in LIKELY else "another",
                     "Clustering gets a few thousand points, and your lesson 10 is fast. The voxel "
-                    "grid sorts tens of thousands of rows, RANSAC measures as many distances in "
+                    "grid sorts tens of thousands of points, RANSAC measures as many distances in "
                     "each round, and a smallest rectangle is tried at 90 angles for each cluster.")
 else:
     print("There is nothing to measure yet: detect_obstacles is not written.")

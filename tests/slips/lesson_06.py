@@ -2,7 +2,7 @@
 
 from tests.slips import PARTLY, SMALL, USELESS, Slip
 
-_CELL = "np.floor(cloud[:, :3] / voxel_size).astype(int)"
+_CELL = "np.floor(cloud[:, :3] / voxel_size)"
 
 SLIPS = {
     "filter_ground": [
@@ -25,13 +25,18 @@ SLIPS = {
     "voxel_grid": [
         Slip(
             "the last row of each cell",
-            "np.add.at(sums, rank.ravel(), cloud)",
-            "sums[rank.ravel()] += cloud",
+            "np.add.at(sums, rank, cloud)",
+            "sums[rank] += cloud",
             USELESS,
         ),
         Slip("sums", "return sums / count[:, None]", "return sums", USELESS),
         Slip("counts as a row", "count[:, None]", "count", USELESS),
-        Slip("no axis", "np.unique(cell_of_point, axis=0,", "np.unique(cell_of_point,", USELESS),
+        Slip(
+            "no numbers",
+            "np.unique(as_numbers(cell_of_point),",
+            "np.unique(cell_of_point,",
+            USELESS,
+        ),
         Slip("multiplied", "[:, :3] / voxel_size", "[:, :3] * voxel_size", USELESS),
         Slip("no size", "cloud[:, :3] / voxel_size", "cloud[:, :3]", USELESS),
         Slip("sums of whole numbers", "cloud.shape[1]))", "cloud.shape[1]), dtype=int)", USELESS),
@@ -43,7 +48,7 @@ SLIPS = {
             "cloud[:, :2] / voxel_size",
             PARTLY,
         ),
-        Slip("rounds towards zero", _CELL, "(cloud[:, :3] / voxel_size).astype(int)", SMALL),
+        Slip("rounds towards zero", _CELL, "np.trunc(cloud[:, :3] / voxel_size)", SMALL),
         Slip("rounds to the nearest", "np.floor(cloud", "np.round(cloud", SMALL),
         Slip(
             "from the lowest corner",
@@ -53,8 +58,8 @@ SLIPS = {
         ),
         Slip(
             "places alone",
-            "rank.ravel(), cloud)",
-            "rank.ravel(), cloud[:, :3] @ np.eye(3, sums.shape[1]))",
+            "rank, cloud)",
+            "rank, cloud[:, :3] @ np.eye(3, sums.shape[1]))",
             SMALL,
         ),
         Slip(
