@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial import cKDTree
 from sklearn.cluster import DBSCAN
 
 from grader.course.driving import drive_all
@@ -578,7 +579,8 @@ def level(metres):
 
 
 def half_width(metres):
-    return chain(region=lambda points: points[(np.abs(points[:, 1]) <= metres)])
+    low, high = (-5, -metres, -2.5), (35, metres, 1)  # of lesson 07
+    return chain(region=lambda points: points[((points >= low) & (points <= high)).all(axis=1)])
 
 
 def smallest(count):
@@ -606,7 +608,12 @@ SAID = {
     "05: 0.5 m is two people": (11, pieces(0.5), "a person", "ends"),
     "06: -0.6 m is blind downhill": (16, level(-0.6), "The drive ends at a person", "needless"),
     "07: 1.6 m is too narrow": (2, half_width(1.6), "The drive ends at a person", "needless"),
+    "05: 0.9 m is a box that jumps": (11, pieces(0.9), "8.6 s  a person in our lane", "needless"),
+    "05: and it is late": (11, pieces(0.9), "The drive ends at a person", "needless"),
     "07: 6 m is enough": (2, half_width(6.0), "a person", "ends"),
+    "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to come", "ends"),
+    "07: 2.2 m is late": (2, half_width(2.2), "7.4 s  a person in our lane, 5 m", "needless"),
+    "07: and too late": (2, half_width(2.2), "The drive ends at a person", "needless"),
     "09: 100 points drop a cyclist": (3, smallest(100), "The drive ends at a cyclist", "needless"),
     "09: 10 points do not": (3, smallest(10), "a cyclist", "ends"),
     "09: 1 point is rain": (8, smallest(1), "rain taken for an obstacle", "ends"),
@@ -617,6 +624,8 @@ SAID = {
         "ends",
     ),
     "08: 0 degrees": (1, askew(chain(boxes=along_the_axes), 0.0), "", "needless"),
+    "08: 9 degrees": (1, askew(chain(boxes=along_the_axes), 9.0), ": 14 m in 13 s", "ends"),
+    "09: 10 points are rain, too": (8, smallest(10), "rain taken for an obstacle", "ends"),
 }
 
 
@@ -626,6 +635,37 @@ def test_a_lesson_says_what_happens(claim):
     street, detect, words, others = SAID[claim]
     said = str(drive_street(street, detect, seconds=13.0, clock=on_time))
     assert words in said and others not in said, said
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("degrees", "first"), [(4.0, ""), (5.0, "a lorry"), (8.0, "a car")])
+def test_lesson_08_says_which_box_blocks_the_lane_first(degrees, first):
+    detect = askew(chain(boxes=along_the_axes), degrees)
+    trip = drive_street(1, detect, seconds=10.0, clock=on_time)
+    assert bool(trip.report.brakings) == bool(first) and first in str(trip)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("threshold", "shared", "scans"), [(0.5, 3, 10), (0.6, 13, 14)])
+def test_lesson_05_says_how_often_two_people_share_a_box(threshold, shared, scans):
+    """Whose point is whose, the scan tells; both must have ten of them in clusters."""
+    calls, cluster = [], DBSCAN(eps=threshold, min_samples=1)
+
+    def clusters(points):
+        calls.append((points, cluster.fit_predict(points) + 1))
+        return calls[-1][1]
+
+    told = drive_street(11, chain(cluster=clusters, voxel=0.4), seconds=10.0, clock=on_time).drive
+    people = [one for one, kind in told.street.road_users.items() if kind == "pedestrian"][-2:]
+    together = []
+    for number, (points, labels) in enumerate(calls[1:]):  # the first scan was asked twice
+        frame = told.frame(number)
+        owner = frame.scan.objects[cKDTree(frame.cloud[:, :3]).query(points)[1]]
+        large = np.bincount(labels) >= 10
+        theirs = [{one for one in labels[owner == person] if large[one]} for person in people]
+        if all(theirs):
+            together.append(bool(theirs[0] & theirs[1]))
+    assert (sum(together), len(together)) == (shared, scans)
 
 
 # A wrong detector, a street, and what its drive says.

@@ -530,7 +530,7 @@ def drive_with(threshold):
 
 
 drive_with(0.2) if is_written(euclidean_clustering) else print(
-    "euclidean_clustering is not written yet.")
+    "euclidean_clustering is not written, or has not passed its check.")
 
 # %% [markdown]
 # At 0.2 m nothing has ten points, and nobody has a box. Try `drive_with(0.5)`, and open a braking below the strip to see its frame. From which threshold on do the two share one box? And is one box as good as two?

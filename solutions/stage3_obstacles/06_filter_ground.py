@@ -520,7 +520,8 @@ def drive_with(level, street=6, seconds=10):
                         seconds=seconds, clock=on_time)
 
 
-drive_with(-1.2) if is_written(filter_ground) else print("filter_ground is not written yet.")
+drive_with(-1.2) if is_written(filter_ground) else print(
+    "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
 # It brakes for bare asphalt: 0.53 m above the road under us, a climb of 6 % reaches the level 9 m ahead of the sensor. (The strip counts from the bumper, 2.6 m further on, and from where that is when the answer comes.) Open a braking below the strip to see its frame. Which level drives through? Then send the same level downhill, where somebody crosses after ten seconds: `drive_with(level, street=16, seconds=13)`. A level is right for one slope; lesson 03 has a plane that climbs along.

@@ -569,7 +569,8 @@ def drive_with(half_width):
                         clock=on_time)
 
 
-drive_with(1.6) if is_written(crop_region) else print("crop_region is not written yet.")
+drive_with(1.6) if is_written(crop_region) else print(
+    "crop_region is not written, or has not passed its check.")
 
 # %% [markdown]
 # The region holds all of our lane, and it is too narrow: what will be in the lane in a second is not in it yet. Try `drive_with(6)`. How narrow may it be before the drive ends at the child again?

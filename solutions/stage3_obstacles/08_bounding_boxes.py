@@ -458,7 +458,8 @@ def drive_with(degrees):
                         clock=on_time)
 
 
-drive_with(12) if is_written(get_bounding_boxes) else print("get_bounding_boxes is not written yet.")
+drive_with(12) if is_written(get_bounding_boxes) else print(
+    "get_bounding_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
 # Try `drive_with(0)`. From how many degrees on does a parked car block the lane? Lesson 11 turns the boxes instead.

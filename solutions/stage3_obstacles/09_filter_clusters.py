@@ -499,7 +499,8 @@ def drive_with(min_num_points, street=3):
                         clock=on_time)
 
 
-drive_with(100) if is_written(filter_clusters) else print("filter_clusters is not written yet.")
+drive_with(100) if is_written(filter_clusters) else print(
+    "filter_clusters is not written, or has not passed its check.")
 
 # %% [markdown]
 # Try `drive_with(10)`. And what does a minimum of 1 do in the rain, `drive_with(1, street=8)`?

@@ -844,7 +844,8 @@ def drive_with(degrees, street=12):
                         clock=on_time)
 
 
-drive_with(0) if is_written(get_oriented_boxes) else print("get_oriented_boxes is not written yet.")
+drive_with(0) if is_written(get_oriented_boxes) else print(
+    "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
 # Open the first braking for the lorry, if there is one. We see its front and one side, three corners of four: a triangle. The smallest rectangle around a right-angled triangle is as small along its longest side as along the two others, and principal axes lean that way anyway. Who looks for the angle at which the points lie close to the sides, and not for the smallest area, passes the lorry: [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/). And the scanner that sat askew in lesson 08? `drive_with(12, street=1)`.

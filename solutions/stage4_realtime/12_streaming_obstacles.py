@@ -947,7 +947,7 @@ for person in pedestrians:
 from utils.drive import drive_street
 
 drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacles) else print(
-    "detect_obstacles is not written yet.")
+    "detect_obstacles is not written, or has not passed its check.")
 
 # %% [markdown]
 # Below the strip each braking opens its frame, with what lies in the box. `drive_street(3, detect_obstacles).save("film.mp4")` makes a film. There are twenty streets: people who step off the kerb, climbs, rain, a dirty bonnet. Save this notebook, and drive them all:
