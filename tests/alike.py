@@ -77,7 +77,7 @@ def axes(one, other, points):
 
 
 def snug(one, other, cloud, cluster_labels):
-    """Upright boxes around the same points, each turned as a smallest rectangle or the first axis.
+    """Upright boxes around the same points, each turned in one of the ways that are good.
 
     Sizes follow from that: a box reaches no farther than its points.
     """
@@ -92,7 +92,9 @@ def snug(one, other, cloud, cluster_labels):
             return False
         if distance_outside(points[:, :2], floor).max() > 1e-4:
             return False
-        if not (is_turned_with(points[:, :2], floor) and reaches_no_farther(points[:, :2], floor)):
+        if not reaches_no_farther(points[:, :2], floor):
+            return False
+        if not (is_turned_as(floor, footprint(right)) or is_no_looser(points[:, :2], floor)):
             return False
     return True
 
@@ -102,19 +104,30 @@ def sides_of(rectangle):
     return np.diff(rectangle[:3], axis=0)
 
 
-def is_turned_with(points, rectangle):
-    """Whether a side runs as in a rectangle that is hardly larger than need be, or as the axis."""
-    sides = sides_of(rectangle)
-    x, y = max(sides, key=np.linalg.norm)
-    turns = np.arange(0, 90, 0.5)
-    along = np.exp(-1j * np.radians(turns)) * (points @ [1, 1j])[:, None]
-    areas = np.ptp(along.real, axis=0) * np.ptp(along.imag, axis=0)
-    right = turns[areas <= 1.02 * areas.min() + 0.02]
+def is_turned_as(one, other):
+    """Whether a side of a rectangle runs as one of another does."""
+    one, other = (
+        np.degrees(np.arctan2(*max(sides_of(rectangle), key=np.linalg.norm)[::-1]))
+        for rectangle in (one, other)
+    )
+    return abs((one - other + 45) % 90 - 45) <= CROOKED
+
+
+def is_no_looser(points, rectangle):
+    """Whether it covers hardly more ground than one that is turned in a good way.
+
+    As the smallest rectangle, as the narrowest, or as the first axis. Where these agree, one that
+    is turned otherwise is larger than all; where they do not, nothing says how it has to be turned.
+    """
+    turns = np.arange(0, 180, 0.5)
     if len(points) > 1:
         first = np.linalg.eigh(np.cov(points.T))[1][:, -1]
-        right = np.append(right, np.degrees(np.arctan2(first[1], first[0])))
-    off = np.abs((np.degrees(np.arctan2(y, x)) - right + 45) % 90 - 45)
-    return off.min() <= CROOKED
+        turns = np.append(turns, np.degrees(np.arctan2(first[1], first[0])))
+    along = np.exp(-1j * np.radians(turns)) * (points @ [1, 1j])[:, None]
+    widths, lengths = np.ptp(along.real, axis=0), np.ptp(along.imag, axis=0)
+    areas = widths * lengths
+    good = max(areas.min(), areas[widths.argmin()], areas[-1])
+    return np.prod(np.linalg.norm(sides_of(rectangle), axis=1)) <= 1.1 * good + 0.1
 
 
 def reaches_no_farther(points, rectangle):
