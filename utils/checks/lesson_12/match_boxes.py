@@ -362,9 +362,20 @@ def goes_by_the_centres(match_boxes: Callable) -> None:
 def takes_no_boxes(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
     some, none = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
+    far = cubes([[40, 7]])
+    [marker] = as_indices(match_boxes(some.copy(), far.copy(), 2.0), some, far)
     for previous, current in ((none, some), (some, none), (none, none)):
         answer = match_boxes(previous.copy(), current.copy(), 2.0)
         assert_within(answer, np.full(len(current), -1), previous, current, 2.0)
+        yours = as_indices(answer, previous, current)
+        # Whoever marks new ones otherwise is told that where others have partners.
+        if marker == -1 and not (yours == marker).all():
+            raise CheckFailed(
+                "Without a previous box each current one is new, and is not marked as new.",
+                given=f"{len(previous)} previous and {len(current)} current boxes",
+                yours=brief(yours),
+                expected=brief(np.full(len(current), -1)),
+            )
 
 
 _MOVED = Case(
