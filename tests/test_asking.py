@@ -123,6 +123,20 @@ def test_what_is_not_asked_for_is_left_out(made):
     assert run_tests(made(TWO), student, SEED, lambda check: False) == []
 
 
+def test_where_one_failure_decides_the_rest_is_not_asked(made):
+    """One call of a slow answer may take seconds, and there are many."""
+    student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
+    checks = [shown("holds", "g", lambda function: function("shown"))]
+    outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
+    assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
+    assert student.asked == [("g", "g", "shown"), ("g", "g", "second")]
+    checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
+    student.asked.clear()
+    outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
+    assert [one.check.name for one in outcomes if not one.failure] == []
+    assert student.asked == []
+
+
 def test_some_checks_are_questions_that_can_be_asked_again(made):
     student, lesson = Nobody(), made(TWO)
     checks = [

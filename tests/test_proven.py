@@ -3,14 +3,16 @@
 import functools
 import itertools
 import operator
+import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from grader.course import rules
-from grader.course.lessons import find_lesson
+from grader.course.lessons import find_lesson, lesson_of, load_reference
 from grader.judging import explained, repair, results
+from grader.judging.asking import run_tests
 from grader.judging.followed import Followed
 from grader.judging.trial import Asked, Setting
 from grader.judging.verdict import Slip
@@ -19,8 +21,9 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
 from grader.sandbox.student import TOOK_TOO_LONG
-from utils.checks import Check
-from utils.checks.diagnosis import Mistake
+from tests.students import student_with
+from utils.checks import Check, checks_of
+from utils.checks.diagnosis import Mistake, known_mistakes, player_of
 from utils.checks.failures import CheckFailed
 from utils.checks.outcomes import Outcome
 from utils.checks.remembering import once
@@ -420,7 +423,8 @@ def judged_as(monkeypatch):
     def judged_as(*tries):
         asked, waiting = [], list(tries)
 
-        def ask(setting, program, wanted):
+        def ask(setting, program, wanted, to_the_end):
+            assert not to_the_end  # an edit is right, or it is not
             names = ("line", "line_through", "ransac_line")
             checks = [Check("a", "".join(name), "a title", "a hint") for name in names]
             asked.append((program.cells, [check.exercise for check in checks if wanted(check)]))
@@ -562,6 +566,22 @@ def test_nor_is_who_loses_others_than_the_mistake_alone(explains, mistaken):
 
 def test_what_is_no_function_of_its_arguments_explains_nothing(explains):
     assert not explains(without_sign, without_sign, lost=[2], played=False)
+
+
+@pytest.mark.slow
+def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be():
+    """It is asked here, in the judge: on heaps of 20 000 points, too."""
+    exercise = "euclidean_clustering_accelerated"
+    lesson = lesson_of(exercise)
+    right = vars(load_reference(lesson.name))
+    assert checks_of(exercise)
+    assert len(known_mistakes(exercise)) > 10
+    for mistake in known_mistakes(exercise):
+        player = player_of(exercise, mistake, right[exercise])
+        begin = time.process_time()
+        student = student_with(lesson, {**right, exercise: player.plays})
+        run_tests(lesson, student, 7, lambda check: check.exercise == exercise)
+        assert time.process_time() - begin < 20, mistake.says  # of which all had taken 45 and more
 
 
 def test_the_solution_is_the_lessons_own_and_made_once():

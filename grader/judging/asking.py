@@ -67,8 +67,15 @@ class _Asking:
     Also a pytest plugin, for the checks that students do not see.
     """
 
-    def __init__(self, student: Student, seed: int, asked: Callable[[Check], bool]) -> None:
+    def __init__(
+        self,
+        student: Student,
+        seed: int,
+        asked: Callable[[Check], bool],
+        to_the_end: bool = True,
+    ) -> None:
         self.proxy, self.course_seed, self.asked = student, seed, asked
+        self.goes_on, self.to_the_end = True, to_the_end
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
@@ -89,6 +96,8 @@ class _Asking:
     def about(self, check: Check) -> Iterator[None]:
         """Say which exercise is asked about, and let the judge's own work end in time."""
         self.proxy.exercise = exercise = check.exercise
+        if not self.goes_on:
+            raise StudentStopped("Not tried: another check has failed.")
         if self.too_large[exercise] >= MOST_TOO_LARGE:
             raise StudentStopped(
                 f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
@@ -100,6 +109,7 @@ class _Asking:
     def note(self, check: Check, error: Exception | None) -> None:
         """Note how a check ended."""
         self.too_large[check.exercise] += isinstance(error, FarTooMuch)
+        self.goes_on &= self.to_the_end or error is None
         if isinstance(error, SandboxUnavailable):
             self.broken = error
         if isinstance(error, JudgeTimeout):
@@ -192,7 +202,11 @@ def everything(check: Check) -> bool:
 
 
 def run_tests(
-    lesson: Lesson, student: Student, seed: int, asked: Callable[[Check], bool] = everything
+    lesson: Lesson,
+    student: Student,
+    seed: int,
+    asked: Callable[[Check], bool] = everything,
+    to_the_end: bool = True,
 ) -> list[Outcome]:
     """Ask the checks of a lesson.
 
@@ -207,6 +221,8 @@ def run_tests(
         The course's secret.
     asked : callable
         Takes a check: whether to ask it.
+    to_the_end : bool
+        Whether to go on once a check has failed; else those after it fail untried.
 
     Returns
     -------
@@ -221,7 +237,7 @@ def run_tests(
     KeyboardInterrupt
         pytest would keep it to itself.
     """
-    asking = _Asking(student, seed, asked)
+    asking = _Asking(student, seed, asked, to_the_end)
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # and no other lesson's
     with one_run():
         for exercise in lesson.machine_graded:

@@ -136,7 +136,7 @@ def repair_of(
     """
     for cell, first, last, text in _passing(setting, program, exercise, failed):
         mended = program.edited(cell, first, last, text)
-        asked = ask(setting, mended, lambda check: check.exercise == exercise)
+        asked = ask(setting, mended, lambda check: check.exercise == exercise, to_the_end=False)
         if not asked.fault and not any(outcome.failure for outcome in asked.outcomes):
             before = program.cells[cell - 1].split("\n")[first - 1 : last]
             return Repair(cell, first, "\n".join(before), text)

@@ -76,6 +76,7 @@ def ask(
     program: Program,
     asked: Callable[[Check], bool] = everything,
     explain: bool = False,
+    to_the_end: bool = True,
 ) -> Asked:
     """Ask the checks of a lesson of one program.
 
@@ -87,6 +88,8 @@ def ask(
         Takes a check: whether to ask it.
     explain : bool
         Whether to look for what explains wrong answers.
+    to_the_end : bool
+        Whether to go on once a check has failed; else those after it fail untried.
 
     Raises
     ------
@@ -95,7 +98,7 @@ def ask(
     with Student(program, setting.sandbox, setting.limits, setting.budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
-            outcomes = run_tests(setting.lesson, student, setting.seed, asked)
+            outcomes = run_tests(setting.lesson, student, setting.seed, asked, to_the_end)
         except JudgeFault as error:
             fault = str(error)
         if explain:

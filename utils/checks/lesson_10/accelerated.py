@@ -5,7 +5,7 @@ gets right whoever joins cells by any rule, and what is exact is small.
 """
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from math import ceil
 from time import thread_time
 
@@ -488,15 +488,18 @@ def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
     pairs = cKDTree(xyz).query_pairs(0.501, output_type="ndarray")
     doubtful = pairs[length(xyz[pairs[:, 0]] - xyz[pairs[:, 1]]) > 0.499, 1]
     xyz = np.delete(xyz, np.unique(doubtful), axis=0)
-    return frozen(xyz), frozen(_hung_together(len(xyz), cKDTree(xyz).query_pairs(0.5)))
+    return frozen(xyz), frozen(
+        _hung_together(len(xyz), cKDTree(xyz).query_pairs(0.5, output_type="ndarray"))
+    )
 
 
-def _hung_together(n: int, pairs: Iterable[tuple[int, int]]) -> np.ndarray:
-    """Labels of n points of which pairs are joined."""
-    labels = np.arange(n)
-    for one, other in pairs:
-        labels[labels == labels[other]] = labels[one]
-    return labels
+def _hung_together(n: int, pairs: np.ndarray) -> np.ndarray:
+    """Labels of n points of which pairs, (k, 2), are joined."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(n, n))
+    return connected_components(graph, directed=False)[1]
 
 
 def _pairs_of_points(gap: float) -> np.ndarray:
@@ -549,7 +552,8 @@ def _with_cells(side: float, joins: Callable, rounded: Callable = np.floor) -> C
             places = line[:, :3] / threshold
             steps = np.abs(np.diff(rounded(places / side), axis=0)).max(axis=1)
             number = np.concatenate([[0], np.cumsum(steps > 0)])
-            first = [min(np.flatnonzero(number == cell), key=lambda i: order[i]) for cell in number]
+            by_cell = np.lexsort((order, number))  # in each cell the first row of the cloud first
+            first = by_cell[np.searchsorted(number, number)]
             gaps, firsts = (length(np.diff(one, axis=0)) for one in (places, places[first]))
             return joins(gaps, steps, firsts)
 
@@ -566,19 +570,17 @@ def _with_rows(of_points: bool) -> Callable:
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+        from scipy.spatial import cKDTree
+
         xyz = cloud[:, :3]
         cells, which = np.unique(np.floor(xyz / (threshold * _SIDE)), axis=0, return_inverse=True)
-        measured, which = xyz if of_points else cells, which.ravel()
-        first = [int(np.flatnonzero(which == cell)[0]) for cell in range(len(cells))]
-        joined = [
-            (first[a], first[b])
-            for a in range(len(cells))
-            for b in range(a)
-            if np.abs(cells[a] - cells[b]).max() <= 2
-            and length((measured[a] - measured[b])[None])[0] < threshold
-        ]
-        same = [(int(np.flatnonzero(right == one)[0]), row) for row, one in enumerate(right)]
-        return in_order(_hung_together(len(cloud), [*same, *joined]))
+        measured, which = (xyz if of_points else cells), which.ravel()
+        pairs = cKDTree(cells).query_pairs(2.5, p=np.inf, output_type="ndarray")
+        joined = pairs[length(measured[pairs[:, 0]] - measured[pairs[:, 1]]) < threshold]
+        first = np.unique(which, return_index=True)[1]
+        _, start, piece = np.unique(right, return_index=True, return_inverse=True)
+        same = np.column_stack([start[piece], np.arange(len(right))])
+        return in_order(_hung_together(len(cloud), np.vstack([same, first[joined]])))
 
     return predicts
 
