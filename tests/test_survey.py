@@ -16,6 +16,8 @@ ANSWERS = {
 # why that is let be.
 _LUCK = "no plane of the sample: whether one finds the road is luck, which is good on this seed"
 _CROSS = "normal = np.cross(q - p, r - p)"
+_BETTER = "if np.count_nonzero(close) > np.count_nonzero(inliers):"
+_NOT_BEST = "a plane, though not the best one: good enough on this seed"
 _RANKS = "return np.argsort(np.argsort(start))[which]"
 _ANGLE = "angle = 0.5 * math.atan2(2 * m[p][q], m[q][q] - m[p][p])"
 _SMALL = "if abs(m[p][q]) < 1e-300:"
@@ -44,10 +46,8 @@ KNOWN = {
     "detect_obstacles": {
         (_CROSS, "normal = np.cross(q / p, r - p)"): _LUCK,
         (_CROSS, "normal = np.cross(q - p, r / p)"): _LUCK,
-        (
-            "if close.sum() > inliers.sum():",
-            "if close.sum() > inliers.mean():",
-        ): "the last plane: good enough on this seed",
+        (_BETTER, _BETTER.replace(">", "!=")): _NOT_BEST,
+        (_BETTER, _BETTER.replace("(close", "(~close")): _NOT_BEST,
         (
             f"{_RANKS} + 1",
             f"{_RANKS} - 1",

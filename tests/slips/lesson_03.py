@@ -3,7 +3,7 @@
 from tests.slips import PARTLY, SMALL, USELESS, Slip
 
 _DISTANCE = "points[:, :3] @ normal + offset"
-_BETTER = "close.sum() > inliers.sum()"
+_BETTER = "np.count_nonzero(close) > np.count_nonzero(inliers)"
 _DRAW = "rng.choice(len(points), 3, replace=False)"
 _KEEP = "model, inliers = candidate, close"
 _SVD = "points[:, :3] - centre, full_matrices=False"
@@ -64,7 +64,12 @@ SLIPS = {
     "ransac_plane": [
         Slip("the last plane", f"if {_BETTER}", "if True", USELESS),
         Slip("the first plane", _BETTER, "model is None", USELESS),
-        Slip("the worst plane", _BETTER, "close.sum() < inliers.sum() or model is None", USELESS),
+        Slip(
+            "the worst plane",
+            _BETTER,
+            "np.count_nonzero(close) < np.count_nonzero(inliers) or model is None",
+            USELESS,
+        ),
         Slip("the model is not kept", _KEEP, "inliers = close", USELESS),
         Slip("the mask is not kept", _KEEP, "model = candidate", USELESS),
         Slip("outliers for inliers", "candidate) <= distance", "candidate) >= distance", USELESS),
