@@ -120,24 +120,31 @@ def answers_to(exercise):
     right = {one.name: solution_of(one.name) for one in lesson.machine_graded}
     for variant in right_functions(exercise):
         text = fill_in(lesson, right | {exercise: variant.source})
-        yield answer_in(lesson, exercise, variant.name, text.encode())
+        own = [ast.unparse(statement.node) for statement in statements_of(variant)]
+        yield answer_in(lesson, exercise, variant.name, text.encode(), own)
 
 
 def right_functions(exercise):
     """Right answers that are functions: who writes a class is asked in the sandbox alone."""
     for variant in variants_of(exercise):
-        statements, _ = slicing.parse_notebook([variant.source])
-        if variant.right and any(exercise in statement.binds for statement in statements):
+        if variant.right and any(exercise in one.binds for one in statements_of(variant)):
             yield variant
 
 
-def answer_in(lesson, exercise, name, content):
-    """The answer that a notebook holds."""
+def statements_of(variant):
+    return slicing.parse_notebook([variant.source])[0]
+
+
+def answer_in(lesson, exercise, name, content, own=()):
+    """The answer that a notebook holds, with what it says itself of other exercises.
+
+    A function for planes may need those through three points as arrays, which it defines so.
+    """
     cells = HandedIn(f"{lesson.name}.ipynb", content).notebook().code
     statements, _ = slicing.parse_notebook(cells)
     others = frozenset(lesson.names) - {exercise}
     needed = slicing.slice_for((exercise,), statements)
-    theirs = tuple(statement for statement in needed if not statement.binds & others)
+    theirs = tuple(one for one in needed if not one.binds & others or ast.unparse(one.node) in own)
     return Answer(lesson, exercise, name, tuple(cells), theirs)
 
 

@@ -25,7 +25,54 @@ _EIG = "how eig hands them over: on this seed in the right order, and right-hand
 _ORDER = "order = np.argsort(values.real)[::-1]"
 _SIGN = "vectors[:, 0] *= np.linalg.det(vectors)"
 _JACOBI = "rotations come to the same end, but where zeros stand beside the diagonal: by the seed"
+_REFIT = "normal = np.linalg.svd(near - centre, full_matrices=False)[2][2]"
+_SVD = "np.linalg.svd(near - centre, full_matrices=False)[2][2]"
+_WORSE = (
+    "a plane refitted wrongly has as many inliers in tiny clouds alone; else the first one stays"
+)
+_HULL = "hull = points[ConvexHull(points[:, :2]).vertices, :2]"
+_EDGES = "edges = np.roll(hull, -1, axis=0) - hull"
+_BEST = "best = min(angles, key=lambda a: np.prod(np.ptp(turned(points, -a)[:, :2], axis=0)))"
+_EDGE = "an edge of many is another: seldom the one that counts, and on this seed never"
+_NEAR = "near = np.minimum(local - local.min(axis=0), local.max(axis=0) - local).min(axis=1)"
+_SIDES = (
+    "closeness to other sides: it finds the same turn but in few clusters, and none of this seed"
+)
+_YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
 KNOWN = {
+    "ransac_plane": {
+        (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 2)")): _WORSE,
+        (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 0.5)")): _WORSE,
+    },
+    "get_oriented_boxes": {
+        (_HULL, _HULL.replace("ConvexHull(points[:, :2])", "ConvexHull(points[:, :2][1:])")): _EDGE,
+        (_HULL, _HULL.replace("ConvexHull(points[:,", "ConvexHull(points[1:,")): _EDGE,
+        (_HULL, f"{_HULL}[:-1]"): _EDGE,
+        (_HULL, _HULL.replace("vertices", "vertices[:-1]")): _EDGE,
+        (
+            _HULL,
+            "hull = points[(-ConvexHull(points[:, :2]).vertices), :2]",
+        ): _EDGE,
+        (
+            _HULL,
+            "hull = points[(ConvexHull(points[:, :2]).vertices - 1), :2]",
+        ): _EDGE,
+        (
+            _EDGES,
+            "edges = (abs((np.roll(hull, -1, axis=0) - hull)))",
+        ): "of two edges at a right angle one keeps its slope: other hulls are rare",
+        (_BEST, _BEST.replace("(points, -a)", "(points, (abs((-a))))")): _EDGE,
+        (_BEST, _BEST.replace("[:, :2]", "[:, :1]")): "the narrowest box, seldom not the smallest",
+        (
+            _BEST,
+            _BEST.replace("turned(points, -a)[:, :2]", "(abs(turned(points, -a)[:, :2]))"),
+        ): "other widths for what lies across an axis: none on this seed",
+        (_NEAR, _NEAR.replace(".min(axis=1)", ".max(axis=1)")): _SIDES,
+        (_NEAR, _NEAR.replace("np.minimum(", "np.maximum(")): _SIDES,
+        (_NEAR, _NEAR.removesuffix(".min(axis=1)")): _SIDES,
+        (_YAW, _YAW.replace("np.radians(np.arange(90))", "(np.arange(90))")): "ninety other "
+        "angles, about as dense",
+    },
     "principal_axes": {
         (_ANGLE, _ANGLE.replace("m[p][p]", "m[p][~p]")): _JACOBI,
         (_ANGLE, _ANGLE.replace("m[p][p]", "m[~p][p]")): _JACOBI,
