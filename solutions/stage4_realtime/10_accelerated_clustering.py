@@ -304,7 +304,7 @@ draw_seven(cells, first, title="Seven points in six cells");
 # %% [markdown]
 # Points 2 and 3 share cell 3, so they share a cluster. Point 2 comes first and represents both. If your cells differ at point 6, look at how you round numbers below zero.
 
-# %% tags=["raises-exception"]
+# %%
 check(points_in_cells)
 
 # %% [markdown]
@@ -406,7 +406,7 @@ if pairs_agree and pieces_agree:
 draw_seven(cells, first, pairs[~differs], pairs[differs],
            title="Lines: the same piece. Dots: still to be measured");
 
-# %% tags=["raises-exception"]
+# %%
 check(join_cheaply)
 
 # %% [markdown]
@@ -542,7 +542,7 @@ beside("pieces", groups_of(exact), [[0], [1, 2, 3, 4, 5]])
 draw_seven(cells, first, pairs[exact[pairs[:, 0]] == exact[pairs[:, 1]]],
            title="Point 3 is close to point 4: cells 4 and 5 have joined");
 
-# %% tags=["raises-exception"]
+# %%
 check(join_exactly)
 
 # %% [markdown]
