@@ -20,6 +20,7 @@ _HOME = {
     "begin": "utils.beginning",
     "is_written": "utils.lent",
     "predict": "utils.predictions",
+    "ready": "utils.checks.ready",
     "show_table": "utils.tables",
     "replay": "utils.replays",
     "write_cloud": "utils.clouds",

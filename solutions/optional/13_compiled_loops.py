@@ -11,7 +11,7 @@
 #
 # The grid of lesson 10, union-find and the boxes of lesson 11 once more, as plain loops that a compiler turns into machine code: a full scan is clustered, exactly, in a few thousandths of a second.
 #
-# This lesson is for who wants it. Nothing in it is handed in or graded, and nothing needs it.
+# This lesson is for who wants it. Nothing in it is handed in or graded, and nothing needs it. What you write is checked all the same.
 #
 # **After this lesson you can**
 # - say why a loop is slow in Python and fast when compiled, and what NumPy has to do with it,
@@ -34,14 +34,14 @@
 # [Numba](https://numba.pydata.org) takes a Python function made of numbers, arrays and loops and compiles it when it is first called. Colab has it. Elsewhere `pip install numba` brings it; the course tests with the version in `requirements-compiled.txt`. Without it this notebook runs the very same lines as plain Python, on one point in forty.
 
 # %%
-from time import perf_counter, process_time
+from time import process_time
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from utils import is_written, load_cloud, plots, predict
+from utils import check, load_cloud, plots, predict, ready
 
 try:
     from numba import njit
@@ -72,6 +72,8 @@ def milliseconds(function, *arguments, repeats=5):
 # *Python asks at every step what kind of thing a number is.*
 #
 # How many points lie within 0.2 m of a plane? RANSAC asks that in each round. As a loop it is seven lines. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
+#
+# `@njit` above a function has it compiled. **Here the check comes before you try it.** Compiled, a loop without an end hears no stop button, and a row that is not there is read all the same: whatever lies in memory behind the array. So `check` runs your function as plain Python first, and has Numba compile it only when that is right. The cells below wait until it has passed.
 
 # %%
 level = np.array([0.0, 0.0, 1.0, 1.73])  # a, b, c, d: the road, if it were level
@@ -96,18 +98,35 @@ def count_near(points, plane, tolerance):
     return count
     ### END SOLUTION
 
+# %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# `for i in range(len(points)):` goes through the numbers of the rows. Inside, `points[i, 0]`, `points[i, 1]` and `points[i, 2]` are the x, y and z of one point: single numbers, no arrays.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# `abs(...)` belongs around the whole sum, three products and `plane[3]`. Below the plane the sum is negative.
+# </details>
+# <details><summary>Hint 3</summary>
+#
+# Set the count to 0 before the loop, add 1 in it `if` the distance is `<=` the tolerance, and put `return` after it, as far to the left as `for`.
+# </details>
+
+# %%
+check(count_near)
+
 # %%
 def count_by_numpy(points, plane, tolerance):
     return np.count_nonzero(np.abs(points @ plane[:3] + plane[3]) <= tolerance)
 
 
-if is_written(count_near):
-    begin = perf_counter()
+if ready(count_near):
+    as_python = getattr(count_near, "py_func", count_near)
+    # Compiled once more: `check` has done it before.
+    first = milliseconds(njit(as_python), points, level, 0.2, repeats=1)
     same = count_near(points, level, 0.2) == count_by_numpy(points, level, 0.2)
-    first = 1000 * (perf_counter() - begin)
     print(f"first call{', with compiling' * is_compiled}: {first:8.1f} ms; "
           f"{'the same number' if same else 'NOT the same number'} as by NumPy")
-    as_python = getattr(count_near, "py_func", count_near)
     times = {"a loop in Python": 10 * milliseconds(as_python, points[::10], level, 0.2, repeats=1),
              "NumPy": milliseconds(count_by_numpy, points, level, 0.2)}
     if is_compiled:
@@ -133,10 +152,10 @@ if is_written(count_near):
 # - a variable keeps its type: not a number here and `None` there,
 # - arrays, numbers, tuples; no dictionaries of this and that, no objects of your own, no `cKDTree`,
 # - functions that are called are compiled, too: `@njit` above each,
-# - names from outside are read once, when it compiles, and are constants from then on,
+# - names from outside are read once, when it compiles, and are constants from then on: who changes a function runs the cells of those that call it again, too,
 # - other types mean compiling once more: `float32` in place of `float64` costs another first call.
 #
-# **The first call pays.** It takes a second or so, thousands of times as long as the second. `@njit(cache=True)` keeps the machine code on disk for the next start. A car that compiles when the first pedestrian comes is built wrong: call everything once, with a small cloud of the right types, before the engine starts.
+# **The first call pays.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk for the next start. A car that compiles when the first pedestrian comes is built wrong: call everything once, with a small cloud of the right types, before the engine starts.
 #
 # What does it say if it cannot?
 
@@ -177,6 +196,19 @@ def root_of(parent, cell):
     return cell
     ### END SOLUTION
 
+# %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# A root is its own parent. So the loop goes on `while parent[cell] != cell`, and the cell at which it ends is the answer.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# The grandparent is `parent[parent[cell]]`. In each round do both: write it into `parent[cell]`, and then go there. Without the second half the loop never ends.
+# </details>
+
+# %%
+check(root_of)
+
 # %% nbgrader={"grade": false, "grade_id": "unite", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def unite(parent, a, b):
@@ -188,10 +220,23 @@ def unite(parent, a, b):
     ### END SOLUTION
 
 # %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# What is written is the parent of a *root*. Who changes the parent of another cell takes it away from its piece, with all that hangs on it.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# Ask `root_of` for both roots first. `min` of the two stays a root, and `max` of the two gets it for its parent. Nothing is returned: the array is changed.
+# </details>
+
+# %%
+check(unite)
+
+# %% [markdown]
 # **Try it on seven nodes.** The four pairs of lesson 10 join 0, 2, 4 and 5, and 1 and 3; 6 stays alone.
 
 # %%
-if is_written(root_of) and is_written(unite):
+if ready(root_of, unite):
     parent = np.arange(7)
     for a, b in ((0, 2), (4, 0), (5, 2), (1, 3)):
         unite(parent, a, b)
@@ -224,13 +269,32 @@ def any_close(points, a, a_end, b, b_end, limit):
     return False
     ### END SOLUTION
 
+# %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# A loop in a loop: `i` in `range(a, a_end)`, and for each of them `j` in `range(b, b_end)`. `range` leaves out its end by itself.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# Three differences, `x = points[i, 0] - ...` and so on; then `x * x + y * y + z * z` against `limit`, without a root.
+# </details>
+# <details><summary>Hint 3</summary>
+#
+# `return True` stands inside the `if`, and ends both loops at once. `return False` stands as far to the left as the outer `for`: only after all pairs the answer is no.
+# </details>
+
 # %%
-if is_written(any_close):
+check(any_close)
+
+# %%
+if ready(any_close):
     row = np.outer([0.0, 0.2, 1.0, 0.6], [1.0, 0.0, 0.0])
     print("rows 0, 1 and 2, 3:", any_close(row, 0, 2, 2, 4, 0.5**2), any_close(row, 0, 2, 2, 4, 0.3**2),
           "  expected: True False")
 
 # %% [markdown]
+# **A good place to stop.** All that the compiled clustering needs of you is written. What follows puts it together, and turns to boxes. If you come back later, run all cells above this one first.
+#
 # ## The grid, sorted
 #
 # *Numbers can be sorted without comparing any two of them.*
@@ -410,8 +474,7 @@ def same_clusters(labels, others):
     return combinations == len(np.unique(labels)) == len(np.unique(others))
 
 
-written = is_written(root_of) and is_written(unite) and is_written(any_close)
-if written:
+if ready(root_of, unite, any_close):
     obstacles = points[(points[:, 2] > -1.2) & (np.hypot(points[:, 0], points[:, 1]) > 2)]
     labels = cluster_compiled(obstacles)
     same = same_clusters(labels, join_all_pairs(obstacles))
@@ -421,7 +484,7 @@ if written:
                    title="Clusters by loops and union-find")
 
 # %%
-if written:
+if ready(root_of, unite, any_close):
     for name, some in (("all obstacles", obstacles), ("the whole scan", points)):
         print(f"{name:>15}, {len(some):,} points: {milliseconds(cluster_compiled, some):6.1f} ms")
     two_heaps = np.random.default_rng(1).uniform(0, 0.2, (2, len(points) // 6, 3))
@@ -462,8 +525,25 @@ def snuggest_turn(points):
     return ((front - back) * (left - right)).argmin()
     ### END SOLUTION
 
+# %% [markdown]
+# <details><summary>Hint 1</summary>
+#
+# Before the first point, the smallest along each direction is `np.inf` and the largest `-np.inf`: `np.full(90, np.inf)` is 90 of them. With zeros our own sensor, at (0, 0), would count as a point of every car.
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# Two loops: over the points, and inside over the 90 turns. Inside, `along` and `across` are two numbers, and each of the four arrays keeps, at `[turn]`, what `min` or `max` says of its old value and the new one.
+# </details>
+# <details><summary>Hint 3</summary>
+#
+# After both loops, subtract whole arrays: largest minus smallest along, times largest minus smallest across, are 90 areas. `.argmin()` of them is the number of the turn.
+# </details>
+
 # %%
-if is_written(snuggest_turn):
+check(snuggest_turn)
+
+# %%
+if ready(snuggest_turn):
     corners = np.array([[2.0, 1, 0], [-2, 1, 0], [-2, -1, 0], [2, -1, 0]])
     leaning = np.column_stack([corners[:, 0] * cosines[30] - corners[:, 1] * sines[30],
                                corners[:, 0] * sines[30] + corners[:, 1] * cosines[30],
@@ -619,11 +699,9 @@ def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
 ### END SOLUTION
 
 # %%
-written = written and is_written(count_near) and is_written(snuggest_turn)
-if written:
-    begin = perf_counter()
-    boxes = detect_compiled(cloud)
-    first, second = 1000 * (perf_counter() - begin), milliseconds(detect_compiled, cloud)
+if ready(count_near, root_of, unite, any_close, snuggest_turn):
+    first = milliseconds(detect_compiled, cloud, repeats=1)
+    boxes, second = detect_compiled(cloud), milliseconds(detect_compiled, cloud)
     print(f"{len(boxes)} boxes; the first frame took {first:,.0f} ms"
           f"{', with compiling' * is_compiled}; another takes {second:.1f} ms")
     plots.boxes(boxes, cloud=points[points[:, 2] > -1.2], limits=((-15, 35), (-9, 11)),

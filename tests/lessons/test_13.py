@@ -1,6 +1,5 @@
 """The optional lesson: its loops answer as the lessons before, compiled or not."""
 
-from time import perf_counter
 from types import SimpleNamespace
 
 import nbformat
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
 
+from grader.course import minutes
 from grader.course.lessons import (
     all_lessons,
     find_lesson,
@@ -55,6 +55,11 @@ def test_it_belongs_to_no_stage_and_gives_no_points():
     assert LESSON not in all_lessons() and LESSON.stage not in stages()
     assert find_lesson(f"{NAME}.ipynb") is None and LESSON.exercises == ()
     assert LESSON.released.exists() and LESSON.solved.exists()
+
+
+def test_it_is_two_evenings():
+    sittings = minutes.sittings(nbformat.read(LESSON.solved, as_version=4))
+    assert len(sittings) == 2 and max(sittings) <= minutes.WITHOUT_A_STOP
 
 
 def test_what_is_expected_is_what_comes(plain):
@@ -154,7 +159,7 @@ def test_nothing_is_called_compiled_that_is_not(plain, capsys, is_compiled):
     cells = [cell.source for cell in nbformat.read(LESSON.solved, as_version=4).cells]
     (cell,) = (source for source in cells if "first call{" in source)
     guess = SimpleNamespace(compare=lambda *_: None)
-    names = {"np": np, "perf_counter": perf_counter, "is_written": callable, "faster": guess}
+    names = {"np": np, "njit": lambda made: made, "ready": callable, "faster": guess}
     names |= {"points": np.ones((20, 3)), "level": np.array([0, 0, 1.0, -1])}
     names |= {"count_near": plain.count_near, "milliseconds": lambda *_, **__: 1.0}
     exec(cell, names | {"is_compiled": is_compiled})

@@ -8,11 +8,13 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
 from utils.checks.limits import TimeUp, limited
 from utils.checks.one_change import place_to_change
 from utils.checks.outcomes import Check, Outcome
+from utils.checks.ready import remember
 from utils.checks.refusing import Refusing
 from utils.checks.remembering import one_run
 from utils.checks.story import resolve
@@ -190,7 +192,8 @@ def check(function: Callable, exercise: str | None = None) -> None:
     """
     from utils.checks.display import Table
 
-    function = own(function)
+    written = own(function)
+    function = as_python(written)
     exercise = exercise or getattr(function, "__name__", str(function))
     checks = checks_of(exercise)
     table = Table(checks)
@@ -212,6 +215,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     story = resolve(outcomes, checks, mistake, notes, blamed, place)
     table.finish(story)
     stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
+    remember(exercise, written, not (story.first or story.notes))
     hear(exercise, not story.first, stopped)
     if story.first:
         raise ChecksFailed(story.in_one_line)

@@ -1,0 +1,268 @@
+"""Visible checks of `any_close`."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.checks.compiled import assert_compiles
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
+from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
+from utils.checks.vocabulary import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    assert_left_alone,
+    frozen,
+    needs,
+    observe,
+    points_text,
+)
+
+# Of rows 1 to 3 and 5 to 7 the last two are nearest, 0.51 m; the others of these are 0.9 m apart
+# or more. Rows 0, 4 and 8 belong to neither cell, and are closer to both.
+_ROWS = frozen(
+    np.array(
+        [
+            [0.8, 0.6, 0.7],
+            [0.1, -0.4, 0.2],
+            [-0.3, 0.1, 0.5],
+            [0.5, 0.6, 0.3],
+            [0.6, 0.5, 0.6],
+            [1.4, 0.2, 1.1],
+            [1.1, -0.5, 0.9],
+            [0.77, 0.3, 0.62],
+            [0.3, 0.3, 0.4],
+        ]
+    )
+)
+_CELLS = 1, 4, 5, 8
+_NEAR, _FAR = 0.6, 0.45  # the squares of these are limits on both sides
+
+
+def _squares(points: np.ndarray, a: int, a_end: int, b: int, b_end: int) -> np.ndarray:
+    """Squares of the distances of each with each."""
+    return ((points[a:a_end, None, :3] - points[None, b:b_end, :3]) ** 2).sum(axis=-1)
+
+
+def _truth(answer: object) -> bool:
+    """An answer that is true or false."""
+    yours = as_array(answer, what="True or False")
+    if yours.shape != ():
+        raise WrongForm(
+            "The answer is one True or False.",
+            yours=f"shape {yours.shape}",
+            expected="True or False",
+        )
+    return bool(yours)
+
+
+def _assert_says(any_close: Callable, points: np.ndarray, cells: tuple, apart: float) -> None:
+    yours = _truth(any_close(points.copy(), *cells, apart**2))
+    a, a_end, b, b_end = cells
+    right = np.sqrt(_squares(points, *cells).min()) < apart
+    if yours != right:
+        raise CheckFailed(
+            "Two points of these rows are that close." if right else "No two are that close.",
+            given=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
+            f"{b_end - 1}: {points_text(points[b:b_end])}; limit {apart:g}² = {apart**2:.3g}",
+            yours=str(yours),
+            expected=str(bool(right)),
+        )
+
+
+@visible(
+    "any_close",
+    title="Compares the square of the distance with the limit",
+    why="A pair that is wrongly close joins two cars; one that is missed cuts a car in two.",
+    hint="x, y, z are differences, points[i, 0] - points[j, 0] and so on: is x * x + y * y + z * z "
+    "below limit? No root, and limit as it is.",
+)
+def compares_two(any_close: Callable) -> None:
+    for apart in (_NEAR, _FAR):
+        _assert_says(any_close, _ROWS[[3, 7]], (0, 1, 1, 2), apart)
+    _assert_says(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _NEAR)
+    _assert_says(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _FAR)
+
+
+@visible(
+    "any_close",
+    title="Asks each of the one cell with each of the other",
+    why="The nearest pair may be any: the first of both, or the last.",
+    hint="A loop in a loop. Inside, return True where a pair is close, and nothing where it is "
+    "not; return False after both loops.",
+)
+def asks_each_with_each(any_close: Callable) -> None:
+    with needs("the square of a distance is compared with the limit"):
+        compares_two(any_close)
+    alone = np.delete(_ROWS, [0, 4, 8], axis=0)
+    for rows in ([0, 1, 2, 3, 4, 5], [2, 0, 1, 3, 5, 4], [5, 4, 3, 2, 1, 0], [0, 2, 1, 5, 3, 4]):
+        for apart in (_NEAR, _FAR):
+            _assert_says(any_close, alone[rows], (0, 3, 3, 6), apart)
+
+
+@visible(
+    "any_close",
+    title="Looks at the rows of these cells alone",
+    why="Compiled, nobody notices a row too many: it is a point of the next cell, or none at all.",
+    hint="range(a, a_end) begins at a and ends before a_end.",
+)
+def keeps_to_its_rows(any_close: Callable) -> None:
+    with needs("each of the one cell is asked with each of the other"):
+        asks_each_with_each(any_close)
+    for points in (_ROWS, _ROWS[::-1]):
+        for apart in (_NEAR, _FAR):
+            _assert_says(any_close, points, _CELLS, apart)
+
+
+@visible(
+    "any_close",
+    title="At exactly the limit two are not close",
+    why="Lessons 05 and 10 join what is strictly closer: so the labels are the same.",
+    hint="`<`, not `<=`.",
+)
+def is_strict(any_close: Callable) -> None:
+    with needs("the square of a distance is compared with the limit"):
+        compares_two(any_close)
+    points = np.array([[1.0, 2.0, 0.5], [1.0, 2.5, 0.5]])
+    if _truth(any_close(points, 0, 1, 1, 2, 0.25)):
+        raise CheckFailed(
+            "The two are as far apart as the limit says, and not closer.",
+            given=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
+            yours="True",
+            expected="False",
+        )
+
+
+@visible(
+    "any_close",
+    title="Stops at the first pair that is close",
+    why="It is what makes the loop fast: two crowded cells have a million pairs.",
+    hint="return True inside both loops: it ends them, and the function.",
+)
+def stops_at_the_first(any_close: Callable) -> None:
+    with needs("each of the one cell is asked with each of the other"):
+        asks_each_with_each(any_close)
+    n = 20
+    number = np.arange(2 * n) % n
+    points = np.column_stack([number * 0.7, number % 3 * 1.1, number * 0.0])
+    reads = 0
+
+    class Counted(np.ndarray):
+        def __getitem__(self, key: object) -> object:
+            nonlocal reads
+            reads += 1
+            return np.asarray(self)[key]
+
+    if not _truth(any_close(points.view(Counted), 0, n, n, 2 * n, 0.1)) or reads > n:
+        raise CheckFailed(
+            "It goes on although the answer is known.",
+            given=f"two cells of {n} points, of which the first two lie at the same place",
+            yours=f"{reads} times something was read from points",
+            expected="6 times",
+        )
+
+
+@visible(
+    "any_close",
+    title="Leaves the points as they are",
+    why="The same rows are asked again, with other cells.",
+    hint="Put the differences into variables of their own.",
+)
+def leaves_the_rows(any_close: Callable) -> None:
+    arguments = _ROWS, *_CELLS, _FAR**2
+    assert_left_alone(observe(any_close, *arguments), *arguments)
+
+
+@noted("any_close", title=COMPILES, why=WHY_COMPILED)
+def any_close_compiles(any_close: Callable) -> None:
+    def ask(function: Callable) -> list[bool]:
+        return [bool(function(_ROWS.copy(), *_CELLS, apart**2)) for apart in (_NEAR, _FAR)]
+
+    assert_compiles(any_close, ask)
+
+
+def _close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit: float) -> bool:
+    return bool((_squares(points, a, a_end, b, b_end) < limit).any())
+
+
+def _by(ask: Callable) -> Callable:
+    """Predicts an answer by the squares of the distances and the limit."""
+
+    def predicts(right: bool, points: np.ndarray, *rest: float) -> bool:
+        *cells, limit = rest
+        return bool(ask(_squares(points, *cells), limit))
+
+    return predicts
+
+
+def _of_rows(first: int, last: int) -> Callable:
+    """Predicts an answer when both cells begin and end so many rows later."""
+    return lambda right, points, a, a_end, b, b_end, limit: _close(
+        points, a + first, a_end + last, b + first, b_end + last, limit
+    )
+
+
+def _without(axis: int) -> Callable:
+    return lambda right, points, *rest: _close(np.delete(points, axis, axis=1), *rest)
+
+
+def _case(seed: int) -> tuple:
+    """A small scene in general position, whose answer nobody guesses."""
+    rng = np.random.default_rng(seed)
+    a, a_end, b, b_end = 1, 3 + seed % 2, 6, 8 + seed % 3
+    limit = round(float(np.exp(rng.uniform(-2.5, 1.5))), 3)
+    return frozen(rng.uniform(-0.8, 0.8, (12, 3))), a, a_end, b, b_end, limit
+
+
+mistakes(
+    "any_close",
+    Mistake(
+        "The distance itself is compared with the limit, which is a square, or the limit is "
+        "squared once more.",
+        _by(lambda squares, limit: (np.sqrt(squares) < limit).any()),
+        "No root, and limit as it is: x * x + y * y + z * z < limit.",
+    ),
+    Mistake(
+        "The first pair decides: `return False` stands inside the loops.",
+        _by(lambda squares, limit: squares[0, 0] < limit),
+        "return False as far to the left as the outer `for`: after both loops.",
+    ),
+    Mistake(
+        "Only the first point of the one cell is asked: `return False` stands in the outer loop.",
+        _by(lambda squares, limit: (squares[0] < limit).any()),
+        "return False as far to the left as the outer `for`.",
+    ),
+    Mistake(
+        "All pairs have to be close: any one is enough.",
+        _by(lambda squares, limit: (squares < limit).all()),
+    ),
+    Mistake(
+        "The answers are exchanged: True where no two are close.",
+        lambda right, *case: not right,
+    ),
+    Mistake(
+        "The row after each cell is looked at, too: a_end and b_end are without.",
+        _of_rows(0, 1),
+        "range(a, a_end) ends before a_end by itself.",
+    ),
+    Mistake(
+        "The last row of each cell is never looked at.",
+        _of_rows(0, -1),
+        "range(a, a_end) ends before a_end by itself.",
+    ),
+    Mistake(
+        "The first row of each cell is never looked at.",
+        _of_rows(1, 0),
+        "range(a, a_end) begins at a.",
+    ),
+    Mistake("x is left out.", _without(0), "There are three differences."),
+    Mistake("y is left out.", _without(1), "There are three differences."),
+    Mistake("z is left out.", _without(2), "There are three differences."),
+    Mistake("It says False, always.", lambda right, *case: False, is_cheap=True),
+    Mistake("It says True, always.", lambda right, *case: True, is_cheap=True),
+    cases=tuple(_case(seed) for seed in range(40)),
+    right=_close,
+    same=lambda answer, predicted: bool(as_array(answer)) == predicted,
+)

@@ -1,0 +1,46 @@
+"""Cells that wait until functions have passed their checks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from utils.lent.stubs import is_written, own
+
+# Which function of a name has passed: who runs its cell again has another one.
+_PASSED: dict[str, Callable] = {}
+
+
+def remember(exercise: str, function: Callable, passed: bool) -> None:
+    """Remember what came of checking a function.
+
+    Parameters
+    ----------
+    exercise : str
+    function : callable
+    passed : bool
+    """
+    if passed:
+        _PASSED[exercise] = function
+    else:
+        _PASSED.pop(exercise, None)
+
+
+def ready(*functions: Callable) -> bool:
+    """Whether functions have passed their checks; says for which of them a cell waits.
+
+    For cells in which a wrong one would do worse than fail: compiled, a loop without an end can
+    not be stopped.
+
+    Parameters
+    ----------
+    *functions : callable
+
+    Returns
+    -------
+    bool
+    """
+    waiting = [one for one in map(own, functions) if _PASSED.get(one.__name__) is not one]
+    for one in waiting:
+        why = "has not passed its check" if is_written(one) else "is not written yet"
+        print(f"{one.__name__} {why}: this cell waits for it.")
+    return not waiting
