@@ -5,7 +5,7 @@ gets right whoever joins cells by any rule, and what is exact is small.
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import ceil
 from time import thread_time
 
@@ -173,8 +173,8 @@ def parts_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
         pairs = _pairs_of_points(1.01)
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
-    for way in _directions(8):
-        pair = np.array([-0.505 * way, 0.505 * way])
+    for middle, way in _across_zero():
+        pair = middle + np.outer([-0.505, 0.505], way)
         answer = euclidean_clustering_accelerated(pair.copy(), 1.0)
         assert_clusters(answer, np.array([1, 2]), pair, 1.0)
 
@@ -535,6 +535,15 @@ def _touching_rods() -> tuple[np.ndarray, np.ndarray]:
 def _directions(n: int) -> np.ndarray:
     way = np.random.default_rng(4).normal(size=(n, 3))
     return way / np.linalg.norm(way, axis=1, keepdims=True)
+
+
+def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """A middle and a direction, both (3,): all signs change at zero, or those of one axis alone."""
+    for way in _directions(8):
+        yield np.zeros(3), way
+    for axis in np.eye(3):
+        way = 0.26 + 0.68 * axis
+        yield 0.25 * (1 - axis), way / np.linalg.norm(way)
 
 
 # ---- what people do ----------------------------------------------------------------------------
