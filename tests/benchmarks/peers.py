@@ -1,8 +1,9 @@
 """The ways to cluster a scan, and to find its boxes: ours, and those of other libraries.
 
-Peers stand in an environment of their own, or beside the project in a folder:
+Peers, and Numba for lesson 13, stand in an environment of their own:
 
-    python -m venv .bench/peers && .bench/peers/bin/pip install -r tests/benchmarks/requirements.txt
+    python -m venv .bench/peers
+    .bench/peers/bin/pip install -r tests/benchmarks/requirements.txt -r requirements-compiled.txt
     PEERS=$(echo .bench/peers/lib/python3*/site-packages) make bench
 
 PCL is C++: Debian's `libpcl-dev`, `g++` and `pkg-config` make `pcl_peer` out of `pcl_peer.cpp`;
