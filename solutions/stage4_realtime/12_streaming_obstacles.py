@@ -982,6 +982,7 @@ drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacle
 # 3. Keep boxes of all ages, but draw only tracks that have been seen three times. What do precision and recall say?
 # 4. Time your detector with every 32nd, 16th, … and all returns of a frame, on logarithmic axes. Every filter is proportional to $n$; why is your curve flatter than a slope of 1? (After the voxel grid twice as many returns are hardly more points.)
 # 5. Learn the sizes of cars from `frame.boxes` and widen thin boxes away from the sensor. What happens to the curve over the overlap?
+# 6. Halve the side of the voxels, and ask for three times as many points of a cluster: `voxel_grid(points, 0.1)` and `min_num_points=30`. On 24 streets that nobody tuned on, the course's detector then gives 53 ± 4 % of the people a box with an IoU of 0.3, in place of 39 ± 4 %, and takes hardly longer. Why people, more than cars? (A centroid lies inside of what it stands for, by up to half a voxel on each side.)
 #
 # ### Whose fault is it?
 #
