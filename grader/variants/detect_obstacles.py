@@ -674,6 +674,103 @@ def boxes_of_cells(cloud, choose, cell=0.3, minimum=20):
 def detect_obstacles(cloud):
     return boxes_of_cells(cloud, lambda z: z > -9.0)
 
+# %% wrong: one round of RANSAC, by luck a road in some scans
+# loses: finds_cars, turns_boxes
+# says: Is the road gone?
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+def drop_invalid(cloud):
+    good = ~np.isnan(cloud[:, :3]).any(axis=1) & ~np.isinf(cloud[:, :3]).any(axis=1)
+    return cloud[good & (np.abs(cloud[:, :3]).sum(axis=1) > 0)]
+
+def crop_region(cloud, minimum, maximum):
+    for axis in range(3):
+        cloud = cloud[(cloud[:, axis] >= minimum[axis]) & (cloud[:, axis] <= maximum[axis])]
+    return cloud
+
+def remove_ego_returns(cloud, minimum, maximum):
+    away = np.zeros(len(cloud), dtype=bool)
+    for axis in range(3):
+        away |= (cloud[:, axis] < minimum[axis]) | (cloud[:, axis] > maximum[axis])
+    return cloud[away]
+
+def point_plane_distance(points, plane):
+    a, b, c, d = plane
+    return abs(a * points[:, 0] + b * points[:, 1] + c * points[:, 2] + d)
+
+def ransac_plane(points, max_iterations, distance_tolerance, rng):
+    rng = np.random.default_rng(rng)
+    best, near = None, np.zeros(len(points), dtype=bool)
+    for _ in range(max_iterations if len(points) > 2 else 0):
+        p, q, r = points[rng.choice(len(points), 3, replace=False), :3]
+        normal = np.cross(q - p, r - p)
+        if np.linalg.norm(normal) > 1e-9:
+            normal = normal / np.linalg.norm(normal)
+            plane = (*normal, -normal @ p)
+            mask = point_plane_distance(points, plane) <= distance_tolerance
+            if mask.sum() > near.sum():
+                best, near = plane, mask
+    return best, near
+
+def fit_plane(points):
+    middle = points[:, :3].mean(axis=0)
+    normal = np.linalg.eigh(np.cov(points[:, :3].T))[1][:, 0]
+    return (*normal, -normal @ middle)
+# ---- another cell ----
+def voxel_grid(cloud, voxel_size=0.2):
+    cells = {}
+    for row, key in zip(cloud, map(tuple, np.floor(cloud[:, :3] / voxel_size).astype(int).tolist())):
+        cells.setdefault(key, []).append(row)
+    return np.array([np.mean(rows, axis=0) for rows in cells.values()])
+
+def euclidean_clustering_accelerated(cloud, threshold=0.5):
+    pairs = KDTree(cloud[:, :3]).query_pairs(threshold, output_type="ndarray")
+    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(cloud), len(cloud)))
+    return connected_components(graph, directed=False)[1] + 1
+
+def filter_clusters(labels, min_num_points=100):
+    labels = labels.copy()
+    for label in np.unique(labels):
+        if (labels == label).sum() < min_num_points:
+            labels[labels == label] = 0
+    return labels
+
+def turned(points, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return points[:, :3] @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+
+def get_oriented_boxes(cloud, labels):
+    boxes = []
+    for label in np.unique(labels[labels > 0]):
+        points = cloud[labels == label]
+        yaws = np.radians(np.arange(90))
+        yaw = min(yaws, key=lambda yaw: np.prod(np.ptp(turned(points, -yaw)[:, :2], axis=0)))
+        low, high = turned(points, -yaw).min(axis=0), turned(points, -yaw).max(axis=0)
+        around = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
+        corners = [(x, y, z) for z in (low[2], high[2]) for x, y in around]
+        boxes.append(turned(np.array(corners), yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+# ---- another cell ----
+def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
+                     minimum=(-15.0, -7.0, -3.0), maximum=(35.0, 9.0, 1.0)):
+    points = drop_invalid(cloud[:, :3])
+    points = crop_region(points, minimum, maximum)
+    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+    low = points[points[:, 2] < ground_level]
+    plane, near = ransac_plane(low, 1, 0.2, 0)
+    if plane is not None:
+        plane = fit_plane(low[near])
+        points = points[point_plane_distance(points, plane) > 0.3]
+    if len(points) == 0:
+        return np.empty((0, 8, 3))
+    points = voxel_grid(points, 0.2)
+    labels = euclidean_clustering_accelerated(points, threshold)
+    labels = filter_clusters(labels, min_num_points)
+    return get_oriented_boxes(points, labels)
+
 # %% wrong: boxes along the axes
 # loses only: turns_boxes, test_turned_cars
 # says: much larger than the cars

@@ -9,9 +9,12 @@ import pytest
 
 from grader.course import minutes
 from grader.course.lessons import find_lesson
+from grader.course.variants import variants_of
 from utils import load_my_functions, scenes, scoring
-from utils.checks.core import notes_of, run_check
+from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _holds_obstacle
+from utils.checks.failures import NotYet
+from utils.checks.remembering import one_run
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 
@@ -480,3 +483,20 @@ def test_the_minutes_are_those_of_four_sittings():
     sittings = minutes.sittings(nbformat.read(LESSON.solved, as_version=4))
     assert len(sittings) == 4 and max(sittings) < 60
     assert sum(sittings[:3]) < 140 and sittings[3] > 2 * minutes.MINUTES_A_REPORT
+
+
+def test_no_row_waits_for_one_that_is_green():
+    (lucky,) = (one for one in variants_of("detect_obstacles") if "one round" in one.name)
+    for seed in range(4):  # in some, a road is found at once
+        namespace = {"np": np}
+        exec(lucky.source.replace("(low, 1, 0.2, 0)", f"(low, 1, 0.2, {seed})"), namespace)
+        with one_run():
+            outcomes = [
+                run_check(check, namespace["detect_obstacles"])
+                for check in checks_of("detect_obstacles")
+            ]
+        failed = {one.check.name: one.failure for one in outcomes if one.failure}
+        waiting = [name for name, failure in failed.items() if isinstance(failure, NotYet)]
+        assert bool(waiting) == ("finds_cars" in failed) == (seed < 2), failed
+        if waiting:
+            assert failed["finds_cars"].hint.startswith("Draw the clusters before the boxes")

@@ -26,7 +26,7 @@ MOST_BOXES = 1000  # to look at; comparing more takes long, and none of them is 
 # stay below 1.25 times the area of the cars, boxes along the axes above 1.5.
 UNTURNED = 1.33
 LARGEST_OF_A_PERSON = 3.0  # square metres
-SEEN = "cars that stand free near the sensor have boxes of their own"
+SEEN = "in the scan of this row, cars that stand free near the sensor have boxes of their own"
 
 
 def detected(detect_obstacles: Callable, frame: Frame) -> object:
