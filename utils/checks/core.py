@@ -17,6 +17,7 @@ from utils.checks.outcomes import Check, Outcome
 from utils.checks.ready import remember
 from utils.checks.refusing import Refusing
 from utils.checks.remembering import one_run
+from utils.checks.standing import loops_around, told_of
 from utils.checks.story import resolve
 from utils.checks.tips import place_in, tip_for
 from utils.checks.using import forbidden_in, functions_used, refused_modules
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 # More than any right answer needs on a slow machine; somebody waits for it who has a loop without
 # an end.
-SECONDS = 20
+SECONDS = 15
 
 # Every `lesson_NN` of this package, module or folder, declares the checks of its exercises here.
 _CHECKS: dict[str, list[Check]] = {}
@@ -150,16 +151,19 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
             one_check.run(function)
     except CheckFailed as failure:
         return Outcome(one_check, failure)
-    except TimeUp:
-        question = one_check.slow or ENDLESS
-        sentence = (
-            f"{one_check.exercise} did not come back after {SECONDS} s: {question} If a cell of "
-            "yours hangs, press the stop button ■ above."
-        )
-        return Outcome(one_check, Stopped(sentence))
+    except TimeUp as over:
+        return Outcome(one_check, _stopped(one_check, over, function))
     except Exception as error:
         return Outcome(one_check, _raised(one_check, error, function))
     return Outcome(one_check, None)
+
+
+def _stopped(one_check: Check, over: TimeUp, function: Callable) -> Stopped:
+    """What it means that a function did not come back, and where it was."""
+    begin = f"{one_check.exercise} did not come back after {SECONDS} s"
+    loops = loops_around(over.__cause__, function)
+    said = told_of(loops, ENDLESS) if not one_check.slow else f": {one_check.slow}"
+    return Stopped(f"{begin}{said} If a cell of yours hangs, press the stop button ■ above.")
 
 
 def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFailed:

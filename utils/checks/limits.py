@@ -18,7 +18,7 @@ _SHARE = 0.8
 
 
 class TimeUp(Exception):
-    """A call took longer than it may."""
+    """A call took longer than it may; its cause knows where it was."""
 
 
 @contextlib.contextmanager
@@ -54,9 +54,9 @@ def limited(seconds: float) -> Iterator[None]:
                     yield
                 finally:
                     _silence(over, watch, look, rang)
-            except KeyboardInterrupt:
+            except KeyboardInterrupt as interrupt:
                 if rang.is_set():
-                    raise TimeUp from None
+                    raise TimeUp from interrupt
                 raise
 
 

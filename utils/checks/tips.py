@@ -427,25 +427,39 @@ def place_in(error: BaseException, function: Callable) -> tuple[str, str, str]:
     line : str
         What stands where it happened.
     """
-    methods = getattr(function, "__dict__", {}).values()  # of a class
-    homes = [one.__globals__ for one in (function, *methods) if hasattr(one, "__globals__")]
-    own, found, trace = None, ("", "", ""), error.__traceback__
-    while trace is not None:
-        if any(trace.tb_frame.f_globals is home for home in homes):
-            code = trace.tb_frame.f_code
-            line = linecache.getline(code.co_filename, trace.tb_lineno).strip()
-            name = _written_name(code)
-            found = name, f"line {trace.tb_lineno} of the cell of {name}", line
-            if name == getattr(function, "__name__", ""):
-                own = found
-        trace = trace.tb_next
+    own, found = None, ("", "", "")
+    for code, number in frames_of(error, function):
+        line = linecache.getline(code.co_filename, number).strip()
+        name = written_name(code)
+        found = name, f"line {number} of the cell of {name}", line
+        if name == getattr(function, "__name__", ""):
+            own = found
     if own is None or own[0] == found[0]:
         return found
     # Whoever looks at the other function alone may break one that is right.
     return found[0], f"{own[1]}, `{own[2]}`, which calls {found[1]}", found[2]
 
 
-def _written_name(code: CodeType) -> str:
+def frames_of(error: BaseException, function: Callable) -> list[tuple[CodeType, int]]:
+    """The student's own code that an exception came through, outermost first, each with its line.
+
+    Parameters
+    ----------
+    error : BaseException
+    function : callable
+        The student's.
+    """
+    methods = getattr(function, "__dict__", {}).values()  # of a class
+    homes = [one.__globals__ for one in (function, *methods) if hasattr(one, "__globals__")]
+    found, trace = [], error.__traceback__
+    while trace is not None:
+        if any(trace.tb_frame.f_globals is home for home in homes):
+            found.append((trace.tb_frame.f_code, trace.tb_lineno))
+        trace = trace.tb_next
+    return found
+
+
+def written_name(code: CodeType) -> str:
     """The name after `def`: of a comprehension or a lambda, that of the function around it."""
     named = [part for part in code.co_qualname.split(".") if not part.startswith("<")]
     return named[-1] if named else code.co_name

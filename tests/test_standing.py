@@ -1,0 +1,114 @@
+"""Where a function was that did not come back: the loop is named, and what to ask of it."""
+
+import numpy as np
+import pytest
+
+from utils.checks import checks_of, core
+from utils.checks.core import run_check
+from utils.checks.outcomes import Check
+
+
+def mask_that_never_shrinks(cloud, threshold=0.5):
+    labels = np.zeros(len(cloud), dtype=int)
+    queue = np.arange(len(cloud)) == 0
+    while queue.any():
+        point = cloud[np.flatnonzero(queue)[0], :3]
+        near = np.linalg.norm(cloud[:, :3] - point, axis=1) < threshold
+        labels[near] = 1
+        queue |= near
+    return labels
+
+
+def no_way_out(cloud):
+    number = 0
+    while True:
+        number += 1
+
+
+def list_that_grows(cloud):
+    queue = [0]
+    for row in queue:
+        queue[-1:] = [row, row]
+
+
+def loop_in_a_loop(cloud):
+    left = len(cloud)
+    while left > 0:
+        place = 0
+        while place < left:
+            place += 1
+
+
+def calls_another(cloud):
+    for row in cloud:
+        no_way_out(row)
+
+
+def loop_without_a_line(cloud):
+    return sum(0 for _ in iter(int, 1))
+
+
+def after(function, monkeypatch, slow=""):
+    """What is said of a function that hangs."""
+    monkeypatch.setattr(core, "SECONDS", 0.2)
+    name = function.__name__
+    asked = Check("asked", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)
+    return run_check(asked, function).failure.message
+
+
+def line_of(text):
+    with open(__file__, encoding="utf-8") as file:
+        return next(number for number, line in enumerate(file, 1) if line.strip() == text)
+
+
+@pytest.mark.parametrize(
+    ("function", "text", "question"),
+    [
+        (
+            mask_that_never_shrinks,
+            "while queue.any():",
+            "Which line in it makes `queue.any()` false?",
+        ),
+        (no_way_out, "while True:", "Does it ever come to its `break` or `return`?"),
+        (list_that_grows, "for row in queue:", "Does it add to what it goes through"),
+    ],
+)
+def test_the_loop_is_named_and_asked_about(function, text, question, monkeypatch):
+    name = function.__name__
+    assert after(function, monkeypatch) == (
+        f"{name} did not come back after 0.2 s, and was in the loop of line {line_of(text)} of the "
+        f"cell of {name}, `{text}`. {question}"
+        + (", or is there far too much of it?" if function is list_that_grows else "")
+        + " If a cell of yours hangs, press the stop button ■ above."
+    )
+
+
+def test_of_two_loops_both_are_named(monkeypatch):
+    said = after(loop_in_a_loop, monkeypatch)
+    outer = f"line {line_of('while left > 0:')} of the cell of loop_in_a_loop, `while left > 0:`"
+    assert f"{outer}. " in said and ("Which of the two" in said) == ("`while place" in said)
+
+
+def test_what_it_calls_is_looked_into(monkeypatch):
+    said = after(calls_another, monkeypatch)
+    assert said.startswith("calls_another did not come back")
+    assert "of the cell of no_way_out, `while True:`. Does it ever" in said
+
+
+def test_where_no_loop_is_seen_it_is_asked_whether_there_is_one(monkeypatch):
+    assert "after 0.2 s: is there a loop that never ends?" in after(
+        loop_without_a_line, monkeypatch
+    )
+
+
+def test_a_check_that_knows_better_asks_its_own_question(monkeypatch):
+    said = after(no_way_out, monkeypatch, slow="does the walk end?")
+    assert "after 0.2 s: does the walk end? If" in said
+
+
+def test_the_lesson_tells_it_so_and_nobody_waits_longer_than_a_quarter_of_a_minute(monkeypatch):
+    assert core.SECONDS <= 15
+    monkeypatch.setattr(core, "SECONDS", 0.3)
+    for name in ("euclidean_clustering", "euclidean_clustering_accelerated"):
+        failure = run_check(checks_of(name)[0], mask_that_never_shrinks).failure
+        assert failure.message.startswith(f"{name} did not come back after 0.3 s, and was in the")
