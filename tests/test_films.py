@@ -1,5 +1,7 @@
 """Films are really written, read again, and counted."""
 
+import gc
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -7,6 +9,7 @@ from PIL import Image
 from utils import progress as bar
 from utils import scenes
 from utils.films.filming import Sight, record, scene_of, watch
+from utils.films.writers import write_film
 from utils.scene3d import Scene, opengl
 
 SIZE = (160, 90)
@@ -78,6 +81,22 @@ def test_a_detector_that_fails_at_once_is_heard_and_leaves_no_file(tmp_path, fra
     with pytest.raises(ZeroDivisionError):
         record(frames, tmp_path / "film.gif", lambda cloud: 1 / 0, renderer="matplotlib")
     assert not list(tmp_path.iterdir())
+
+
+def test_ctrl_c_leaves_neither_a_file_nor_words_of_the_writer(tmp_path, capfd):
+    """Who writes an MP4 is a process of its own, and once complained that its file was gone."""
+    pytest.importorskip("imageio_ffmpeg")
+
+    def images():
+        yield from np.zeros((3, 64, 64, 3), dtype=np.uint8)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        write_film(tmp_path / "film.mp4", images(), 10.0)
+    del stopped
+    gc.collect()
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("answer", [np.zeros((8, 3)), None, [[1, 2], [3]]])

@@ -92,9 +92,12 @@ def write_mp4(path: Path, images: Iterator[np.ndarray], frames_per_second: float
     options = {"codec": "libx264", "quality": 7, "macro_block_size": 2, "ffmpeg_log_level": "error"}
     # A player on a page starts sooner when the table of contents comes first.
     options["output_params"] = ["-movflags", "+faststart"]
-    with imageio.get_writer(path, format="FFMPEG", fps=frames_per_second, **options) as writer:
+    writer = imageio.get_writer(path, format="FFMPEG", fps=frames_per_second, **options)
+    try:
         for image in images:
             writer.append_data(image)
+    finally:
+        writer.close()  # after Ctrl-C, too, which `with` leaves to whenever the writer is collected
 
 
 def suffix_of_films() -> str:
