@@ -103,7 +103,10 @@ def test_where_no_loop_is_seen_it_is_asked_whether_there_is_one(monkeypatch):
 
 def test_a_check_that_knows_better_asks_its_own_question(monkeypatch):
     said = after(no_way_out, monkeypatch, slow="does the walk end?")
-    assert "after 0.2 s: does the walk end? If" in said
+    assert "of the cell of no_way_out, `while True:`. Does the walk end? If" in said
+    assert "s: does the walk end? If" in after(
+        loop_without_a_line, monkeypatch, "does the walk end?"
+    )
 
 
 def test_the_lesson_tells_it_so_and_nobody_waits_longer_than_a_quarter_of_a_minute(monkeypatch):

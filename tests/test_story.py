@@ -326,7 +326,7 @@ def test_a_check_may_ask_what_takes_so_long(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
     declared("one", slow="is everybody asked twice?")(lambda double: double(0))
     shown = shown_by(endless, capsys)
-    assert "after 1 s: is everybody asked twice? If" in shown and "never ends" not in shown
+    assert "`. Is everybody asked twice? If" in shown and "never ends" not in shown
 
 
 def test_whoever_presses_stop_is_heard():

@@ -89,11 +89,13 @@ def _as_it_is(function: Callable | None = None, **options: object) -> Callable:
 
 def _reason(error: Exception, compiled: Callable) -> str:
     """What Numba says, in a sentence, and of which line."""
-    lines = [line.strip() for line in re.sub(r" at 0x\w+", "", str(error)).splitlines()]
+    # Addresses and files of the machine tell nobody anything.
+    text = re.sub(r" at 0x\w+|, defined at .*", "", str(error))
+    lines = [line.strip() for line in text.splitlines()]
     said = [line for line in lines if line and not line.startswith(("Failed in", "- "))]
-    sentence = " ".join(said[: 2 if said and said[0].endswith(":") else 1])
+    sentence = " ".join(said[: 2 if said and said[0].endswith(":") else 1]).rstrip(".") + "."
     found = re.findall(r'^File ".*", line (\d+):', str(error), re.M)
     if not found:
         return f"It says: {sentence}"
-    text = linecache.getline(compiled.py_func.__code__.co_filename, int(found[-1])).strip()
-    return f"It says of line {found[-1]}, `{text}`: {sentence}"
+    code = linecache.getline(compiled.py_func.__code__.co_filename, int(found[-1])).strip()
+    return f"It says of line {found[-1]}, `{code}`: {sentence}"

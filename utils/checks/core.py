@@ -23,7 +23,6 @@ from utils.checks.tips import place_in, tip_for
 from utils.checks.using import forbidden_in, functions_used, refused_modules
 from utils.lent.hearing import hear
 from utils.lent.stubs import own
-from utils.remote import ENDLESS
 
 if TYPE_CHECKING:
     from utils.checks.display import Table
@@ -161,8 +160,7 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
 def _stopped(one_check: Check, over: TimeUp, function: Callable) -> Stopped:
     """What it means that a function did not come back, and where it was."""
     begin = f"{one_check.exercise} did not come back after {SECONDS} s"
-    loops = loops_around(over.__cause__, function)
-    said = told_of(loops, ENDLESS) if not one_check.slow else f": {one_check.slow}"
+    said = told_of(loops_around(over.__cause__, function), one_check.slow)
     return Stopped(f"{begin}{said} If a cell of yours hangs, press the stop button ■ above.")
 
 

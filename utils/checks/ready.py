@@ -26,7 +26,7 @@ def remember(exercise: str, function: Callable, passed: bool) -> None:
 
 
 def ready(*functions: Callable) -> bool:
-    """Whether functions have passed their checks; says for which of them a cell waits.
+    """Whether functions have passed their checks, and without a note; says what a cell waits for.
 
     For cells in which a wrong one would do worse than fail: compiled, a loop without an end can
     not be stopped.
@@ -41,6 +41,7 @@ def ready(*functions: Callable) -> bool:
     """
     waiting = [one for one in map(own, functions) if _PASSED.get(one.__name__) is not one]
     for one in waiting:
-        why = "has not passed its check" if is_written(one) else "is not written yet"
+        wrong = "has not passed its check, or not without a note"
+        why = wrong if is_written(one) else "is not written yet"
         print(f"{one.__name__} {why}: this cell waits for it.")
     return not waiting

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from types import CodeType
 
 from utils.checks.tips import frames_of, written_name
+from utils.remote import ENDLESS
 
 
 @dataclass(frozen=True)
@@ -76,26 +77,26 @@ def _holds(node: ast.AST, row: int) -> bool:
     return isinstance(node, ast.While | ast.For) and node.lineno - 1 <= row < node.end_lineno
 
 
-def told_of(loops: list[Loop], question: str) -> str:
+def told_of(loops: list[Loop], known: str) -> str:
     """The end of a sentence that begins "It did not come back after 15 s".
 
     Parameters
     ----------
     loops : list of Loop
         From `loops_around`.
-    question : str
-        What to ask where nothing better is known.
+    known : str
+        What the check knows to ask; may be empty.
 
     Returns
     -------
     str
     """
     if not loops:
-        return f": {question}"
+        return f": {known or ENDLESS}"
     still = f", and was in the loop of {loops[0]}"
     if len(loops) > 1:
         still += f", inside that of {loops[1]}"
-    return f"{still}. {_question_about(loops)}"
+    return f"{still}. {known[:1].upper() + known[1:] or _question_about(loops)}"
 
 
 def _question_about(loops: list[Loop]) -> str:
