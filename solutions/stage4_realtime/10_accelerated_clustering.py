@@ -206,6 +206,7 @@ right.grid(which="minor", color="black", alpha=0.4, linewidth=0.8)  # behind the
 # %%
 def as_numbers(rows):
     """One whole number for each row of whole numbers: equal for equal rows, and for no others."""
+    rows = np.asfortranarray(rows)  # column by column in memory: sooner gone through
     rows = rows - rows.min(axis=0)
     extent = rows.max(axis=0) + 1
     if not np.log2(extent).sum() < 62:  # more rows are possible than there are numbers
