@@ -486,10 +486,11 @@ def on_floors(points, cell_of_point, open_pairs, threshold):
     by_cell, sizes = points[np.argsort(cell_of_point)], np.bincount(cell_of_point)
     ends, sides = np.cumsum(sizes), []
     for cells in open_pairs.T:
-        members = [by_cell[end - size : end] for end, size in zip(ends[cells], sizes[cells])]
-        floor = np.repeat(np.arange(len(cells)), sizes[cells])
-        members = np.concatenate([np.empty((0, 3)), *members])  # there may be no open pair
-        sides.append(np.column_stack([members, 2 * threshold * floor]))
+        many = sizes[cells]
+        floor = np.repeat(np.arange(len(cells)), many)
+        # The points of a cell are the last rows of by_cell before its end.
+        rows = np.arange(len(floor)) + np.repeat(ends[cells] - np.cumsum(many), many)
+        sides.append(np.column_stack([by_cell[rows], 2 * threshold * floor]))
     return *sides, floor
 
 
