@@ -117,7 +117,7 @@ seven = np.array([[0.0, 0.0], [2.0, 0.1], [0.45, 0.15], [2.3, -0.2], [0.45, -0.1
                   [0.91, 0.0], [1.5, -1.1]])
 figure, axes = plt.subplots(figsize=(8.5, 4.4), layout="compressed")
 plots.graph(seven, close_pairs(seven, 0.8), names=True, axes=axes,
-            title="Which points are closer than 0.8 m?");
+            limits=((-0.2, 2.5), (-1.3, 0.3)), title="Which points are closer than 0.8 m?");
 
 # %% [markdown]
 # Points 0 and 5 are 0.91 m apart and no neighbours, but 2 (and 4) lies between them: one cluster. Points 1 and 3 are the second. Point 6 has no neighbour and is a cluster of its own. The number three was given by no one; we read it off.
@@ -253,7 +253,7 @@ print("your labels:", seven_labels)
 print("by hand:    [1 2 1 2 1 1 3]")
 figure, axes = plt.subplots(figsize=(8.5, 4.4), layout="compressed")
 plots.graph(seven, close_pairs(seven, 0.8), labels=seven_labels, names=True, axes=axes,
-            title="Your clusters of the seven points");
+            limits=((-0.2, 2.5), (-1.3, 0.3)), title="Your clusters of the seven points");
 
 # %% [markdown]
 # **Look before you check.** Now the street, which takes a few seconds at most. Nearly every thing should have one colour and one marker (pairs of them repeat after 42 clusters). Some are torn or joined even so, such as the slanted car 7 m ahead: that is not your mistake, and we shall come to it. You should see neither confetti nor one colour for everything.
