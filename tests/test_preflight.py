@@ -367,7 +367,7 @@ def test_what_is_prepared_stays_as_it_is():
     for kind in (Answer, Prepared, ToJudge):
         assert kind.__dataclass_params__.frozen
     assert Answer("a").certain
-    assert preflight._given_cells(LESSON) is preflight._given_cells(LESSON)  # read once
+    assert preflight.given_cells(LESSON) is preflight.given_cells(LESSON)  # read once
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 
 from grader.course import rules
 from grader.course.lessons import find_lesson, lesson_of, load_reference
+from grader.intake.preflight import given_cells
 from grader.judging import explained, repair, results
 from grader.judging.asking import run_tests
 from grader.judging.followed import Followed
@@ -24,7 +25,7 @@ from grader.sandbox.student import TOOK_TOO_LONG
 from tests.students import student_with
 from utils.checks import Check, checks_of
 from utils.checks.diagnosis import Mistake, known_mistakes, player_of
-from utils.checks.failures import CheckFailed
+from utils.checks.failures import CheckFailed, WrongForm
 from utils.checks.outcomes import Outcome
 from utils.checks.remembering import once
 
@@ -262,6 +263,11 @@ def test_hidden_questions_are_made_where_shown_ones_are_passed(passing):
     assert passing(student) == [] and student.hidden_made == 0
 
 
+def test_what_comes_to_no_end_where_clouds_are_large_is_judged(passing):
+    student = Edited(["abxy", "B", "x", "X", "y", "Y", ""])
+    assert passing(student) == [2, 4, 5]
+
+
 def test_who_answers_otherwise_when_asked_again_gets_no_more_throws(passing):
     student = Edited(["bxy", "", ""])
     assert passing(student) == [] and student.tried == 0
@@ -307,9 +313,30 @@ def test_who_is_interrupted_hangs_and_who_raises_does_not():
     assert not any(map(repair._hangs, others))
 
 
+def test_who_is_told_so_by_a_check_hangs():
+    failures = []
+    for error in (StudentStopped("It did not answer."), StudentError("f", "IndexError")):
+        try:
+            try:
+                raise error
+            except Exception as first:
+                raise CheckFailed(f"60,000 points. {first}") from None
+        except CheckFailed as failure:
+            failures.append(failure)
+    assert list(map(repair._hangs, failures)) == [True, False]
+
+
 def test_of_edits_that_pass_three_are_judged(passing):
     student = Edited(["abxy", "", "a", "", "", "", ""])
     assert passing(student) == [0, 2, 3] and student.tried == 4
+
+
+def test_a_cell_as_it_was_handed_out_is_not_edited(passing, monkeypatch):
+    given = next(cell for cell in given_cells(LINE) if cell.kind == "code")
+    monkeypatch.setitem(globals(), "HANDED_IN", Program((given.source, "x = 1"), ()))
+    student = Edited(["abxy", "", "", ""])
+    student.edits = [(cell, number, number, "") for number, cell in enumerate((1, 2, 1))]
+    assert passing(student) == [1] and student.tried == 1
 
 
 def test_an_edit_of_a_line_that_raised_is_tried_first(passing):
@@ -398,6 +425,15 @@ def test_what_ends_a_loop_is_tried_first_where_one_had_no_end():
     assert [number for number, _ in repair._in_order(edits, hangs)] == [1, 3, 5, 0, 2, 4]
     fails = outcomes_of("line_through", NO)
     assert [number for number, _ in repair._in_order(edits, fails)] == [0, 1, 2, 3, 4, 5]
+
+
+def test_what_returns_something_is_tried_first_where_nothing_came():
+    texts = ("x = 1", "    return x", "return", "y = 1\nreturn y", "return y")
+    edits = [(1, 1, 1, text) for text in texts]
+    nothing = outcomes_of("line_through", NO, WrongForm("It returned None.", yours="None"))
+    assert [number for number, _ in repair._in_order(edits, nothing)] == [1, 4, 0, 2, 3]
+    something = outcomes_of("line_through", NO, WrongForm("It is a list.", yours="[None]"))
+    assert [number for number, _ in repair._in_order(edits, something)] == [0, 1, 2, 3, 4]
 
 
 def test_what_changes_the_line_that_raised_is_tried_first():

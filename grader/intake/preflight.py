@@ -142,7 +142,7 @@ def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
         prepared = prepare(handed_in, lesson)
         return prepared.code, prepared.notes, prepared.versions
 
-    _given_cells(lesson)  # read here, and remembered for the next
+    given_cells(lesson)  # read here, and remembered for the next
     code, notes, versions = apart(handed_in.name, work)
     return ToJudge(tuple(code), tuple(notes), versions)
 
@@ -290,7 +290,7 @@ def _modules(draft: _Draft) -> Iterator[str]:
 
 def _written_answers(draft: _Draft) -> Iterator[str]:
     """What was written for a person to read: in its cell, or in a new one below it."""
-    released = [cell.source.split() for cell in _given_cells(draft.lesson)]
+    released = [cell.source.split() for cell in given_cells(draft.lesson)]
     moved = set()
     for name in _by_hand(draft.lesson):
         stub = _given(draft.lesson)[name]
@@ -394,7 +394,7 @@ def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[
 
 def _place_before(draft: _Draft, name: str) -> int | None:
     """Where the released cell before a graded one stands in the student's notebook."""
-    given = _given_cells(draft.lesson)
+    given = given_cells(draft.lesson)
     at = next(place for place, cell in enumerate(given) if cell.grade_id == name)
     prompt = given[at - 1].source.split() if at else None
     places = [place for place, cell in enumerate(draft.cells) if cell.source.split() == prompt]
@@ -452,7 +452,7 @@ def _by_hand(lesson: Lesson) -> list[str]:
 
 
 @functools.cache
-def _given_cells(lesson: Lesson) -> tuple[Cell, ...]:
+def given_cells(lesson: Lesson) -> tuple[Cell, ...]:
     """The cells of a lesson as it was released."""
     return tuple(
         Cell(
@@ -465,4 +465,4 @@ def _given_cells(lesson: Lesson) -> tuple[Cell, ...]:
 
 
 def _given(lesson: Lesson) -> dict[str, Cell]:
-    return {cell.grade_id: cell for cell in _given_cells(lesson) if cell.grade_id}
+    return {cell.grade_id: cell for cell in given_cells(lesson) if cell.grade_id}

@@ -14,12 +14,13 @@ answers of other students. Here nobody's answer is needed, as the questions deci
 from __future__ import annotations
 
 import functools
-import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from grader.course.lessons import Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
+from grader.intake.preflight import given_cells
 from grader.judging.asking import hidden_questions, shown_questions
 from grader.judging.explained import explains
 from grader.judging.followed import Followed
@@ -146,18 +147,31 @@ def repair_of(
 def _in_order(
     edits: Sequence[tuple[int, int, int, str]], failed: tuple[Outcome, ...]
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
-    """Numbers and edits: first those of lines that raised, or that end what had to be stopped."""
+    """Numbers and edits: first those of lines that raised, and those that do what was not done.
+
+    That is to end, where it had to be stopped, and to return something, where nothing came.
+    """
     raised_at = _raised_at(failed)
     hangs = any(_hangs(outcome.failure) for outcome in failed)
+    gave_nothing = any(getattr(outcome.failure, "yours", "") == "None" for outcome in failed)
 
     def is_unlikely(numbered: tuple[int, tuple[int, int, int, str]]) -> bool:
         cell, first, last, text = numbered[1]
-        ends = hangs and text.split()[-1:] in (["return"], ["break"])
-        return not ends and not any(
+        words = text.split()
+        ends = hangs and words[-1:] in (["return"], ["break"])
+        returns = gave_nothing and words[:1] == ["return"] and len(words) > 1
+        return not (ends or returns) and not any(
             cell == where and first <= line <= last for where, line in raised_at
         )
 
     return sorted(enumerate(edits), key=is_unlikely)
+
+
+def _as_given(lesson: Lesson, program: Program) -> frozenset[int]:
+    """Numbers of the cells that stand as they were handed out: nobody made a slip there."""
+    given = {cell.source.strip() for cell in given_cells(lesson)}
+    cells = enumerate(program.cells, start=1)
+    return frozenset(number for number, cell in cells if cell.strip() in given)
 
 
 class _Questions:
@@ -201,13 +215,21 @@ class _Questions:
         return failure is not None
 
     def hold_with(self, number: int) -> bool:
-        """Whether all of them hold with an edit, which takes nothing of the time of another."""
+        """Whether all of them hold with an edit, which takes nothing of the time of another.
+
+        What students see are small clouds. Others are large, and a right answer may take longer
+        there than an edit is given: where one does not come to its end, the judge is to see.
+        """
         self._budget.lost.pop(self._student.exercise, None)
         if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
         with one_run():  # what another edit answered is nothing to this one
-            return not any(map(_failure_of, itertools.islice(self, 1, None)))
+            for place, question in enumerate(self):
+                failure = _failure_of(question) if place else None
+                if failure is not None:
+                    return place >= len(self._shown) and _hangs(failure)
+        return True
 
 
 def _failure_of(question: Callable[[], object]) -> Exception | None:
@@ -219,9 +241,15 @@ def _failure_of(question: Callable[[], object]) -> Exception | None:
 
 
 def _hangs(failure: Exception | None) -> bool:
-    """Whether a call came to no end, and had to be stopped or interrupted."""
-    return isinstance(failure, StudentStopped) or (
-        isinstance(failure, StudentError) and failure.type_name == TOOK_TOO_LONG
+    """Whether a call came to no end, and had to be stopped or interrupted.
+
+    A check may say so in words of its own, of what it was told first.
+    """
+    told_first = failure and failure.__context__
+    return any(
+        isinstance(one, StudentStopped)
+        or (isinstance(one, StudentError) and one.type_name == TOOK_TOO_LONG)
+        for one in (failure, told_first)
     )
 
 
@@ -247,7 +275,9 @@ def _passing(
         questions = _Questions(setting, student, budget, failed)
         if not questions.first_fails():  # whoever throws a coin gets no more throws
             return
-        for tried, (number, edit) in enumerate(_in_order(student.edits, failed)):
+        given = _as_given(setting.lesson, program)
+        edits = [one for one in _in_order(student.edits, failed) if one[1][0] not in given]
+        for tried, (number, edit) in enumerate(edits):
             if tried % LOOK_AFTER == 0 or time.monotonic() > look_at:
                 look_at = time.monotonic() + LOOK_SOON
                 worked = time.process_time() - begin + student.cpu_seconds
