@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
+from scipy.sparse import coo_array
 
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
@@ -331,6 +332,8 @@ def test_labels_and_arrays_say_what_was_expected():
         (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "as many numbers"),
         (lambda: len(filter_ground.__doc__), "return"),
         (lambda: undefined_name, "spelt"),  # noqa: F821
+        (lambda: (CLOUD, CLOUD) < 0.5, "take it apart"),
+        (lambda: coo_array(([True], ([3], [0])), shape=(3, 3)), "count - 1"),
         (lambda: filter_ground(points=CLOUD), "another name"),
         (lambda: filter_ground(), "first line"),
     ],

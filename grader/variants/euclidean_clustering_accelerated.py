@@ -318,7 +318,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: representatives only
 # loses: compares_the_points, test_crowded_cells, test_touching_heaps
 # says: compare all their points
-# told: Only the representatives
+# told: stay apart, also where other points
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:
@@ -591,7 +591,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # %% wrong: the exact step without what it found
 # loses: compares_the_points, test_crowded_cells, test_touching_heaps
 # says: compare all their points
-# told: Only the representatives
+# told: stay apart, also where other points
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
     points = cloud[:, :3]
     if len(points) == 0:

@@ -59,7 +59,7 @@ street = ((-20, 40), (-15, 15))  # x from, to; y from, to
 plots.from_above(obstacles, limits=street, title=f"{len(obstacles):,} points to cluster");
 
 # %% [markdown]
-# Most of the work of clustering is one question: which points are neighbours, that is, closer than the threshold of half a metre? Lesson 05 answered it by comparing each point with all others.
+# Clustering begins with one question: which points are neighbours, that is, closer than the threshold of half a metre? Lesson 05 answered it by comparing each point with all others.
 
 # %%
 waiting = predict("How long does it take to compare each of these points with all others?",
@@ -139,7 +139,7 @@ listing = seconds_of(lambda: cKDTree(xyz).query_pairs(0.5, output_type="ndarray"
 print(f"listing the pairs alone: {listing:.2f} s")
 
 # %% [markdown]
-# That is correct, short, and for many purposes good enough. It takes no longer than only *asking* the tree did above, and now the clusters are there. Most of the time goes into joining: the pairs are found quickly, but there are so many of them.
+# That is correct, short, and for many purposes good enough. It takes about as long as only *asking* the tree did above, often less, and now the clusters are there. Most of the time goes into joining: the pairs are found quickly, but there are so many of them.
 #
 # The list has two faults: it is many turns of the scanner late, and it keeps all pairs in memory, two whole numbers of 8 bytes each. How many pairs are there? That depends on density and threshold, so **count before you list**: `return_length=True` only counts.
 
@@ -449,8 +449,10 @@ def ring_parts(axes, points, whole, parts):
 
 far = ((20, 40), (-7, 7))
 seen = (x > 20) & (x < 40) & (np.abs(y) < 7)
+here = len(np.unique(nearly[seen]))
 axes = plots.clusters(obstacles[seen], nearly[seen], like=from_pairs[seen] + 1, limits=far,
-                      title="After two steps: rings where a cluster is torn")
+                      title=f"{here} pieces after two steps: rings where a cluster is torn")
+axes.get_legend().remove()
 ring_parts(axes, xyz[seen], from_pairs[seen], nearly[seen])
 
 # %% [markdown]
@@ -557,7 +559,7 @@ check(join_exactly)
 # - **Allowed:** NumPy, `scipy.spatial`, `scipy.sparse` with `connected_components`, and helper functions of your own, also in cells of their own.
 # - **Not allowed:** libraries that do the clustering: `sklearn.cluster`, `scipy.cluster`, `open3d`, `dbscan`.
 #
-# One thing is new: the numbers of the pieces have gaps and are in the order of the cells, and the clusters shall be numbered 1, 2, 3 as they first appear in the cloud. `np.unique` helps again:
+# One thing is new: pieces are numbered as their cells come, perhaps with gaps, and the clusters shall be numbered 1, 2, 3 as they first appear in the cloud. `np.unique` helps again:
 
 # %%
 pieces = np.array([7, 3, 7, 5])  # of four points
@@ -789,7 +791,7 @@ if is_written(euclidean_clustering_accelerated):
 # | side of a cell = threshold | here and there things run together that are up to 1.7 thresholds apart |
 # | neighbouring cells joined without measuring | things run together everywhere, as with a threshold half as large again |
 # | representatives only, no exact test | things are torn where points are sparse, and other things once the cloud moves by 10 cm |
-# | only the 26 cells around a cell | pairs two cells apart are missed: thin things tear |
+# | only the 26 cells around a cell | pairs two cells apart are missed: one thing in five tears |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
 # | no floors: `p[:, :3]` and `q[:, :3]` | things join whose points never met |
 # | a list of all pairs | right, until the memory is full |

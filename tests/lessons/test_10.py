@@ -146,7 +146,7 @@ def test_what_is_said_about_pairs(obstacles):
 
 @pytest.mark.slow
 def test_the_list_of_all_pairs_against_the_tree(obstacles):
-    """No longer than asking the tree alone; much quicker than asking it and joining."""
+    """About as long as asking the tree alone; much quicker than asking it and joining."""
     by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
     few = np.random.default_rng(1).permutation(obstacles)[:6000]
     for points in (few, obstacles):
@@ -167,6 +167,14 @@ def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obsta
     joined = LESSON.components(len(cells), pairs).max() + 1
     small, large = (LESSON.euclidean_clustering_accelerated(obstacles, one) for one in (0.85, 0.65))
     assert small.max() < joined < large.max()
+
+
+def test_one_thing_in_five_tears_where_only_the_next_cells_are_looked_at(obstacles, right):
+    cells, first, which = LESSON.points_in_cells(obstacles, 0.5)
+    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
+    label = LESSON.join_exactly(obstacles, which, pairs, np.arange(len(cells)), 0.5)[which]
+    parts = np.unique(np.stack([right, label]), axis=1)[0]
+    assert np.mean(np.bincount(parts) > 1) == pytest.approx(0.2, abs=0.03)
 
 
 def test_an_order_taken_for_ranks_is_noted():

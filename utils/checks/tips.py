@@ -344,6 +344,20 @@ _TIPS = (
     ),
     (
         "ValueError",
+        r"index .*exceeds matrix dimension",
+        "",
+        "A pair names a node that is not there: of `count` nodes the last is count - 1. Do count "
+        "and pairs speak of the same things, points, cells or pieces?",
+    ),
+    (
+        "TypeError",
+        r"'[<>]=?' not supported between instances of .*'tuple'",
+        "",
+        "A function that returns two things gives a pair: take it apart, one, other = f(...), or "
+        "take the first of them, f(...)[0].",
+    ),
+    (
+        "ValueError",
         r"incompatible dimensions for cross product|must be \(arrays of\) 3-dimensional",
         "",
         "np.cross takes x, y, z and nothing more: leave out the intensity, with [:, :3] of a "

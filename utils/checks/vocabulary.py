@@ -124,6 +124,7 @@ def as_array(
     columns: int | None = None,
     what: str = "an array",
     most: int = MOST_NUMBERS,
+    each: str = "point",
 ) -> np.ndarray:
     """An answer as a numeric array.
 
@@ -136,6 +137,8 @@ def as_array(
         The kind of thing that was expected, for the message.
     most : int
         As for `utils.checks.claims.as_numbers`.
+    each : str
+        What a row stands for.
 
     Returns
     -------
@@ -169,25 +172,25 @@ def as_array(
             array = array.reshape(0, columns)
         if array.ndim != 2 or array.shape[1] != columns:
             raise WrongForm(
-                _about_rows(array, columns),
+                _about_rows(array, columns, each),
                 yours=f"{array.dtype} numbers of shape {array.shape}",
                 expected=f"shape (n, {columns})",
             )
     return array
 
 
-def _about_rows(array: np.ndarray, columns: int) -> str:
-    """What an array is that should have been rows of the cloud."""
-    if array.dtype.kind == "b" and array.ndim == 1:
+def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
+    """What an array is that should have been rows of the cloud, or of other things."""
+    of_the_cloud = each == "point"
+    if of_the_cloud and array.dtype.kind == "b" and array.ndim == 1:
         return "This is a mask, True or False for each point: return the rows, cloud[mask]."
     if array.ndim == 2 and array.shape[0] == columns:
         return (
-            f"The answer has {columns} rows, as if points stood in columns: one row per point, "
-            f"{columns} columns."
+            f"The answer has {columns} rows, as if each {each} stood in a column: one row per "
+            f"{each}, {columns} columns."
         )
-    return (
-        f"The shape is {array.shape}, expected {columns} columns: one row per point, "
-        "the columns of the input."
+    return f"The shape is {array.shape}, expected {columns} columns: one row per {each}" + (
+        ", the columns of the input." if of_the_cloud else "."
     )
 
 
@@ -438,7 +441,7 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
         raise CheckFailed("Some rows are there twice and others are missing.")
 
 
-def as_labels(answer: object, n: int) -> np.ndarray:
+def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
     """An answer as whole-numbered labels.
 
     Parameters
@@ -446,16 +449,18 @@ def as_labels(answer: object, n: int) -> np.ndarray:
     answer : object
     n : int
         Number of points.
+    of : str
+        What has a label, if these are not points.
 
     Returns
     -------
     numpy.ndarray of int, shape (n,)
     """
     labels = as_array(answer, what="an array of labels")
-    labels = in_shape(labels, (n,), f"one label for each of the {n} points")
+    labels = in_shape(labels, (n,), f"one label for each of the {n} {of}")
     if labels.dtype.kind == "b":
         raise WrongForm(
-            "This is a mask, True or False for each point; labels are whole numbers.",
+            f"This is a mask, True or False for each of the {of}; labels are whole numbers.",
             yours=brief(labels),
         )
     if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):

@@ -110,7 +110,8 @@ def follows_chains(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=4,
     title="Pairs just below the threshold join, in every direction and across borders",
-    why="A short cut that looks only at the nearest cells tears thin things: poles, signs, people.",
+    why="A short cut that looks only at the nearest cells tears whatever has few points: poles, "
+    "signs, people far away.",
     hint="With cells of side threshold / sqrt(3), close points lie up to two cells apart "
     "along each axis: 5 x 5 x 5 cells, corners included.",
 )
@@ -618,6 +619,9 @@ def _lines_across_cells() -> tuple[tuple[np.ndarray, float], ...]:
     for threshold, (way, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
         for scale in (threshold, -1.5 * threshold):
             cases.append((on_a_line(scale * np.array(places), way=way), abs(scale)))
+    # Not close, on both sides of the sensor: in rounded cells as in others. Whoever adds where a
+    # difference is asked for joins them.
+    cases.append((on_a_line([0.6, -0.5, 9.0, 9.4], way=_AXIS[0]), 1.0))
     return frozen_cases(cases)
 
 
@@ -645,7 +649,7 @@ mistakes(
         "In space the diagonal is side * sqrt(3): the side is threshold / sqrt(3).",
     ),
     Mistake(
-        "Neighbouring cells are joined without measuring.",
+        "Neighbouring cells are joined without measuring, or at too large a distance.",
         _with_cells(_SIDE, lambda gaps, steps, firsts: steps <= 2),
         "Neighbours may be close: join them if a point of the one is closer than the threshold to "
         "a point of the other.",
@@ -656,10 +660,11 @@ mistakes(
         "5 x 5 x 5 cells, corners included: query_pairs(2, p=np.inf).",
     ),
     Mistake(
-        "Only the representatives of cells are compared: where they are far apart, others may be "
-        "close.",
+        "Two cells whose representatives are far apart stay apart, also where other points of "
+        "theirs are close.",
         _with_cells(_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
-        "Where the pieces of two neighbouring cells still differ, compare all their points.",
+        "Where the pieces of two neighbouring cells still differ, compare all their points, and "
+        "go on with what comes of it.",
     ),
     Mistake(
         "Each cell is a cluster: none are joined.",

@@ -18,6 +18,7 @@ from utils.checks.vocabulary import (
     assert_left_alone,
     brief,
     frozen,
+    in_shape,
     needs,
     observe,
     overlaps,
@@ -59,7 +60,7 @@ def _parts(answer: object, names: Sequence[str]) -> tuple:
 
 def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> None:
     """Cells hang together as expected, under whatever numbers."""
-    yours = as_labels(answer, len(expected))
+    yours = as_labels(answer, len(expected), of="cells")
     shared, number, others = overlaps(yours, expected)
     if not shared == number == others:
         raise CheckFailed(
@@ -80,9 +81,11 @@ def _pieces(label: np.ndarray) -> str:
 
 def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
     cells, first, cell_of_point = _parts(answer, ("cells", "first", "cell_of_point"))
-    cells = as_array(cells, columns=3, what="cells, three numbers each").astype(float)
+    cells = as_array(cells, columns=3, what="cells, three numbers each", each="cell").astype(float)
     right = np.floor(points / (threshold / np.sqrt(3)))
-    which = as_labels(cell_of_point, len(points))
+    which = as_array(cell_of_point, what="a row of cells for each point")
+    each = f"one number in cell_of_point for each of the {len(points)} points"
+    which = as_labels(in_shape(which, (len(points),), each), len(points))
     different = len(np.unique(right, axis=0))
     if len(cells) != different or which.min() < 0 or which.max() >= len(cells):
         raise CheckFailed(
@@ -122,8 +125,9 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     "points_in_cells",
     title="The seven points lie in six cells",
     why="Points that share a cell are one cluster without measuring: the cell must be right.",
-    hint="np.floor(points / side) names the cell of each point, below zero as well; np.unique of "
-    "their numbers finds first and cell_of_point, and cells[first] are the different cells.",
+    hint="The side is threshold / np.sqrt(3), here 1 m. rows = np.floor(points / side) are the "
+    "cells of all points, below zero as well; np.unique of their numbers finds first and "
+    "cell_of_point, and rows[first] are the different cells.",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
     _assert_cells(points_in_cells(SEVEN.copy(), WIDE), SEVEN, WIDE, _GIVEN)
@@ -144,16 +148,22 @@ def follows_the_side(points_in_cells: Callable) -> None:
         _assert_cells(points_in_cells(SEVEN.copy(), threshold), SEVEN, threshold, given)
 
 
+@visible(
+    "points_in_cells",
+    title="Leaves the points where they are",
+    why="Whoever runs a cell a second time would start from other points, and so does step 2.",
+    hint="points / side is a new array; points /= side changes the one that was given.",
+)
+def leaves_the_points(points_in_cells: Callable) -> None:
+    assert_left_alone(observe(points_in_cells, SEVEN, 0.5), SEVEN, 0.5)
+
+
 # ---- step 2 ------------------------------------------------------------------------------------
 
-# More points in the first cell than there are cells, and then one in every second cell: as many
-# rows of points as of cells lie close together, while no two cells do.
-_HEAP = frozen(
-    np.vstack(
-        [0.1 + 0.02 * np.arange(6)[:, None] * np.ones(3), np.outer([2.05, 4.1, 6.15], np.eye(3)[0])]
-    )
-)
-_HEAP_CELLS = frozen(np.array([[0, 0, 0], [2, 0, 0], [4, 0, 0], [6, 0, 0]]))
+# More points in the first cell than there are cells, and then one cell two steps on along x, y
+# and z: as many rows of points as of cells lie close together, while no two cells do.
+_HEAP = frozen(np.vstack([0.1 + 0.02 * np.arange(6)[:, None] * np.ones(3), 2.05 * np.tri(3)]))
+_HEAP_CELLS = frozen(np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [2, 2, 2]]))
 _HEAP_FIRST = frozen(np.array([0, 6, 7, 8]))
 
 
@@ -170,11 +180,12 @@ def _joined(join_cheaply: Callable) -> tuple:
     "two steps apart along each axis. All of them are returned, joined or not.",
 )
 def finds_the_neighbours(join_cheaply: Callable) -> None:
-    pairs = as_array(_joined(join_cheaply)[0], columns=2, what="pairs of cells")
+    pairs = _joined(join_cheaply)[0]
+    pairs = as_array(pairs, columns=2, what="pairs of cells", each="pair of cells")
     yours = np.unique(np.sort(pairs, axis=1), axis=0)
     if len(yours) != len(pairs) or not np.array_equal(yours, _PAIRS):
         raise CheckFailed(
-            "These are not all pairs of cells at most two steps apart, each once.",
+            "These are not the pairs of cells at most two steps apart, all of them and each once.",
             given=_GIVEN,
             yours=brief(yours.tolist()),
             expected=brief(_PAIRS.tolist()),
@@ -197,16 +208,22 @@ def joins_what_is_close(join_cheaply: Callable) -> None:
     title="What is measured are points, not the numbers of their cells",
     why="Cell 3 is not point 3. On the street, things far apart become one.",
     hint="pairs[:, 0] are rows of cells. first[pairs[:, 0]] are rows of points, and "
-    "points[first[pairs[:, 0]]] are the points.",
+    "points[first[pairs[:, 0]]] are the points: x, y and z all count.",
 )
 def measures_representatives(join_cheaply: Callable) -> None:
     arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE
     _, label = _parts(join_cheaply(*arguments), ("pairs", "label"))
-    given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (4, 0, 0), (6, 0, 0)"
+    given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
     _assert_same_pieces(label, np.arange(4), f"{given}; from cell to cell about 2 m, threshold √3")
 
 
 # ---- step 3 ------------------------------------------------------------------------------------
+
+# Cells in a row, two steps from each to the next and three points in each, of which the first lie
+# too far apart. Of the others some are close, but for those of the last two cells.
+_IN_CELL = frozen(np.array([[0.1, 0.5, 0.9]] * 4 + [[0.9, 0.95, 0.85]]))
+_ROW = frozen(np.outer((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), np.eye(3)[0]))
+_ROW_PAIRS = frozen(np.array([[0, 1], [1, 2], [2, 3], [3, 4]]))
 
 
 def _exactly(label: np.ndarray) -> tuple:
@@ -238,3 +255,20 @@ def leaves_the_labels(join_exactly: Callable) -> None:
     with needs("points 3 and 4 join their pieces, and all cells of these"):
         joins_exactly(join_exactly)
     assert_left_alone(observe(join_exactly, *_exactly(_PIECES)), *_exactly(_PIECES))
+
+
+@visible(
+    "join_exactly",
+    title="A row of pieces becomes one, as far as its points are close",
+    why="A wall falls into dozens of pieces, and each is close to the next one only.",
+    hint="Each open pair has a floor, and several points on it: floor_of_q[near] are the rows of "
+    "the open pairs to join, and components joins on from piece to piece.",
+)
+def joins_on_and_on(join_exactly: Callable) -> None:
+    label = np.array([3, 0, 4, 1, 2])
+    answer = join_exactly(_ROW.copy(), np.repeat(np.arange(5), 3), _ROW_PAIRS.copy(), label, WIDE)
+    given = (
+        "five cells in a row, a piece each, with three points in each; up to the fourth a point "
+        "of each is 1.2 m from one of the next, threshold √3 m"
+    )
+    _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), given)

@@ -231,7 +231,8 @@ def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
             yours=f"shapes {np.shape(boxes)} and {np.shape(velocities)}",
             expected=f"shapes {_FOUND.shape} and {_SPEEDS.shape}",
         )
-    velocities = as_array(velocities, columns=3, what="velocities, three numbers each")
+    what = "velocities, three numbers each"
+    velocities = as_array(velocities, columns=3, what=what, each="velocity")
     if len(velocities) != len(_FOUND):
         raise WrongForm(
             f"There must be one velocity for each of the {len(_FOUND)} boxes.",
