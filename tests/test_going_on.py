@@ -162,6 +162,14 @@ def test_a_cell_that_fails_anyway_shows_how(tell):
     assert ran[5].succeeded and not ran[5].banners
 
 
+def test_ones_own_is_back_after_a_cell_that_fails_with_the_courses_answer(tell):
+    mine = "print('mine', largest([5]))"
+    ran = tell("data", NOTHING, "look", "check", "use", "wrong", mine, "check", "call")
+    assert ran[5].errors == ["ValueError: of the lesson"]
+    assert (ran[6].printed, ran[6].said, ran[6].errors) == ("mine None\n", [], [])
+    assert ran[7].errors == ["ChecksFailed: one check failed"]  # of one that is written
+
+
 def test_a_slider_that_fails_goes_on(tell):
     slider = tell("data", NOTHING, "look", "check", "slider")[-1]
     assert (slider.errors, slider.printed, len(slider.banners)) == ([], "shown 4\n", 1)

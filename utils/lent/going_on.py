@@ -193,9 +193,9 @@ class GoingOn:
         if not ran:
             _close_figures(cell.figures)
             _clear_output()
-            self._lender.give_back()
             self._switched -= found.functions
             _restore(self._namespace, before)
+            self._lender.give_back()  # last, as functions may have stood aside before
         return ran
 
     def _do_without(self, found: Plan) -> bool:
