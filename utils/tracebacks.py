@@ -1,4 +1,7 @@
-"""A traceback shows the lines that somebody wrote in a notebook, and none of the course's."""
+"""A traceback shows the lines that somebody wrote in a notebook, and none of the course's.
+
+Nor does it leave empty axes behind, which would be all that a picture shows that came to no end.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,7 @@ def show_no_frames_of_ours() -> None:
         if error is not None:
             trace = without_ours(trace)
         show((kind, error, trace), *arguments, **options)
+        _close_empty_figures()
 
     show_theirs.leaves_out = True
     shell().showtraceback = show_theirs
@@ -58,6 +62,14 @@ def without_ours(trace: TracebackType | None) -> TracebackType | None:
     for one in reversed(kept):
         rest = TracebackType(rest, one.tb_frame, one.tb_lasti, one.tb_lineno)
     return rest
+
+
+def _close_empty_figures() -> None:
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    for number in pyplot.get_fignums() if pyplot else ():
+        figure = pyplot.figure(number)
+        if not figure.texts and not any(axes.has_data() for axes in figure.axes):
+            pyplot.close(figure)
 
 
 def _is_of_a_notebook(frame: FrameType) -> bool:

@@ -1,0 +1,29 @@
+"""What a cell that raised leaves on the screen."""
+
+import matplotlib.pyplot as plt
+import pytest
+
+from utils import tracebacks
+
+
+@pytest.fixture(autouse=True)
+def no_figures():
+    plt.close("all")
+    yield
+    plt.close("all")
+
+
+def test_of_pictures_that_came_to_no_end_only_those_with_something_in_them_stay():
+    plt.figure()
+    plt.subplots(2, 1)
+    half_drawn, (_, axes) = plt.subplots(2, 1)
+    axes.plot([1.0, 2.0])
+    written = plt.figure()
+    written.text(0.5, 0.5, "a word")
+    tracebacks._close_empty_figures()
+    assert plt.get_fignums() == [half_drawn.number, written.number]
+
+
+def test_where_nothing_draws_nothing_is_closed(monkeypatch):
+    monkeypatch.delitem(tracebacks.sys.modules, "matplotlib.pyplot")
+    tracebacks._close_empty_figures()
