@@ -472,11 +472,13 @@ distances, nearest = cKDTree(p).query(q)
 print("from points 4, 5, 6 to the nearest of 0 to 3:", distances.round(2), "which are", nearest)
 
 # %% [markdown]
-# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every open pair of cells moves to a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. On a floor all distances stay what they are, and nothing is near what stands on another floor. `on_floors` is yours to use:
+# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every open pair of cells moves to a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. On a floor all distances stay what they are, and nothing is near what stands on another floor. Of a crowded cell, whoever is a threshold or more away from the box around the other cell's points stays behind: such a point joins nothing, and the tree would be asked about it tens of thousands of times. `on_floors` is yours to use:
 
 # %%
 def on_floors(points, cell_of_point, open_pairs, threshold):
     """The points of open pairs of cells, each pair on a floor of its own.
+
+    Of cells with a hundred points or more, only those that may be close to the other cell's.
 
     Returns
     -------
@@ -487,12 +489,18 @@ def on_floors(points, cell_of_point, open_pairs, threshold):
     """
     by_cell, sizes = points[np.argsort(cell_of_point)], np.bincount(cell_of_point)
     ends, sides = np.cumsum(sizes), []
-    for cells in open_pairs.T:
+    low, high = (each.reduceat(by_cell, ends - sizes) for each in (np.minimum, np.maximum))
+    for cells, others in zip(open_pairs.T, open_pairs.T[::-1]):
         many = sizes[cells]
         floor = np.repeat(np.arange(len(cells)), many)
         # The points of a cell are the last rows of by_cell before its end.
         rows = np.arange(len(floor)) + np.repeat(ends[cells] - np.cumsum(many), many)
-        sides.append(np.column_stack([by_cell[rows], 2 * threshold * floor]))
+        members = by_cell[rows]
+        in_box = np.clip(members, low[others][floor], high[others][floor])
+        near = np.linalg.norm(members - in_box, axis=1) < threshold
+        comes = near | (many[floor] < 100)
+        floor = floor[comes]
+        sides.append(np.column_stack([members[comes], 2 * threshold * floor]))
     return *sides, floor
 
 
