@@ -39,10 +39,17 @@ _SIDES = (
     "closeness to other sides: it finds the same turn but in few clusters, and none of this seed"
 )
 _YAW = "yaw = max(np.radians(np.arange(90)), key=fit.closeness)"
+_PAIRS = "pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)"
 KNOWN = {
     "ransac_plane": {
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 2)")): _WORSE,
         (_REFIT, _REFIT.replace(_SVD, f"({_SVD} ** 0.5)")): _WORSE,
+    },
+    "euclidean_clustering_accelerated": {
+        (
+            _PAIRS,
+            f"{_PAIRS}[1:]",
+        ): "of thousands of pairs the first is left out: on this seed others join the same cells",
     },
     "get_oriented_boxes": {
         (_HULL, _HULL.replace("ConvexHull(points[:, :2])", "ConvexHull(points[:, :2][1:])")): _EDGE,
