@@ -958,6 +958,8 @@ drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacle
 # ```
 #
 # It adds up metres, collisions and brakings for nothing; without a notebook, the car sees the true boxes. How far do you come?
+#
+# The course's detector comes through all twenty without a collision, and brakes for nothing 17 times in 2.8 km: nobody would like to ride along. Most of these brakings are for the corner of a box that reaches into our lane, while the parked car or lorry in it does not. Principal axes lean where two sides are seen, as lesson 11 says. Fitting by closeness, number 2 of its *If you want more*, is one way out.
 
 # %% [markdown]
 # ## In practice

@@ -17,8 +17,11 @@ from utils.drive.rules import (
     COMFORTABLE,
     CORRIDOR,
     DECELERATION,
+    OVER,
     REACTION,
     STANDSTILL,
+    STAYS,
+    STILL,
     SURE,
     stopping_distance,
 )
@@ -62,19 +65,50 @@ class Decision:
     gap: float = np.inf
 
 
+@dataclass(frozen=True, eq=False)
+class Streak:
+    """Something over our own car, scan after scan in one place.
+
+    Parameters
+    ----------
+    middle : ndarray, shape (2,)
+        Of its box, in metres, the scanner at the origin.
+    scans : int
+        In a row.
+    """
+
+    middle: np.ndarray
+    scans: int
+
+
 class Planner:
-    """Brakes for what is in the way three times in a row: a box that flickers is none."""
+    """Brakes for what is in the way three times in a row: a box that flickers is none.
+
+    Nobody gets onto our car from one scan to the next; drops do, and are gone again, and dirt
+    does, and stays. So what is over it counts once it has been in one place for a second.
+    """
 
     def __init__(self) -> None:
-        self._blocked = 0
+        self._blocked, self._over = 0, []
 
     def decide(self, speed: float, limit: float, things: Iterable[Thing]) -> Decision:
         """What to do now; see `plan`."""
-        decision = plan(speed, limit, things)
+        decision = plan(speed, limit, self._believed(speed, list(things)))
         self._blocked = self._blocked + 1 if decision.cause else 0
         if 0 < self._blocked < SURE:
             return Decision(min(plan(speed, limit, ()).acceleration, 0.0))
         return decision
+
+    def _believed(self, speed: float, things: list[Thing]) -> list[Thing]:
+        """All things; without those over our car, unless they stay."""
+        over = {thing: self._again(thing) for thing in things if reach(thing, speed) > OVER}
+        self._over = list(over.values())
+        return [thing for thing in things if thing not in over or over[thing].scans >= STAYS]
+
+    def _again(self, thing: Thing) -> Streak:
+        middle = thing.corners[:, :2].mean(axis=0)
+        there = [one for one in self._over if np.abs(one.middle - middle).max() <= STILL]
+        return Streak(middle, 1 + max((one.scans for one in there), default=0))
 
 
 def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
@@ -89,7 +123,8 @@ def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
     free = min(ACCELERATION, (limit - speed) / 0.5)
     decisions = [Decision(free)]
     for thing in things:
-        gap, ahead = room(thing, speed), max(thing.velocity[0], 0.0)
+        gap = room(thing, speed)
+        ahead = max(thing.velocity[0], 0.0) if gap > 0 else 0.0  # what is over us leads nobody
         needed = needed_room(thing, speed)
         if gap <= needed + (speed == 0):  # who stands waits for a metre more
             ours_to_lose = max(speed**2 - ahead**2, 0.0)
@@ -128,6 +163,15 @@ def room(thing: Thing, speed: float, wider: float = 0.0) -> float:
             # What drives away has its own room; what comes towards us takes some of ours.
             return float(nearest + min(forward, 0.0) * later) - BUMPER
     return np.inf
+
+
+def reach(thing: Thing, speed: float) -> float:
+    """Metres that a thing in the corridor reaches over our car; 0 for what is ahead, or also is."""
+    x, y = thing.corners[:, :2].T
+    farthest = -_nearest_within(CORRIDOR, -x, y)
+    if x.min() > BUMPER or farthest > BUMPER + STANDSTILL:
+        return 0.0
+    return max(-room(thing, speed), 0.0)
 
 
 def _nearest_within(half: float, x: np.ndarray, y: np.ndarray) -> float:

@@ -14,7 +14,8 @@ import numpy as np
 
 from utils.boxes import distance_outside
 from utils.drive.driving import Drive
-from utils.drive.planner import Thing, needed_room, room
+from utils.drive.planner import Thing, needed_room, reach, room
+from utils.drive.rules import OVER
 from utils.drive.truth import ENOUGH, true_things
 from utils.drive.weather import KINDS
 
@@ -78,12 +79,13 @@ class Braking:
 def brakings(drive: Drive) -> Iterator[Braking]:
     """All brakings of a drive, in order."""
     for first, last in _spans(drive):
-        moment = drive.moments[first]
+        told = _telling(drive, first, last)
+        moment = drive.moments[told]
         cause = moment.decision.cause
         needed = _needed(drive, first)
-        reason = _meant(drive, first, cause, needed)
+        reason = _meant(drive, told, cause, needed)
         if not reason:
-            reason = _mistaken(drive, first, cause)
+            reason = _mistaken(drive, told, cause)
             if needed:  # by chance, and nobody is accused
                 other = WORDS[drive.street.kind_of(min(needed))]
                 reason += f", and {other} is in the way, too"
@@ -101,6 +103,15 @@ def _spans(drive: Drive) -> list[tuple[int, int]]:
         else:
             spans.append((moment.number, moment.number))
     return spans
+
+
+def _telling(drive: Drive, first: int, last: int) -> int:
+    """The moment of a braking whose cause is told: what is over our car will not let it go on."""
+    for moment in drive.moments[first : last + 1]:
+        cause = moment.decision.cause
+        if cause and reach(cause, moment.speed) > OVER:
+            return moment.number
+    return first
 
 
 def _needed(drive: Drive, first: int) -> set[int]:

@@ -34,6 +34,10 @@ DECELERATION = 7.0
 SURE = 3
 """Scans in a row in which something has to be in the way: 0.2 s of the half second."""
 
+OVER, STAYS, STILL = 0.5, 10, 0.3
+"""What reaches farther over our own car than so many metres counts after so many scans in a row, if
+from each to the next its middle keeps within so many metres."""
+
 COMFORTABLE = 3.0
 ACCELERATION = 2.0
 """m/s² of gentle braking, and of driving off."""
