@@ -204,6 +204,22 @@ def test_what_changes_a_kept_thing_finds_it_new():
     assert [statement.cell for statement in kept] == [1, 2]
 
 
+@pytest.mark.parametrize(
+    ("loop", "again"),
+    [
+        ("for axes in panels:\n    axes.plot(top)", []),
+        ("for panel in panels:\n    axes = panel\n    axes.plot(top)", []),
+        ("for axes in axes:\n    axes.plot(top)", [1]),
+        ("for panel in panels:\n    axes.plot(top)\n    axes = panel", [1]),
+        ("for panel in panels:\n    axes = axes or panel\n    axes.plot(top)", [1]),
+        ("for panel in panels:\n    axes[panel] = top", [1]),
+    ],
+)
+def test_what_a_loop_makes_anew_each_time_it_does_not_find(loop, again):
+    cells = ["axes = f(0)", "panels = [1]\ntop = 2", loop]
+    assert [one.cell for one in plan(cells, {"f": ["f"]}, set()).statements] == again
+
+
 def test_a_cell_that_uses_none_of_it_rests_on_nothing():
     found = plan(["a = f(1)", "b = 2", "print(b)"], {"f": ["f"]}, set())
     assert not found.functions and not found.statements

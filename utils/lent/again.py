@@ -100,7 +100,7 @@ def plan(
             if wanted or statement.binds & renewed:
                 kept.append(statement)
                 renewed = renewed | changes
-        needed |= statement.uses
+        needed |= _found_by(statement)
         if depends[position] and not defines:
             names |= statement.binds | statement.changes
     functions = frozenset(name for name, others in callers.items() if needed & set(others))
@@ -112,10 +112,36 @@ def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[
     """Of each statement, whether it uses one of some names, or what was made of one."""
     touched, found = set(names), []
     for statement in statements:
-        found.append(bool(statement.uses & touched))
+        found.append(bool(_found_by(statement) & touched))
         if found[-1]:
             touched |= statement.binds | statement.changes
     return found
+
+
+def _found_by(statement: Statement) -> set[str]:
+    """The names that a statement finds; a loop makes some of those that it uses anew each time."""
+    loop = statement.node
+    if not isinstance(loop, ast.For):
+        return set(statement.uses)
+    met = _names_in(loop.iter)
+    made = _names_in(loop.target) - met
+    for inner in loop.body:
+        if isinstance(inner, ast.Assign):
+            met |= _names_in(inner.value)
+            for target in inner.targets:
+                stored = _names_in(target, ast.Store)
+                met |= _names_in(target) - stored
+                made |= stored - met
+        met |= _names_in(inner)
+    return set(statement.uses) - made
+
+
+def _names_in(node: ast.AST, context: type = ast.expr_context) -> set[str]:
+    return {
+        one.id
+        for one in ast.walk(node)
+        if isinstance(one, ast.Name) and isinstance(one.ctx, context)
+    }
 
 
 def _given(statements: Sequence[Statement], functions: Collection[str]) -> Iterator[str]:
