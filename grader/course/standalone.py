@@ -124,7 +124,7 @@ def setup_cell(lesson: str) -> str:
 
 def packed_tools(lesson: str) -> bytes:
     """``utils`` for one lesson, compressed; the same bytes for the same files."""
-    others = {f"lesson_{one.number}" for one in all_lessons() if one.name != lesson}
+    others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     mine = next(one for one in every_lesson() if one.name == lesson)
     text = mine.released.read_text("utf-8")
     closed = [room for room, sign in ENTERED.items() if sign not in text]
