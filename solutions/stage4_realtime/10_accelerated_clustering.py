@@ -472,7 +472,7 @@ distances, nearest = cKDTree(p).query(q)
 print("from points 4, 5, 6 to the nearest of 0 to 3:", distances.round(2), "which are", nearest)
 
 # %% [markdown]
-# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every open pair of cells moves to a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. On a floor all distances stay what they are, and nothing is near what stands on another floor. Of a crowded cell, whoever is a threshold or more away from the box around the other cell's points stays behind: such a point joins nothing, and the tree would be asked about it tens of thousands of times. `on_floors` is yours to use:
+# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every open pair of cells moves to a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. On a floor all distances stay what they are, and nothing is near what stands on another floor. Of a crowded cell, whoever is a threshold or more away from the box around the other cell's points stays behind: such a point joins nothing, and the tree would come across it again and again. `on_floors` is yours to use:
 
 # %%
 def on_floors(points, cell_of_point, open_pairs, threshold):

@@ -10,9 +10,9 @@ What a class of 200 takes in all lessons is reckoned from a run inside this proc
 verdicts can be watched as they come.
 
 Give it a machine that does nothing else. nbgrader keeps one hardware thread busy, and has the
-whole core while nobody is on the other one; ours fills all threads anyway. So others at work cost
-nbgrader more: in stage 1 a notebook took it 5.3 s on a quiet machine and 9 s on a busy one, and
-ours 0.4 s on both, and the ratio went from 13 to 20 and more.
+whole core while nobody is on the other one; ours fills all threads anyway. That may be why
+others at work cost nbgrader more: in stage 1 a notebook took it 5.3 s on a quiet machine and 9 s on
+a busy one, and ours 0.4 s on both.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
 
@@ -204,7 +204,7 @@ def race(lessons):
 def main(wanted):
     """Measure, print, write down."""
     if os.getloadavg()[0] > 0.5:
-        print("Others are at work on this machine, which flatters ours.")
+        print("Others are at work on this machine, which may flatter ours.")
     record, reckoned, count = {}, 0.0, 0
     for stage in wanted or stages():
         lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
