@@ -3,9 +3,11 @@
 import ast
 import contextlib
 import inspect
+import resource
 import signal
 
 import numpy as np
+import psutil
 import pytest
 
 from grader.course.lessons import lesson_of
@@ -21,6 +23,7 @@ from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 
 SECONDS = 2  # for what an edit has made endless
+MEMORY = 4 * 2**30  # beside what there is, for what an edit has made large
 
 
 def sources():
@@ -105,8 +108,18 @@ def is_the_task(exercise, function):
     return mistake is not None and mistake.is_the_task
 
 
+@pytest.fixture
+def bounded():
+    """Let no edit fill the machine, which ends the process without a word."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (psutil.Process().memory_info().vms + MEMORY, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
+@pytest.mark.usefixtures("bounded")
 @pytest.mark.parametrize("exercise", test_cheap.CHEAP)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
     """But for what the judge knows to be the very mistake that an exercise is about."""

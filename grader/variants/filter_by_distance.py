@@ -187,7 +187,7 @@ def filter_by_distance(cloud, distance=10.0):
 
 # %% wrong: rows for columns
 # loses: keeps_what_is_near, test_course_cloud
-# says: A column of the cloud is cloud[:, 0]
+# says: a column of the cloud is cloud[:, 0]
 def filter_by_distance(cloud, distance=10.0):
     return cloud[np.sqrt(cloud[0] ** 2 + cloud[1] ** 2) <= distance]
 
