@@ -7,13 +7,13 @@ takes; meanwhile it sees no other scan, as it would on the road.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from utils.drive.clock import Clock, on_time, ticks
 from utils.drive.motion import motion_by
-from utils.drive.planner import Decision, Planner, Thing
+from utils.drive.planner import Decision, Planner
 from utils.drive.rules import JERK, TICK
 from utils.drive.streets import SCANNER, Street
 from utils.drive.truth import distances, true_boxes
@@ -178,7 +178,7 @@ def drive(
             boxes, late = eyes.look(scan_from(world, street, sensor, number), number)
             pending = _Answer(number, number + late, position, boxes)
         shift = (position - base.position, 0.0, 0.0)
-        now = [Thing(thing.corners - shift, thing.velocity) for thing in things]
+        now = [replace(thing, corners=thing.corners - shift) for thing in things]
         decision = planner.decide(speed, street.limit, now)
         change = np.clip(decision.acceleration - acceleration, -JERK * TICK, JERK * TICK)
         acceleration = float(np.clip(acceleration + change, -speed / TICK, None))

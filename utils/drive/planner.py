@@ -7,7 +7,7 @@ is stops the car, and what has no box is driven into.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,10 +40,16 @@ class Thing:
         In metres, the scanner at the origin, now.
     velocity : tuple of float
         Metres per second over the ground, forward and to the left.
+    seen : bool
+        Whether the last scan had a box for it; else it is where it should be by now.
+    name : int
+        The same from scan to scan.
     """
 
     corners: np.ndarray
     velocity: tuple[float, float] = (0.0, 0.0)
+    seen: bool = True
+    name: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +80,7 @@ class Streak:
     middle : ndarray, shape (2,)
         Of its box, in metres, the scanner at the origin.
     scans : int
-        In a row.
+        That had a box for it, all in a row but for a few without.
     """
 
     middle: np.ndarray
@@ -89,15 +95,18 @@ class Planner:
     """
 
     def __init__(self) -> None:
-        self._blocked, self._over = 0, []
+        self._ahead, self._over = {}, []
 
     def decide(self, speed: float, limit: float, things: Iterable[Thing]) -> Decision:
         """What to do now; see `plan`."""
-        decision = plan(speed, limit, self._believed(speed, list(things)))
-        self._blocked = self._blocked + 1 if decision.cause else 0
-        if 0 < self._blocked < SURE:
-            return Decision(min(plan(speed, limit, ()).acceleration, 0.0))
-        return decision
+        things = self._believed(speed, list(things))
+        in_the_way = [thing.name for thing in things if plan(speed, limit, [thing]).cause]
+        self._ahead = {name: self._ahead.get(name, 0) + 1 for name in in_the_way}
+        sure = [thing for thing in things if self._ahead.get(thing.name, SURE) >= SURE]
+        decision = plan(speed, limit, sure)
+        if len(sure) == len(things):
+            return decision
+        return replace(decision, acceleration=min(decision.acceleration, 0.0))
 
     def _believed(self, speed: float, things: list[Thing]) -> list[Thing]:
         """All things; without those over our car, unless they stay."""
@@ -108,7 +117,7 @@ class Planner:
     def _again(self, thing: Thing) -> Streak:
         middle = thing.corners[:, :2].mean(axis=0)
         there = [one for one in self._over if np.abs(one.middle - middle).max() <= STILL]
-        return Streak(middle, 1 + max((one.scans for one in there), default=0))
+        return Streak(middle, thing.seen + max((one.scans for one in there), default=0))
 
 
 def plan(speed: float, limit: float, things: Iterable[Thing]) -> Decision:
