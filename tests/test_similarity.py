@@ -289,7 +289,6 @@ def renamed(source):
 
 # Of these a copy is not found: they do what the lesson leads to, and so may anybody.
 AS_TAUGHT = {
-    "detect_obstacles": ["the functions of the lessons, pasted into cells of their own"],
     "euclidean_clustering": ["a queue and NumPy"],
     "get_oriented_boxes": ["the roof first, corners in zigzag, a heading by halving"],
     "insert": ["single precision, printing and returning the node"],

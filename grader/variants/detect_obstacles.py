@@ -46,15 +46,20 @@ def filter_clusters(labels, min_num_points=100):
     _, which, count = np.unique(labels, return_inverse=True, return_counts=True)
     return np.where(count[which] < min_num_points, 0, labels)
 
+def closeness(seen):
+    away = np.minimum(seen - seen.min(axis=0), seen.max(axis=0) - seen).min(axis=1)
+    return np.sum(1 / (away + 0.05))
+
 def get_oriented_boxes(cloud, labels):
     boxes = []
+    turns = [np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]])
+             for a in np.radians(np.arange(90))]
     for label in np.unique(labels[labels > 0]):
         points = cloud[labels == label, :3]
-        middle = points[:, :2].mean(axis=0)
-        axes = np.linalg.svd(np.vstack([points[:, :2] - middle, np.zeros((2, 2))]))[2]
-        seen = (points[:, :2] - middle) @ axes.T
+        axes = max(turns, key=lambda turn: closeness(points[:, :2] @ turn.T))
+        seen = points[:, :2] @ axes.T
         (a, c), (b, d) = seen.min(axis=0), seen.max(axis=0)
-        floor = np.array([[a, c], [b, c], [b, d], [a, d]]) @ axes + middle
+        floor = np.array([[a, c], [b, c], [b, d], [a, d]]) @ axes
         boxes.append([[*corner, z] for z in (points[:, 2].min(), points[:, 2].max())
                       for corner in floor])
     return np.array(boxes).reshape(-1, 8, 3)

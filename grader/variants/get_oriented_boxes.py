@@ -59,6 +59,24 @@ def get_oriented_boxes(cloud, cluster_labels):
         boxes.append(turned(np.array(corners), yaw))
     return np.array(boxes).reshape(-1, 8, 3)
 
+# %% right: the hints to the letter, the closest rectangle
+def get_oriented_boxes(cloud, cluster_labels):
+    boxes = []
+    for label in np.unique(cluster_labels[cluster_labels > 0]):
+        points = cloud[cluster_labels == label, :3]
+        angles = np.radians(np.arange(90))
+        yaw = angles[np.argmax(closeness_at(points, angles))]
+        local = turned(points, -yaw)
+        low, high = local.min(axis=0), local.max(axis=0)
+        corners = []
+        for z in (low[2], high[2]):
+            corners.append([low[0], low[1], z])
+            corners.append([high[0], low[1], z])
+            corners.append([high[0], high[1], z])
+            corners.append([low[0], high[1], z])
+        boxes.append(turned(np.array(corners), yaw))
+    return np.array(boxes).reshape(-1, 8, 3)
+
 # %% right: one angle after another, from -45 to 45 degrees in halves
 def get_oriented_boxes(cloud, cluster_labels):
     boxes = []

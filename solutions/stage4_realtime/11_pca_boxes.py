@@ -6,7 +6,7 @@
 #     name: python3
 #   lidar_obstacle_lab:
 #     packages: [scikit-learn]
-#     given: [turned, floor_area_at]
+#     given: [turned, floor_area_at, closeness_at]
 #     lent: [headings_of_stream, middle_errors]
 # ---
 
@@ -15,12 +15,12 @@
 #
 # ![A car that stands diagonally, seen from above, in two rectangles: a dashed one along the street, half of it empty, and the smallest one around its points.](pictures/11_preview.png)
 #
-# A box along the street around a car across the street is mostly air. In this lesson you turn the box. There are two ways to find out how far, and you will measure how far each can be trusted.
+# A box along the street around a car across the street is mostly air. In this lesson you turn the box. There are three ways to find out how far, and you will measure how far each can be trusted.
 #
 # **After this lesson you can**
 # - find the directions in which a cloud is longest and shortest, and know what their signs and their order are worth,
 # - put an upright, turned box around any cluster, with every point inside,
-# - choose between principal axes and the smallest rectangle, and say why.
+# - choose between principal axes, the smallest rectangle and the closest one, and say why.
 #
 # **You write** `principal_axes` (10 points) and `get_oriented_boxes` (20 points). **Time:** (time). **You need** axis-aligned boxes (lesson 08) and matrix products.
 
@@ -508,16 +508,53 @@ for label, axes in zip((9, 4, 10, 7), panels.flat):
 # - **Lorry 7** (its class is called `truck`) is higher than the scanner, so there is no roof between its two sides: the points are a thin L. Of a thin L without anything inside, the rectangle along its legs and the one along the line between its ends have the *same* area, as the next cell shows. The search may end anywhere between.
 
 # %%
-l_shape = points_of_l(0.43)
+l_shape, along_ends = points_of_l(0.43), np.arctan2(-0.43, 1.0)
 print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
-      f"along the ends: {floor_area_at(l_shape, np.arctan2(-0.43, 1.0)):.3f}")
+      f"along the ends: {floor_area_at(l_shape, along_ends):.3f}")
+
+# %% [markdown]
+# ## The closest rectangle
+#
+# *A scanner sees surfaces. So most points lie on a side of the right rectangle.*
+#
+# Both rectangles around the thin L are as small. But look where its points are: along one of the two they all lie *on* a side, along the other only three do. So the last question is: how close do the points lie to the sides? Each point counts one over its distance to the nearest side, with 5 cm added, or a single point would decide: 20 on a side, 10 at 5 cm, about 1 at a metre. So the many points on sides decide, and those of a bonnet or a roof hardly count. (After [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who ask for two of the sides only.)
+
+# %%
+def closeness_at(points, angle):
+    """How close points (n, 3) lie to the sides of the rectangle of `floor_area_at`.
+
+    Sum of 1 / (metres to the nearest side + 0.05). An array of angles gives one of sums.
+    """
+    u = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    v = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+    nearest = np.inf
+    for along in (u @ points[:, :2].T, v @ points[:, :2].T):
+        above_low = along - along.min(axis=-1, keepdims=True)
+        below_high = along.max(axis=-1, keepdims=True) - along
+        nearest = np.minimum(nearest, np.minimum(above_low, below_high))
+    return (1 / (nearest + 0.05)).sum(axis=-1)
+
+
+print(f"along the legs: {closeness_at(l_shape, 0.0):,.0f}, "
+      f"along the ends: {closeness_at(l_shape, along_ends):,.0f}")
+closest_yaws = {label: angles[closeness_at(cloud[labels == label], angles).argmax()]
+                for label in vehicles}
+for name, yaws in (("first axis", axis_yaws), ("smallest rectangle", rectangle_yaws),
+                   ("closest rectangle", closest_yaws)):
+    off = [degrees_off(yaws[label], label) for label in vehicles]
+    print(f"{name:>18}: {np.median(off):4.1f}° off in the middle, {max(off):4.1f}° at worst")
+
+(x, y, _), half = true_boxes[7].centre, 0.85 * true_boxes[7].size[0]
+draw_rectangles(cloud[labels == 7], [(rectangle_yaws[7], "smallest"), (closest_yaws[7], "closest")],
+                ((x - half, x + half), (y - 0.8 * half, y + 0.8 * half)), "lorry 7",
+                box=true_boxes[7])
 
 # %% [markdown]
 # ## Turn the street, not the box
 #
 # *In a street that is turned with the car, the best box is the plain one from lesson 08.*
 #
-# 1. Choose a yaw $\psi$: of the smallest rectangle, or of the first axis $(a_x, a_y)$ seen from above, $\psi = \operatorname{atan2}(a_y, a_x)$.
+# 1. Choose a yaw $\psi$: of the closest rectangle, of the smallest one, or of the first axis $(a_x, a_y)$ seen from above, $\psi = \operatorname{atan2}(a_y, a_x)$.
 # 2. Turn all points by $-\psi$. Now the car is parallel to x.
 # 3. Minimum and maximum, four floor corners, four roof corners.
 # 4. Turn the corners by $+\psi$: back to the street.
@@ -527,7 +564,7 @@ print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
 # %% [markdown]
 # ## Exercise 2 · `get_oriented_boxes` (20 points)
 #
-# One [oriented box](#Words-of-the-course), upright and turned, for each label above 0, in ascending order. You choose the yaw: boxes along the first axis and smallest rectangles earn the same points.
+# One [oriented box](#Words-of-the-course), upright and turned, for each label above 0, in ascending order. You choose the yaw: boxes along the first axis, smallest rectangles and closest ones earn the same points.
 
 # %% nbgrader={"grade": false, "grade_id": "get_oriented_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_oriented_boxes(cloud, cluster_labels):
@@ -550,8 +587,8 @@ def get_oriented_boxes(cloud, cluster_labels):
         line, have a valid box as well, with sides of no length or nearly none.
     """
     # For each label above 0:
-    # 1. a yaw: of the smallest rectangle around its points (floor_area_at), or of their
-    #    first principal axis, seen from above,
+    # 1. a yaw: of the closest rectangle around its points (closeness_at), or of the
+    #    smallest (floor_area_at), or of their first principal axis, seen from above,
     # 2. its points turned by -yaw, their smallest and largest x, y, z,
     # 3. four floor corners going round, then four roof corners,
     # 4. the corners turned by +yaw.
@@ -562,19 +599,19 @@ def get_oriented_boxes(cloud, cluster_labels):
     boxes = []
     for label in np.unique(cluster_labels[measured & (cluster_labels > 0)]):
         points = cloud[measured & (cluster_labels == label), :3]
-        snuggest = quarter_turn[np.argmin(floor_area_at(points, quarter_turn))]
-        straight = turned(points, -snuggest)
+        yaw = quarter_turn[np.argmax(closeness_at(points, quarter_turn))]
+        straight = turned(points, -yaw)
         (back, right, bottom), (front, left, top) = straight.min(axis=0), straight.max(axis=0)
         around = [(front, left), (back, left), (back, right), (front, right)]
         corners = [(x, y, z) for z in (bottom, top) for x, y in around]
-        boxes.append(turned(np.array(corners), snuggest))
+        boxes.append(turned(np.array(corners), yaw))
     return np.array(boxes).reshape(-1, 8, 3)
     ### END SOLUTION
 
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. The yaw of the smallest rectangle: with `angles = np.radians(np.arange(90))` it is `yaw = angles[np.argmin(floor_area_at(points, angles))]`. Or that of the first axis: `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
+# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and that of the smallest one `yaw = angles[np.argmin(floor_area_at(points, angles))]`. Or that of the first axis: `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -586,7 +623,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** Five points: the corners of a rectangle of 4 x 2 m, turned by 30°, on the road at z = −1.5, and one point above its middle at z = 0. Both yaws lead to the same box: its floor should have the four corners that you see in the picture, its roof the same at z = 0.
+# **First a tiny case.** Five points: the corners of a rectangle of 4 x 2 m, turned by 30°, on the road at z = −1.5, and one point above its middle at z = 0. All three yaws lead to the same box: its floor should have the four corners that you see in the picture, its roof the same at z = 0.
 
 # %%
 five = turned(np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]]),
@@ -598,7 +635,7 @@ axes = plots.boxes(tiny, limits=((4.5, 11.5), (-2.5, 2.5)), title="Five points i
 axes.plot(five[:, 0], five[:, 1], "o", color="black", markersize=7);
 
 # %% [markdown]
-# **Look before you check.** Every point should lie inside the box of its obstacle, and the boxes should turn. With smallest rectangles the parked cars stand parallel to the street; with first axes they stand as crooked as the table above says, and that is no mistake of yours.
+# **Look before you check.** Every point should lie inside the box of its obstacle, and the boxes should turn. With rectangles the parked cars stand parallel to the street; with first axes they stand as crooked as the table above says, and that is no mistake of yours.
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
@@ -620,7 +657,7 @@ from utils.scene3d import Scene
 check(get_oriented_boxes)
 
 # %% [markdown]
-# Which of the two did you build? Compare your boxes with the two columns above: heading and area of each.
+# Which of the three did you build? Compare your boxes with those above: heading and area of each.
 
 # %%
 def floor_area(box):
@@ -636,14 +673,15 @@ for label in vehicles:
                   f"{degrees_off(np.arctan2(side[1], side[0]), label):.1f}°",
                   f"{floor_area(box):.2f} m²",
                   f"{floor_area_at(points, axis_yaws[label]):.2f} m²",
-                  f"{floor_area_at(points, rectangle_yaws[label]):.2f} m²"))
-show_table(["", "yours is off by", "floor of yours", "along the first axis", "of the smallest"],
-           table)
+                  f"{floor_area_at(points, rectangle_yaws[label]):.2f} m²",
+                  f"{floor_area_at(points, closest_yaws[label]):.2f} m²"))
+show_table(["", "yours is off by", "floor of yours", "along the first axis", "of the smallest",
+            "of the closest"], table)
 
 # %% [markdown]
 # ## Which one, when?
 #
-# *The smallest rectangle for cars; principal axes for what has no sides, and for planes.*
+# *The closest rectangle for what has sides; principal axes for cyclists, and for planes.*
 #
 # The smallest rectangle tries ninety headings, PCA needs one small matrix. What does that cost?
 
@@ -653,7 +691,7 @@ cost = predict("For a car of 1,261 points: how many times as long as PCA does th
                choices=["up to 5 times", "5 to 30 times", "more than 30 times"])
 
 # %% tags=["folded"]
-# @title A stopwatch for both (you need not read this)
+# @title A stopwatch for all three (you need not read this)
 from time import process_time
 
 
@@ -663,6 +701,10 @@ def first_axis(points):
 
 def smallest_rectangle(points):
     return floor_area_at(points, angles).argmin()
+
+
+def closest_rectangle(points):
+    return closeness_at(points, angles).argmax()
 
 
 def microseconds(compute, points):
@@ -675,34 +717,35 @@ def microseconds(compute, points):
 
 # %%
 for name, points in (("wall", cloud[labels == 30]), ("car", car)):
-    took = [microseconds(compute, points) for compute in (first_axis, smallest_rectangle)]
-    print(f"{name} of {len(points):,} points: PCA {took[0]:.0f} µs, "
-          f"smallest rectangle {took[1]:.0f} µs")
+    took = [microseconds(compute, points)
+            for compute in (first_axis, smallest_rectangle, closest_rectangle)]
+    print(f"{name} of {len(points):,} points: PCA {took[0]:,.0f} µs, "
+          f"smallest rectangle {took[1]:,.0f} µs, closest {took[2]:,.0f} µs")
 times_as_long = took[1] / took[0]
 cost.compare("up to 5 times" if times_as_long <= 5 else
              "5 to 30 times" if times_as_long <= 30 else "more than 30 times",
              "One matrix product projects all points onto all ninety directions, and NumPy is "
-             "quick at that. For large clusters the difference grows.")
+             "quick at that. The closest rectangle also divides, for each point and direction.")
 
 # %% [markdown]
 # And which one is right more often? Here is the middle error for each kind of obstacle.
 
 # %%
 def middle_errors():
-    """For each kind of obstacle: number, degrees off by first axis and smallest rectangle."""
+    """For each kind of obstacle: number, degrees off by first axis, smallest and closest."""
     errors = {}
     for label in present:
         points = cloud[labels == label, :3]
         first = principal_axes(points * [1, 1, 0])[:, 0]
-        rectangle = angles[floor_area_at(points, angles).argmin()]
-        pair = [degrees_off(np.arctan2(first[1], first[0]), label), degrees_off(rectangle, label)]
-        errors.setdefault(kinds[label], []).append(pair)
-    return {kind: [len(pairs), *np.median(pairs, axis=0)] for kind, pairs in errors.items()}
+        yaws = (np.arctan2(first[1], first[0]), angles[floor_area_at(points, angles).argmin()],
+                angles[closeness_at(points, angles).argmax()])
+        errors.setdefault(kinds[label], []).append([degrees_off(yaw, label) for yaw in yaws])
+    return {kind: [len(rows), *np.median(rows, axis=0)] for kind, rows in errors.items()}
 
 
-show_table(["in the middle off by", "first axis", "smallest rectangle"],
-           [(f"{kind} ({count})", f"{by_axis:.1f}°", f"{by_rectangle:.1f}°")
-            for kind, (count, by_axis, by_rectangle) in middle_errors().items()])
+show_table(["in the middle off by", "first axis", "smallest rectangle", "closest rectangle"],
+           [(f"{kind} ({count})", *(f"{degrees:.1f}°" for degrees in off))
+            for kind, (count, *off) in middle_errors().items()])
 
 ground = cloud[(truth["class_names"][truth["classes"]] == "ground")
                & (np.hypot(cloud[:, 0], cloud[:, 1]) < 10)]
@@ -711,10 +754,10 @@ print(f"third axis of {len(ground):,} returns of the ground: "
       f"{np.degrees(np.arccos(abs(normal[2]))):.1f}° off the vertical")
 
 # %% [markdown]
-# - **Cars and lorries**: the smallest rectangle.
+# - **Cars and lorries**: the closest rectangle. The smallest is nearly as good for cars, and off for a thin L.
 # - **Cyclists**: principal axes. Seen from above they are long, thin and pointed. Such a shape is alike on both sides of its middle line, so nothing pulls the axis over; but a rectangle leans on the few points that stick out.
-# - **Pedestrians, poles and tree trunks**: neither. From above they are nearly round.
-# - **Walls**: either, if straight. The corner of a house is a thin L, like the lorry: there the first axis leans, and the smallest rectangle may.
+# - **Pedestrians, poles and tree trunks**: none. From above they are nearly round.
+# - **Walls**: any, if straight. The corner of a house is a thin L, like the lorry: there the first axis leans, the smallest rectangle may, and the closest does not.
 # - **Planes**: principal axes, in space. The third axis of the ground is its normal, as in lesson 03, and a cluster with one large variance and two tiny ones is a pole or a wire.
 #
 # ## From frame to frame
@@ -848,11 +891,11 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# Open the first braking for the lorry, if there is one. We see its front and one side, three corners of four: a triangle. The smallest rectangle around a right-angled triangle is as small along its longest side as along the two others, and principal axes lean that way anyway. Who looks for the angle at which the points lie close to the sides, and not for the smallest area, passes the lorry: [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/). And the scanner that sat askew in lesson 08? `drive_with(12, street=1)`.
+# Open the first braking for the lorry, if there is one. We see its front and one side, three corners of four: a triangle. The smallest rectangle around a right-angled triangle is as small along its longest side as along the two others, and principal axes lean that way anyway. And the scanner that sat askew in lesson 08? `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #
-# With smallest rectangles the car drives 81 m, where it came 12 m far with the boxes of lesson 08. It brakes once, for the box of a lorry.
+# With closest rectangles the car drives 82 m and never brakes, where it came 13 m far with the boxes of lesson 08. With smallest ones it brakes once, for the box of a lorry. Along first axes it stands after 11 m: the box of the first parked car leans into its lane.
 # </details>
 
 # %% [markdown]
@@ -874,7 +917,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 #
 # - Principal axes are the eigenvectors of the covariance: order them, mind that signs are free, and make the triple right-handed.
 # - Of the three Euler angles a car on a road needs one. Decide for upright first, measure afterwards, and every point stays inside.
-# - The points of a scan lie on two sides of a car, so its first axis leans, by 13° and more for most cars of our street. The smallest rectangle looks at the outline only.
+# - The points of a scan lie on two sides of a car, so its first axis leans, by 13° and more for most cars of our street. The smallest rectangle looks at the outline only, the closest at the sides.
 # - A heading is known up to half turns, a rectangle's up to quarter turns. Choose the one nearest to the last frame.
 #
 # **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). How bad PCA boxes can be: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
@@ -885,7 +928,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 # ## If you want more
 #
 # 1. **Smallest rectangle, exactly.** One side of it always lies on an edge of the convex hull ([rotating calipers](https://en.wikipedia.org/wiki/Rotating_calipers)). Use `scipy.spatial.ConvexHull` and try only those headings. Mind clusters on a line: they have no hull.
-# 2. **L-shape fitting.** Instead of the area, score a heading by how close the points lie to the two nearest sides: sum of 1 / max(distance, 0.05 m) over all points, the larger the better ([Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/)). Try it on the thin L, and draw it into the last curve.
+# 2. **Two sides only.** A scanner sees two sides of a car at most. So [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/) first choose, of each two opposite sides, the one that lies nearer to all points together, and ask for the distance to these two. Change `closeness_at` so. Whose yaw changes, a car's or a person's?
 # 3. Use your favourite yaw in `get_oriented_boxes`. Boxes by any of them earn full points: the judge asks that they are upright, contain all points and are not much larger than needed.
 
 # %% [markdown] tags=["footer"]

@@ -350,7 +350,7 @@ if is_written(detect_obstacles):
     slowest.compare(longest if longest in LIKELY else "another",
                     "Clustering gets a few thousand points, and your lesson 10 is fast. The voxel "
                     "grid sorts tens of thousands of points, RANSAC measures as many distances in "
-                    "each round, and a smallest rectangle is tried at 90 angles for each cluster.")
+                    "each round, and a rectangle is tried at 90 angles for each cluster.")
 else:
     print("There is nothing to measure yet: detect_obstacles is not written.")
 
@@ -770,7 +770,7 @@ switching.compare(mistakes["matching alone"].switches,
                   "grows or shrinks, and many are more than 1 m from where they were.")
 
 # %% [markdown]
-# One stream is one throw of the dice. Over eight streets (seeds 0 to 7, with the course's detector) switches are 78 ± 29 for matching alone, 38 ± 11 with prediction, 39 ± 11 with correction, and 17 ± 6 with coasting: mean and standard deviation. Names shared are 3 ± 2 each time. So *predict* halves the switches and *coast* halves them again. *Correct* saves no names at this distance. It is there for the velocity, which whoever brakes for a car wants to know: with a gain of 0.5 the median error is 0.09 ± 0.01 m/s. (*If you want more* finds that gain from the wobble of your boxes.)
+# One stream is one throw of the dice. Over eight streets (seeds 0 to 7, with the course's detector) switches are 76 ± 29 for matching alone, 38 ± 11 with prediction, as many with correction, and 18 ± 8 with coasting: mean and standard deviation. Names shared are 2 or 3, ± 2, each time. So *predict* halves the switches and *coast* halves them again. *Correct* saves no names at this distance. It is there for the velocity, which whoever brakes for a car wants to know: with a gain of 0.5 the median error is 0.08 ± 0.01 m/s. (*If you want more* finds that gain from the wobble of your boxes.)
 
 # %% tags=["folded"]
 # @title Both mistakes against max_distance (you need not read this)
@@ -899,7 +899,7 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="Half
 # %% [markdown] nbgrader={"grade": true, "grade_id": "write_up", "locked": false, "points": 10, "schema_version": 3, "solution": true, "task": false}
 # **For whoever grades: what a good report says.**
 #
-# *Steps.* Invalid returns, region and own car first, because they are comparisons and take a third of the cloud away; then the road, by a plane fitted to the low returns, because this street climbs by 2 % and a level fails beyond 20 m; a voxel grid of 0.2 m, so that clustering sees thousands of points and not tens of thousands; neighbours within 0.5 m; clusters below 10 points dropped; the smallest rectangle around each.
+# *Steps.* Invalid returns, region and own car first, because they are comparisons and take a third of the cloud away; then the road, by a plane fitted to the low returns, because this street climbs by 2 % and a level fails beyond 20 m; a voxel grid of 0.2 m, so that clustering sees thousands of points and not tens of thousands; neighbours within 0.5 m; clusters below 10 points dropped; the closest rectangle around each.
 #
 # *Time.* A total with the machine it was measured on, the share of each step from `seconds_by_step`, the factor against 0.1 s, and a plan for the longest step.
 #
@@ -959,7 +959,7 @@ drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacle
 #
 # It adds up metres, collisions and brakings for nothing; without a notebook, the car sees the true boxes. How far do you come?
 #
-# The course's detector comes through all twenty without a collision, and brakes for nothing 17 times in 2.8 km: nobody would like to ride along. Most of these brakings are for the corner of a box that reaches into our lane, while the parked car or lorry in it does not. Principal axes lean where two sides are seen, as lesson 11 says. Fitting by closeness, number 2 of its *If you want more*, is one way out.
+# The course's detector comes through all twenty without a collision, and brakes for nothing once in 2.9 km. Much of that is the boxes. With smallest rectangles in the place of closest ones it brakes for nothing 10 times, always for the corner of a box that reaches into our lane, while the parked car or lorry in it does not; along first axes it comes less than 21 m far in eighteen of them, and stands before a parked car. And some is the driver, who believes nothing before it is in the way three scans in a row, and no step aside of which only one side of a box tells.
 
 # %% [markdown]
 # ## In practice
@@ -984,7 +984,7 @@ drive_street(3, own(detect_obstacles), seconds=10) if is_written(detect_obstacle
 # 3. Keep boxes of all ages, but draw only tracks that have been seen three times. What do precision and recall say?
 # 4. Time your detector with every 32nd, 16th, … and all returns of a frame, on logarithmic axes. Every filter is proportional to $n$; why is your curve flatter than a slope of 1? (After the voxel grid twice as many returns are hardly more points.)
 # 5. Learn the sizes of cars from `frame.boxes` and widen thin boxes away from the sensor. What happens to the curve over the overlap?
-# 6. Halve the side of the voxels, and ask for three times as many points of a cluster: `voxel_grid(points, 0.1)` and `min_num_points=30`. On 24 streets that nobody tuned on, the course's detector then gives 53 ± 4 % of the people a box with an IoU of 0.3, in place of 39 ± 4 %, and takes hardly longer. Why people, more than cars? (A centroid lies inside of what it stands for, by up to half a voxel on each side.)
+# 6. Halve the side of the voxels, and ask for three times as many points of a cluster: `voxel_grid(points, 0.1)` and `min_num_points=30`. On 24 streets that nobody tuned on, the course's detector then gives 56 ± 3 % of the people a box with an IoU of 0.3, in place of 40 ± 3 %, and takes a fifth longer. Why people, more than cars? (A centroid lies inside of what it stands for, by up to half a voxel on each side.) Then let it drive. The scanner of the drive is a coarser one, with a third of the returns: of a child it has fewer than 30 points until it is too late, and the car hits two people in the twenty streets.
 #
 # ### Whose fault is it?
 #
@@ -1058,7 +1058,7 @@ steepest.compare(max(fall, key=fall.get),
 # %% [markdown]
 # Now the causes are apart:
 #
-# - **The kind of box.** The curve of the principal axes collapses, the two others do not. If yours falls like that, lean is the reason, and `get_oriented_boxes` with smallest rectangles is the cure. But look at the boxes of lesson 08. On streets they are a little better than those of lesson 11: over 24 of them by 0.02 ± 0.01 in F1, at each of the three overlaps. (Your eight hardly tell the two apart.) Nearly all that drives or parks here stands along the x axis, so an angle that is not looked for cannot be wrong. Near by, smallest rectangles are hardly off; beyond 15 m, where few points are left of a car, one in ten is turned by more than 8°. On the square of the cyclist, where nothing stands straight, it is the other way round: 0.93 ± 0.03 for the smallest rectangle and 0.39 ± 0.03 for boxes along the axes, at an overlap of 0.5, in the first frame of eight squares.
+# - **The kind of box.** The curve of the principal axes collapses, the two others do not. If yours falls like that, lean is the reason, and `get_oriented_boxes` with smallest rectangles is the cure. But look at the boxes of lesson 08. On streets they are a little better than smallest rectangles: over 24 of them by 0.02 ± 0.01 in F1, at each of the three overlaps. (Your eight hardly tell the two apart.) Nearly all that drives or parks here stands along the x axis, so an angle that is not looked for cannot be wrong. Near by, smallest rectangles are hardly off; beyond 15 m, where few points are left of a car, one in ten is turned by more than 8°. On the square of the cyclist, where nothing stands straight, it is the other way round: 0.93 ± 0.03 for the smallest rectangle and 0.39 ± 0.03 for boxes along the axes, at an overlap of 0.5, in the first frame of eight squares.
 # - **The part that is seen.** Even the best boxes around perfect clusters lose: of a car 20 m ahead only the back is seen, and a box around the back is a slice of the car. It counts twice, as a miss and as a false box. Detectors that have learned what a car looks like fill in the rest; ours tells what it saw.
 # - **The clusters.** What is left between your markers and the best line: neighbours merged, cars in pieces, boxes on things that do not count here.
 #
@@ -1138,7 +1138,7 @@ for axes, values, up, title in (
     axes.get_legend().remove()
 
 # %% [markdown]
-# Too small a gain is slow to learn that somebody comes towards us, and loses the name. Too large a gain takes every wobble for speed: at 0.9 the median error of a velocity is 0.3 metres per second, at 0.5 less than 0.1. The gain from the wobble is about the smallest that costs no names. Over the eight streets switches are 39 ± 14 at a gain of 0.3, 17 ± 6 at 0.5 and 16 ± 6 at 0.7, so between the last two nobody can choose by names; the errors of the velocity are 0.06, 0.09 and 0.15 m/s, each ± 0.01.
+# Too small a gain is slow to learn that somebody comes towards us, and loses the name. Too large a gain takes every wobble for speed: at 0.9 the median error of a velocity is 0.3 metres per second, at 0.5 less than 0.1. The gain from the wobble is about the smallest that costs no names. Over the eight streets switches are 38 ± 14 at a gain of 0.3, 18 ± 8 at 0.5 and 16 ± 7 at 0.7, so between the last two nobody can choose by names; the errors of the velocity are 0.06, 0.08 and 0.15 m/s, each ± 0.01 or 0.02.
 #
 # ### Other roads, other settings
 #

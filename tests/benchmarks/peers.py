@@ -120,12 +120,12 @@ def detect(cloud: np.ndarray) -> np.ndarray:
 
 @_called
 def detect_by_numba(cloud: np.ndarray) -> np.ndarray:
-    """Lesson 13."""
+    """Lesson 13, whose boxes are smallest rectangles."""
     return _compiled("detect_compiled")(cloud)
 
 
 def detect_by_pcl(cloud: np.ndarray) -> PclPeer:
-    """The same steps made of PCL's parts."""
+    """The same steps made of PCL's parts, and smallest rectangles."""
     return PclPeer("detect", cloud)
 
 

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import shapely
 from scipy.spatial.transform import Rotation
 
 from grader.course.lessons import load_reference
@@ -64,6 +65,10 @@ def rectangle_yaw(points):
     return ANGLES[LESSON.floor_area_at(points, ANGLES).argmin()]
 
 
+def closest_yaw(points):
+    return ANGLES[LESSON.closeness_at(points, ANGLES).argmax()]
+
+
 def off(yaw, box):
     """Degrees to the nearest side of a box."""
     return abs((np.degrees(yaw - box.yaw) + 45) % 90 - 45)
@@ -76,7 +81,8 @@ def errors(street, find):
 def hinted(name):
     """An answer as the hints spell it out, with what the lesson gives."""
     source = next(one.source for one in variants_of("get_oriented_boxes") if one.name == name)
-    space = {"np": np, "turned": LESSON.turned, "floor_area_at": LESSON.floor_area_at}
+    given = ("turned", "floor_area_at", "closeness_at")
+    space = {"np": np} | {name: getattr(LESSON, name) for name in given}
     exec(source, space)
     return space["get_oriented_boxes"]
 
@@ -96,6 +102,28 @@ def test_first_axes_lean_and_smallest_rectangles_do_not(street):
     assert 13 < np.median(list(lean.values())) < 19
     assert {label for label, degrees in left.items() if degrees > 1} == {7, 10}
     assert max(left.values()) < 8
+
+
+def test_the_closest_rectangle_is_right_for_the_lorry_too(street):
+    left = errors(street, closest_yaw)
+    assert {label for label, degrees in left.items() if degrees > 1} == {4, 10}
+    assert max(left.values()) < 5 and left[7] < 0.5
+    assert np.median(list(left.values())) < np.median(list(errors(street, rectangle_yaw).values()))
+
+
+@pytest.mark.parametrize("degrees", [0, 17, 61, -200])
+def test_closeness_is_what_it_says(degrees):
+    """Against distances to the four sides, drawn as lines."""
+    points = np.random.default_rng(5).normal([7.0, -3.0, 0.4], [2.0, 0.7, 0.5], (60, 3))
+    angle = np.radians(degrees)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    low, high = (pick(points[:, :2] @ turn.T, axis=0) for pick in (np.min, np.max))
+    ring = shapely.linearrings([low, (high[0], low[1]), high, (low[0], high[1])] @ turn)
+    apart = shapely.distance(ring, shapely.points(points[:, :2]))
+    summed = sum(1 / (distance + 0.05) for distance in apart.tolist())
+    assert LESSON.closeness_at(points, angle) == pytest.approx(summed)
+    both = LESSON.closeness_at(points, np.array([angle, angle + np.pi / 2]))
+    assert both == pytest.approx([summed, summed]), "a quarter turn changes nothing"
 
 
 def test_why_single_vehicles_are_as_they_are(street):
@@ -146,6 +174,9 @@ def test_area_grows_at_once_and_a_thin_l_has_two_smallest_rectangles():
     legs = np.array([[0, 0, 0], [1, 0, 0], [0, 0.43, 0]])
     along_ends = LESSON.floor_area_at(legs, np.arctan2(-0.43, 1.0))
     assert along_ends == pytest.approx(LESSON.floor_area_at(legs, 0.0))
+    legs = np.vstack([np.linspace([0, 0, 0], end, 50) for end in ([1, 0, 0], [0, 0.43, 0])])
+    along_ends = LESSON.closeness_at(legs, np.arctan2(-0.43, 1.0))
+    assert LESSON.closeness_at(legs, 0.0) > 2 * along_ends
     assert LESSON.floor_area_at(rim, ANGLES).shape == (90,)
 
 
@@ -153,25 +184,27 @@ def test_which_one_when(street):
     kinds, sizes = {}, {}
     for label in np.unique(street.labels[street.labels > 0]).tolist():
         box, points = street.boxes[label], points_of(street, label)
-        pair = off(axis_yaw(points), box), off(rectangle_yaw(points), box)
-        kinds.setdefault(box.kind, []).append(pair)
+        three = [off(find(points), box) for find in (axis_yaw, rectangle_yaw, closest_yaw)]
+        kinds.setdefault(box.kind, []).append(three)
         sizes.setdefault(box.kind, []).append(np.ptp(points[:, :2], axis=0).min())
-    middle = {kind: np.median(pairs, axis=0) for kind, pairs in kinds.items()}
+    middle = {kind: np.median(rows, axis=0) for kind, rows in kinds.items()}
     assert middle["car"][0] > 15 and middle["car"][1] < 1
-    assert middle["truck"][1] < middle["truck"][0]
-    assert middle["cyclist"][0] < 5 < middle["cyclist"][1]
+    assert middle["car"][2] < middle["car"][1]
+    assert middle["truck"][2] < 0.5 < 4 < middle["truck"][1] < middle["truck"][0]
+    assert middle["cyclist"][0] < 5 < min(middle["cyclist"][1:])
     for kind in ("pedestrian", "pole"):
-        assert min(middle[kind]) > 10
+        assert min(middle[kind]) > 9
     green = zip(kinds["foliage"], sizes["foliage"], strict=True)
-    trunks = [pair for pair, size in green if size < 0.5]
+    trunks = [three for three, size in green if size < 0.5]
     assert len(trunks) == 4 and min(map(min, trunks)) > 8
     # Of a straight wall one front is seen, at the corner of a house two.
     seen = list(zip(kinds["wall"], sizes["wall"], strict=True))
-    straight = [pair for pair, size in seen if size < 0.2]
-    assert len(straight) == 3 and max(map(max, straight)) < 2
-    corners = [pair for pair, size in seen if size > 0.4]
-    assert len(corners) == 5 and min(lean for lean, _ in corners) > 4
-    assert {left < 1 for _, left in corners} == {True, False}
+    straight = [three for three, size in seen if size < 0.2]
+    assert len(straight) == 3 and max(map(max, straight)) <= 2
+    corners = [three for three, size in seen if size > 0.4]
+    assert len(corners) == 5 and min(lean for lean, *_ in corners) > 4
+    assert {left < 1 for _, left, _ in corners} == {True, False}
+    assert max(left for *_, left in corners) <= 1
     normal = LESSON.principal_axes(street.ground)[:, 2]
     assert np.degrees(np.arccos(abs(normal[2]))) < 2
 
@@ -190,9 +223,16 @@ def test_flattened_boxes_lose_points(street):
     assert min(map(outside, (14, 20, 30))) > 0.5
 
 
-@pytest.mark.parametrize("name", ["smallest rectangle", "principal axes in the plane"])
-def test_the_hinted_boxes_are_as_the_lesson_says(name, street):
-    boxes = hinted(f"the hints to the letter, {'the ' * name.startswith('s')}{name}")
+@pytest.mark.parametrize(
+    ("name", "find"),
+    [
+        ("the closest rectangle", closest_yaw),
+        ("the smallest rectangle", rectangle_yaw),
+        ("principal axes in the plane", axis_yaw),
+    ],
+)
+def test_the_hinted_boxes_are_as_the_lesson_says(name, find, street):
+    boxes = hinted(f"the hints to the letter, {name}")
     five = LESSON.turned(
         np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]]),
         np.radians(30),
@@ -202,7 +242,6 @@ def test_the_hinted_boxes_are_as_the_lesson_says(name, street):
         assert half[:, 2] == pytest.approx(z)
         apart = np.linalg.norm(half[:, None, :2] - five[None, :4, :2], axis=2)
         assert apart.min(axis=0) == pytest.approx(0, abs=1e-6)
-    find = rectangle_yaw if name.startswith("s") else axis_yaw
     found = boxes(street.cloud, street.labels)
     labels = np.unique(street.labels[street.labels > 0]).tolist()
     for label, degrees in errors(street, find).items():

@@ -2,9 +2,9 @@
 
 from tests.slips import PARTLY, SMALL, USELESS, Slip
 
-_YAW = "quarter_turn[np.argmin(floor_area_at(points, quarter_turn))]"
-_POINTS = "straight = turned(points, -snuggest)"
-_CORNERS = "turned(np.array(corners), snuggest)"
+_YAW = "quarter_turn[np.argmax(closeness_at(points, quarter_turn))]"
+_POINTS = "straight = turned(points, -yaw)"
+_CORNERS = "turned(np.array(corners), yaw)"
 
 SLIPS = {
     "principal_axes": [
@@ -26,16 +26,22 @@ SLIPS = {
         Slip("determinant before the order", "det(by_spread) < 0", "det(ascending) < 0", PARTLY),
     ],
     "get_oriented_boxes": [
-        Slip("turned by minus yaw twice", _CORNERS, _CORNERS.replace("snug", "-snug"), USELESS),
-        Slip("turned by plus yaw twice", _POINTS, _POINTS.replace("-snug", "snug"), USELESS),
+        Slip("turned by minus yaw twice", _CORNERS, _CORNERS.replace("yaw", "-yaw"), USELESS),
+        Slip("turned by plus yaw twice", _POINTS, _POINTS.replace("-yaw", "yaw"), USELESS),
         Slip("corners not turned back", _CORNERS, "np.array(corners)", USELESS),
         Slip("not turned at all", _YAW, "0.0", USELESS),
-        Slip("the largest rectangle", "np.argmin", "np.argmax", USELESS),
-        Slip("row for angle", _YAW, "np.argmin(floor_area_at(points, quarter_turn))", USELESS),
+        Slip("the least close rectangle", "np.argmax", "np.argmin", USELESS),
+        Slip(
+            "the largest rectangle",
+            _YAW,
+            "quarter_turn[np.argmax(floor_area_at(points, quarter_turn))]",
+            USELESS,
+        ),
+        Slip("row for angle", _YAW, "np.argmax(closeness_at(points, quarter_turn))", USELESS),
         Slip(
             "degrees for radians",
             _YAW,
-            "np.degrees(quarter_turn[np.argmin(floor_area_at(points, quarter_turn))])",
+            "np.degrees(quarter_turn[np.argmax(closeness_at(points, quarter_turn))])",
             USELESS,
         ),
         Slip(

@@ -590,9 +590,9 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
     weight=9,
     title="Boxes turn with their clusters",
     why="A box along x and y around a diagonal car closes twice the street it needs.",
-    hint="The yaw, in radians, is the angle whose floor_area_at is smallest; or np.arctan2(y, x) "
-    "of the first principal axis of the points seen from above. The points turn by minus yaw, the "
-    "corners by plus yaw.",
+    hint="The yaw, in radians, is the angle whose closeness_at is largest, or floor_area_at "
+    "smallest; or np.arctan2(y, x) of the first principal axis of the points seen from above. The "
+    "points turn by minus yaw, the corners by plus yaw.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     assert_boxes(get_oriented_boxes)
