@@ -517,7 +517,7 @@ print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
 #
 # *A scanner sees surfaces. So most points lie on a side of the right rectangle.*
 #
-# Both rectangles around the thin L are as small. But look where its points are: along one of the two they all lie *on* a side, along the other only three do. So the last question is: how close do the points lie to the sides? Each point counts one over its distance to the nearest side, with 5 cm added, or a single point would decide: 20 on a side, 10 at 5 cm, about 1 at a metre. So the many points on sides decide, and those of a bonnet or a roof hardly count. (After [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who ask for two of the sides only.)
+# Both rectangles around the thin L are equally small. But look where its points are: along one of the two they all lie *on* a side, along the other only three do. So the last question is: how close do the points lie to the sides? Each point counts one over its distance to the nearest side, with 5 cm added, or a single point would decide: 20 on a side, 10 at 5 cm, about 1 at a metre. So the many points on sides decide, and those of a bonnet or a roof hardly count. (After [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who ask for two of the sides only.)
 
 # %%
 def closeness_at(points, angle):
