@@ -1,5 +1,6 @@
 """A car that drives on what a detector boxes: the rules, one by one, and whole drives."""
 
+import copy
 import json
 import re
 from dataclasses import replace
@@ -280,6 +281,23 @@ def test_of_a_car_that_is_torn_one_side_stays_where_it_is(tracker, side):
         aside = side * (1.9 + width / 2)
         (car,) = motion.update(box(30 - 0.6 * scan, aside, 4.0, width)[None], 0.6, 0.1)
         assert car.velocity[1] == 0.0, scan
+
+
+def one_for_all(previous, current, max_distance):
+    """A wrong match_boxes: everybody was the first."""
+    return np.full(len(current), -1 if len(previous) == 0 else 0)
+
+
+@pytest.mark.parametrize("match", [one_for_all, lambda *_: np.full(6, 9)])
+def test_a_match_that_is_wrong_ends_no_drive(match):
+    tracker = copy.copy(ALPHA_BETA)
+    tracker.match = match
+    for motion in (motion_by(tracker), motion_by(Tracker(match))):
+        for scan in range(8):
+            boxes = np.stack([box(10 * row, 3 * row - 0.1 * scan) for row in range(6)])
+            things = motion.update(boxes, 0.6, 0.1)
+            assert np.isfinite([thing.velocity for thing in things]).all()
+            assert len(things) >= 6
 
 
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])

@@ -132,7 +132,7 @@ class MotionOf:
         names = self._tracker.update(boxes, seconds).tolist()
         tracks = self._tracker.tracks
         self._places = {name: self._places.get(name, ()) for name in tracks.names.tolist()}
-        for name, box in zip(names, boxes, strict=True):
+        for name, box in dict(zip(names, boxes, strict=True)).items():  # a wrong match shares names
             now = _place(box, self._time, self._position)
             self._places[name] = (*self._places[name], now)[-OLD_ENOUGH:]
         speeds = tracks.velocities[:, :2] + (driven / seconds, 0.0)

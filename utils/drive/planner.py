@@ -88,7 +88,7 @@ class Streak:
 
 
 class Planner:
-    """Brakes for what is in the way three times in a row: a box that flickers is none.
+    """Brakes for one thing that is in the way three times in a row: a box that flickers is none.
 
     Nobody gets onto our car from one scan to the next; drops do, and are gone again, and dirt
     does, and stays. So what is over it counts once it has been in one place for a second.
