@@ -1,6 +1,7 @@
 """The judge gives right answers everything, wrong ones what they earn, and always a verdict."""
 
 import ast
+import dataclasses
 import itertools
 import json
 import re
@@ -12,7 +13,9 @@ import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
+from grader.course.standalone import standalone
 from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
+from grader.intake import preflight
 from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
 from grader.judging import repair
@@ -152,14 +155,40 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
     assert faults_on_other_seeds(path, lesson, sandbox) == []
 
 
-def test_untouched_notebook_earns_nothing(lesson, sandbox):
-    verdict = judge(lesson.released, 1, sandbox)
-    assert verdict.score == 0
+def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
+    for_colab = tmp_path / f"{lesson.name}.ipynb"
+    for_colab.write_bytes(standalone(lesson.released.read_bytes()))
+    # Told from the text: nothing is run, so no sandbox is needed.
+    told = [judge(path, 1, None) for path in (lesson.released, for_colab)]
+    monkeypatch.setattr(preflight, "_is_as_released", lambda *about: False)
+    asked = judge(lesson.released, 1, sandbox)
+    assert asked.score == 0
     assert all(
         "is not started" in test.message or "For the same reason" in test.message
-        for exercise in verdict.exercises
+        for exercise in asked.exercises
         for test in exercise.tests
     )
+    for verdict in told:
+        differing = {"seconds": asked.seconds, "key": asked.key, "fingerprint": asked.fingerprint}
+        assert dataclasses.replace(verdict, **differing) == asked
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda cells: cells[:-1] + ["def filter_ground(cloud):\n    return cloud"],
+        lambda cells: [cell for cell in cells if "def filter_ground" not in cell],
+        lambda cells: [cell.replace("raise NotImplementedError", "return cloud") for cell in cells],
+        lambda cells: [*cells, "filter_ground = len"],
+        lambda cells: [cells[0], "filter_ground = len", *cells[1:]],
+    ],
+    ids=["the last cell", "a cell less", "each stub", "a cell behind", "a cell between"],
+)
+def test_what_is_not_as_it_was_released_is_asked(change):
+    lesson = find_lesson("06_filter_ground")
+    released = read_notebook(lesson.released).code
+    assert preflight._is_as_released(lesson, ["", *released, " \n"])
+    assert not preflight._is_as_released(lesson, change([*released]))
 
 
 def test_enough_variants(lesson):

@@ -86,11 +86,14 @@ class ToJudge:
     ----------
     code, notes : tuple of str
     versions : dict of str to str
+    is_as_released : bool
+        Whether the code is what was handed out, to the letter: then it need not be asked.
     """
 
     code: tuple[str, ...]
     notes: tuple[str, ...]
     versions: dict[str, str] = field(hash=False)
+    is_as_released: bool
 
 
 @dataclass
@@ -144,7 +147,17 @@ def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
 
     given_cells(lesson)  # read here, and remembered for the next
     code, notes, versions = apart(handed_in.name, work)
-    return ToJudge(tuple(code), tuple(notes), versions)
+    return ToJudge(tuple(code), tuple(notes), versions, _is_as_released(lesson, code))
+
+
+def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
+    """Whether code cells are those that were released, behind a first one of any kind.
+
+    That one brings the tools, and is another in the form for Colab. Whatever it defines beside
+    them, the stubs below undo.
+    """
+    given = [cell.source.strip() for cell in given_cells(lesson) if cell.kind == "code"]
+    return [source.strip() for source in code if source.strip()][1:] == given[1:]
 
 
 def lesson_name_in(handed_in: HandedIn) -> str:

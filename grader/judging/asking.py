@@ -16,13 +16,14 @@ import signal
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from typing import NoReturn
 
 import pytest
 
 from grader.course.lessons import Lesson
 from grader.judging.marks import check_of
 from grader.sandbox import SandboxUnavailable
-from grader.sandbox.failures import StudentStopped
+from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import Student
 from utils.checks import Check, checks_of
 from utils.checks.diagnosis import asked_through
@@ -160,6 +161,14 @@ class _Asking:
         self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
 
 
+class _NotAsking(_Asking):
+    """Knows the answer to each check without asking: nobody has written anything yet."""
+
+    def about(self, check: Check) -> NoReturn:
+        """Raise what a function raises that stands as it was handed out."""
+        raise StudentError(check.exercise, "NotImplementedError")
+
+
 class _Collecting(_Asking):
     """Keeps the checks that students do not see, to be asked later, as often as one likes."""
 
@@ -237,11 +246,20 @@ def run_tests(
     KeyboardInterrupt
         pytest would keep it to itself.
     """
-    asking = _Asking(student, seed, asked, to_the_end)
+    return _run(lesson, _Asking(student, seed, asked, to_the_end))
+
+
+@functools.cache
+def tests_of_nothing(lesson: Lesson) -> tuple[Outcome, ...]:
+    """What `run_tests` finds where nobody has written anything, without a scene or a process."""
+    return tuple(_run(lesson, _NotAsking(None, 0, everything)))
+
+
+def _run(lesson: Lesson, asking: _Asking) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # and no other lesson's
     with one_run():
         for exercise in lesson.machine_graded:
-            for check in filter(asked, checks_of(exercise.name)):
+            for check in filter(asking.asked, checks_of(exercise.name)):
                 asking.show(check)
         code = _ask_hidden(lesson, asking)
     if asking.broken:

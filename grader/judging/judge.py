@@ -12,7 +12,7 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.intake.apart import ReadingFailed
 from grader.intake.handed_in import HandedIn, read_handed_in
 from grader.intake.preflight import ToJudge, lesson_name_in, prepare_to_judge
-from grader.judging.asking import JudgeTimeout
+from grader.judging.asking import JudgeTimeout, tests_of_nothing
 from grader.judging.followed import follow_through
 from grader.judging.key import verdict_key
 from grader.judging.points import total
@@ -139,7 +139,10 @@ def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Rea
     """Ask, once more where that is just, and say what came of it."""
     lesson = setting.lesson
     program = program_for(lesson, to_judge.code, modules)
-    asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
+    if to_judge.is_as_released and not modules:
+        asked = Asked(tests_of_nothing(lesson))
+    else:
+        asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
     if faults := _faults(setting, asked):
         return _Reached(untried(lesson), (UNFAIR,), faults, asked.starved)
     followed, starved = follow_through(setting, program, asked)
