@@ -56,6 +56,12 @@ def wait(): time.sleep(1.5)
 """
 
 
+@pytest.fixture(autouse=True)
+def nothing_was_right_before(monkeypatch):
+    """Each test has the judge ask anew: what it remembers is from one before it."""
+    monkeypatch.setattr(judging, "_RIGHT", {})
+
+
 class Inline(Executor):
     """Does everything at once, here, where a test can change what the judge is made of."""
 
@@ -192,6 +198,7 @@ def test_what_befalls_the_judge_once_takes_no_points(answers, sandbox, tmp_path,
     path.write_text(fill_in(LESSON, answers), "utf-8")
     expected = judging.judge(path, SEED, sandbox)
     asked = shake_once(monkeypatch)
+    judging._RIGHT.clear()
     verdict = judging.judge(path, SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, expected.score)
     assert verdict.exercises == expected.exercises

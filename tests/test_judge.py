@@ -18,6 +18,7 @@ from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.intake import preflight
 from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
+from grader.judging import judge as judging
 from grader.judging import repair
 from grader.judging.asking import run_tests
 from grader.judging.judge import UnknownLesson, judge, program_for
@@ -326,6 +327,43 @@ def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     assert [result.score for result in verdict.exercises] == [0, 20]
     assert "not valid Python" in verdict.problems[0]
     assert "does not define it" in verdict.exercises[0].tests[0].message
+
+
+def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path, monkeypatch):
+    lesson, asked = find_lesson("09_filter_clusters"), []
+    right, wrong = (
+        next(one.source for one in variants_of("filter_clusters") if one.right is wanted)
+        for wanted in (True, False)
+    )
+
+    def reach(*about):
+        asked.append(about)
+        return judging_reach(*about)
+
+    judging_reach = judging._reach
+    monkeypatch.setattr(judging, "_reach", reach)
+    monkeypatch.setattr(judging, "_RIGHT", {})
+
+    def judged(answer, seed=1, student="", module=None):
+        folder = tmp_path / str(len(list(tmp_path.iterdir())))
+        folder.mkdir()
+        path = folder / f"{lesson.name}.ipynb"
+        path.write_text(fill_in(lesson, {"filter_clusters": answer}), "utf-8")
+        if module:
+            (folder / "helpers.py").write_text(module, "utf-8")
+        before = len(asked)
+        verdict = judge(path, seed, sandbox, student=student)
+        return verdict, len(asked) - before
+
+    first, times = judged(right, student="ada")
+    assert (first.score, times) == (first.max_score, 1)
+    second, times = judged(right, student="bob")
+    assert (second.exercises, second.student, times) == (first.exercises, "bob", 0)
+    assert second.key != first.key
+    assert judged(right + "\n# mine", student="eve")[1] == 1
+    assert judged(right, seed=2)[1] == 1
+    assert judged(right, module="x = 1")[1] == 1
+    assert [judged(wrong)[1] for _ in range(2)] == [1, 1]
 
 
 def test_renamed_file_is_recognised(tmp_path, sandbox):

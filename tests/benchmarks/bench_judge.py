@@ -19,6 +19,7 @@ a busy one, and ours 0.4 s on both.
 It adds to `.bench/measured.json`, under "judge".
 """
 
+import json
 import os
 import resource
 import shutil
@@ -61,11 +62,11 @@ SEED = 1
 class Times:
     """Seconds of a stage, and megabytes of this process, which reads and writes.
 
-    `further` is what each further student costs the judging: all lessons of the stage.
+    `further` is what each further student costs the judging, by the name of the lesson.
     """
 
     first: float
-    further: float
+    further: dict
     judging: float
     entering: float
     notebooks: int
@@ -88,8 +89,17 @@ def make_course(root, students, lessons):
         for lesson in lessons:
             path = course.submitted / f"student{number}" / lesson.stage / f"{lesson.name}.ipynb"
             path.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(lesson.solved, path)
+            path.write_text(json.dumps(_as_written_by(number, lesson)), "utf-8")
     return course
+
+
+def _as_written_by(number, lesson):
+    """The solved notebook, with a comment in each answer: what is right is asked only once."""
+    notebook = json.loads(lesson.solved.read_text("utf-8"))
+    for cell in notebook["cells"]:
+        if cell["metadata"].get("nbgrader", {}).get("solution") and cell["cell_type"] == "code":
+            cell["source"] = ["".join(cell["source"]) + f"\n# Student {number}"]
+    return notebook
 
 
 def megabytes():
@@ -118,7 +128,7 @@ def time_ours(lessons, folder):
     end = time.perf_counter()
     return Times(
         min(min(times) for times in seen.values()) - begin,
-        sum(map(steady, seen.values())),
+        {lesson.name: steady(times) for lesson, times in seen.items()},
         middle - begin,
         end - middle,
         len(judged),
@@ -223,10 +233,14 @@ def main(wanted):
         print(
             f"  {ours.notebooks} notebooks: the first after {ours.first:.1f} s, all judged after "
             f"{ours.judging:.1f} s, entered in {ours.entering:.1f} s; memory "
-            f"{ours.memory[0]:.0f} MB after a quarter of them, {ours.memory[-1]:.0f} MB after all",
+            f"{ours.memory[0]:.0f} MB after a quarter of them, {ours.memory[-1]:.0f} MB after all"
+        )
+        print(
+            "  each further notebook, in ms: "
+            + ", ".join(f"{name} {1000 * s:.0f}" for name, s in ours.further.items()),
             flush=True,
         )
-        each = ours.further + ours.entering / STUDENTS
+        each = sum(ours.further.values()) + ours.entering / STUDENTS
         reckoned += ours.judging + ours.entering + (CLASS - STUDENTS) * each
         count += len(lessons)
         record[stage] = {
@@ -237,6 +251,7 @@ def main(wanted):
             "seconds to start nbgrader": starts.tolist(),
             "times as fast": ratios.tolist(),
             "seconds a further student": each,
+            "seconds a further notebook": ours.further,
         }
     print(f"{CLASS} students x {count} lessons, at this rate: {reckoned / 60:.0f} min")
     write_down("judge", record)
