@@ -36,10 +36,10 @@ def join_cheaply(points, cells, first, threshold):
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     differs = label[pairs[:, 0]] != label[pairs[:, 1]]
     open_pairs = pairs[differs]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, nearest = cKDTree(p).query(q)
     near = distances < threshold
-    pieces = label[open_pairs[floor_of_q[near]]]
+    pieces = label[open_pairs[pair_of_q[near]]]
     return components(label.max() + 1, pieces)[label]
 # ---- another cell ----
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
@@ -651,10 +651,10 @@ def join_cheaply(points, cells, first, threshold):
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     differs = label[pairs[:, 0]] != label[pairs[:, 1]]
     open_pairs = pairs[differs]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, nearest = cKDTree(p[:, :3]).query(q[:, :3])
     near = distances < threshold
-    pieces = label[open_pairs[floor_of_q[near]]]
+    pieces = label[open_pairs[pair_of_q[near]]]
     return components(label.max() + 1, pieces)[label]
 # ---- another cell ----
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
@@ -811,10 +811,10 @@ def join_cheaply(points, cells, first, threshold):
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     differs = label[pairs[:, 0]] != label[pairs[:, 1]]
     open_pairs = pairs[differs]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, nearest = cKDTree(p).query(q)
     near = distances < threshold
-    pieces = label[open_pairs[floor_of_q[near]]]
+    pieces = label[open_pairs[pair_of_q[near]]]
     return components(label.max() + 1, pieces)[label]
 # ---- another cell ----
 def euclidean_clustering_accelerated(cloud, threshold=0.5):
@@ -847,10 +847,10 @@ def join_cheaply(points, cells, first, threshold):
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     differs = label[pairs[:, 0]] != label[pairs[:, 1]]
     open_pairs = pairs[differs]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, nearest = cKDTree(p).query(q)
     near = distances < threshold
-    pieces = label[open_pairs[floor_of_q[near]]]
+    pieces = label[open_pairs[pair_of_q[near]]]
     return components(label.max() + 1, pieces)[label]
 # ---- another cell ----
 def euclidean_clustering_accelerated(cloud, threshold=0.5):

@@ -472,43 +472,48 @@ distances, nearest = cKDTree(p).query(q)
 print("from points 4, 5, 6 to the nearest of 0 to 3:", distances.round(2), "which are", nearest)
 
 # %% [markdown]
-# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every open pair of cells moves to a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. On a floor all distances stay what they are, and nothing is near what stands on another floor. Of a crowded cell, whoever is a threshold or more away from the box around the other cell's points stays behind: such a point joins nothing, and the tree would come across it again and again. `on_floors` is yours to use:
+# But more than a thousand pairs are open, and a loop that builds a tree for each of them takes longer than all the rest. One tree can answer for all, if it keeps them apart. So every cell has a *floor* of its own: a fourth coordinate is the height of that floor, and floors are two thresholds apart. Of an open pair, the cell with more points is the host and stays at home, in `p`; the points of the other one visit its floor, in `q`. On a floor all distances stay what they are, and nothing is near what stands on another floor. However many visits a cell has, its own points are in the tree once. Of a crowded cell, whoever is a threshold or more away from the box around the other cell's points is left out: such a point joins nothing, and the tree would come across it again and again. `on_floors` is yours to use:
 
 # %%
 def on_floors(points, cell_of_point, open_pairs, threshold):
-    """The points of open pairs of cells, each pair on a floor of its own.
+    """The points of open pairs of cells: one cell at home, the other one visiting its floor.
 
     Of cells with a hundred points or more, only those that may be close to the other cell's.
 
     Returns
     -------
     p, q : ndarray, shape (k, 4) and (l, 4)
-        The points of the first cells and those of the second: x, y, z, height of the floor.
-    floor_of_q : ndarray of int, shape (l,)
-        The number of the floor on which each point of `q` stands: the row of its open pair.
+        The points at home and those that visit: x, y, z, height of the floor.
+    pair_of_q : ndarray of int, shape (l,)
+        For whom each point of `q` visits: the row of its open pair.
     """
-    by_cell, sizes = points[np.argsort(cell_of_point)], np.bincount(cell_of_point)
-    ends, sides = np.cumsum(sizes), []
+    order, sizes = np.argsort(cell_of_point), np.bincount(cell_of_point)
+    by_cell, ends = points[order], np.cumsum(sizes)
     low, high = (each.reduceat(by_cell, ends - sizes) for each in (np.minimum, np.maximum))
-    for cells, others in zip(open_pairs.T, open_pairs.T[::-1]):
+
+    def near(cells, others):
         many = sizes[cells]
-        floor = np.repeat(np.arange(len(cells)), many)
+        pair = np.repeat(np.arange(len(cells)), many)
         # The points of a cell are the last rows of by_cell before its end.
-        rows = np.arange(len(floor)) + np.repeat(ends[cells] - np.cumsum(many), many)
-        members = by_cell[rows]
-        in_box = np.clip(members, low[others][floor], high[others][floor])
-        near = np.linalg.norm(members - in_box, axis=1) < threshold
-        comes = near | (many[floor] < 100)
-        floor = floor[comes]
-        sides.append(np.column_stack([members[comes], 2 * threshold * floor]))
-    return *sides, floor
+        rows = np.arange(len(pair)) + np.repeat(ends[cells] - np.cumsum(many), many)
+        in_box = np.clip(by_cell[rows], low[others][pair], high[others][pair])
+        close = np.linalg.norm(by_cell[rows] - in_box, axis=1) < threshold
+        comes = close | (many[pair] < 100)
+        return rows[comes], pair[comes]
+
+    few_first = np.argsort(sizes[open_pairs], axis=1, kind="stable")
+    guests, hosts = np.take_along_axis(open_pairs, few_first, axis=1).T
+    at_home = np.unique(near(hosts, guests)[0])
+    visiting, pair = near(guests, hosts)
+    p = np.column_stack([by_cell[at_home], 2 * threshold * cell_of_point[order[at_home]]])
+    return p, np.column_stack([by_cell[visiting], 2 * threshold * hosts[pair]]), pair
 
 
 open_pairs = pairs[differs]
-p, q, floor_of_q = on_floors(seven, cell_of_point, open_pairs, np.sqrt(3))
+p, q, pair_of_q = on_floors(seven, cell_of_point, open_pairs, np.sqrt(3))
 print(f"open pairs of cells: {open_pairs.tolist()}\np, with the height of its floor last:")
 print(p.round(2))
-print(f"q, which stands on floors {floor_of_q}:\n{q.round(2)}")
+print(f"q, which visits for the pairs in rows {pair_of_q}:\n{q.round(2)}")
 
 # %% nbgrader={"grade": false, "grade_id": "join_exactly", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def join_exactly(points, cell_of_point, pairs, label, threshold):
@@ -531,21 +536,21 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
     """
     # 1. The pairs of cells whose labels differ, and what on_floors makes of them.
     # 2. For each point of q, the distance to the nearest point of p: one tree, one question.
-    # 3. Where that is below the threshold, the open pair on that floor belongs together.
+    # 3. Where that is below the threshold, the open pair of that point belongs together.
     # 4. Components of pieces, joined by these pairs; then for each cell that of its piece.
     # roughly 5 lines
     ### BEGIN SOLUTION
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distance, _ = cKDTree(p).query(q, distance_upper_bound=threshold)
-    touching = open_pairs[floor_of_q[distance < threshold]]
+    touching = open_pairs[pair_of_q[distance < threshold]]
     return components(label.max() + 1, label[touching])[label]
     ### END SOLUTION
 
 # %% [markdown]
 # <details><summary>A hint for step 3</summary>
 #
-# `pairs[mask]` are the open pairs; the mask is `differs`, as it was computed for the seven points. With `near = distances < threshold`, `floor_of_q[near]` are the rows of the open pairs to join, and `label[...]` turns their cells into pieces. `components(label.max() + 1, ...)` then has one number for each *piece*; picked out with `[label]` it is one for each *cell*, so that no cell of a piece stays behind. `query(q, distance_upper_bound=threshold)` is right, too, and sooner done.
+# `pairs[mask]` are the open pairs; the mask is `differs`, as it was computed for the seven points. With `near = distances < threshold`, `pair_of_q[near]` are the rows of the open pairs to join, and `label[...]` turns their cells into pieces. `components(label.max() + 1, ...)` then has one number for each *piece*; picked out with `[label]` it is one for each *cell*, so that no cell of a piece stays behind. `query(q, distance_upper_bound=threshold)` is right, too, and sooner done.
 # </details>
 
 # %%
@@ -915,11 +920,14 @@ def clustering_at_full_speed(cloud, threshold=0.5):
     # Sure: a little less than r / sqrt(3), against rounding.
     order, starts, keys, strides = sort_into_cells(xyz, threshold / np.sqrt(3) * (1 - 1e-6))
     xyz, sizes = xyz.take(order, axis=1), np.diff(starts, append=len(order))
-    a, b = neighbouring_cells(keys, strides)
 
-    # Cheap: one point stands for each cell.
-    first = xyz.take(starts, axis=1)
-    near = squared_distance(first, a, b) < threshold**2
+    # Cheap: one point stands for each cell. Where it is alone, nothing is left to be asked.
+    first, several, found = xyz.take(starts, axis=1), sizes > 1, []
+    for a, b in neighbouring_cells(keys, strides):
+        near = squared_distance(first, a, b) < threshold**2
+        counts = np.flatnonzero(near | several.take(a) | several.take(b))
+        found.append((a.take(counts), b.take(counts), near.take(counts)))
+    a, b, near = map(np.concatenate, zip(*found))
     label = joined(np.arange(len(starts)), a[near], b[near])
 
     # Exact: only pieces that still differ, and only where the boxes around their points are near.
@@ -956,19 +964,20 @@ def sort_into_cells(xyz, side):
 
 
 def neighbouring_cells(keys, strides):
-    """Each pair of cells at most two steps apart along every axis, once; two arrays."""
-    ends, found = np.append(keys, np.iinfo(keys.dtype).max), []
+    """Each pair of cells at most two steps apart along every axis, once; two arrays at a time."""
+    ends = np.append(keys, np.iinfo(keys.dtype).max)
     for x, y in [(0, 0), (0, 1), (0, 2)] + [(x, y) for x in (1, 2) for y in range(-2, 3)]:
         # The cells of a column lie side by side: look up the lowest, then walk up.
         middle = keys + x * strides[0] + y * strides[1]
         cell = np.arange(len(keys), dtype=np.int32)  # half the memory, and long enough
         other = np.searchsorted(keys, middle - 2).astype(np.int32) if x or y else cell + 1
+        column = []
         while len(cell):
             reached = ends[other] <= middle[cell] + 2
             cell, other = cell[reached], other[reached]
-            found.append((cell, other))
+            column.append((cell, other))
             other = other + 1
-    return np.concatenate(found, axis=1)
+        yield np.concatenate(column, axis=1)
 
 
 def joined(label, a, b):
@@ -999,8 +1008,10 @@ def join_by_tree(label, a, b, xyz, starts, sizes, threshold):
         cells = np.unique([a[same], b[same]])
         rows = np.concatenate([np.arange(starts[c], starts[c] + sizes[c]) for c in cells])
         mine = np.repeat(label[cells] == label[a[0]], sizes[cells])
-        distance, _ = cKDTree(xyz[:, rows[mine]].T).query(xyz[:, rows[~mine]].T,
-                                                          distance_upper_bound=threshold)
+        # Around the smaller: a point in the midst of a shell is as near to all of it.
+        smaller, larger = sorted((xyz[:, rows[mine]].T, xyz[:, rows[~mine]].T),
+                                 key=lambda side: np.ptp(side, axis=0).max())
+        distance, _ = cKDTree(smaller).query(larger, distance_upper_bound=threshold)
         if distance.min() < threshold:
             label = joined(label, a[:1], b[:1])
         a, b = a[~same], b[~same]

@@ -71,24 +71,33 @@ def test_the_steps_on_seven_points():
     assert f"expected: {found}" in text
 
 
-def test_each_open_pair_has_its_points_on_a_floor_of_its_own(obstacles):
+def test_of_each_open_pair_one_cell_visits_the_other_on_its_floor(obstacles):
     points = obstacles[::3]
     cells, first, cell_of_point = LESSON.points_in_cells(points, 0.4)
     pairs, label = LESSON.join_cheaply(points, cells, first, 0.4)
     chosen = pairs[open_pairs(label, pairs)]
-    p, q, floor_of_q = LESSON.on_floors(points, cell_of_point, chosen, 0.4)
-    floor_of_p = np.rint(p[:, 3] / 0.8).astype(int)  # floors are two thresholds apart
+    p, q, pair_of_q = LESSON.on_floors(points, cell_of_point, chosen, 0.4)
+    floor_of_p, floor_of_q = (np.rint(one[:, 3] / 0.8).astype(int) for one in (p, q))
     assert np.allclose(p[:, 3], 0.8 * floor_of_p) and np.allclose(q[:, 3], 0.8 * floor_of_q)
+    assert len(np.unique(p, axis=0)) == len(np.unique(p[:, :3], axis=0))  # each at home, and once
     assert len(chosen) > 100
-    for number, ends in enumerate(chosen):
-        sides = p[floor_of_p == number], q[floor_of_q == number]
-        for found, cell, other in zip(sides, ends, ends[::-1], strict=True):
-            mine, theirs = (points[cell_of_point == one] for one in (cell, other))
-            found, mine = ({*map(tuple, some[:, :3].tolist())} for some in (found, mine))
-            assert found <= mine
-            assert mine == found or len(mine) >= 100
-            for one in mine - found:  # it joins nothing
-                assert np.linalg.norm(theirs - one, axis=1).min() >= 0.4
+    many, visited = np.bincount(cell_of_point), 0
+    for number, (one, other) in enumerate(chosen):
+        host, guest = (one, other) if many[one] > many[other] else (other, one)
+        mine, theirs = (points[cell_of_point == cell] for cell in (host, guest))
+        gaps = np.linalg.norm(mine[:, None] - theirs, axis=2)
+        for found, whole, gap in (
+            (p[floor_of_p == host], mine, gaps.min(axis=1)),
+            (q[pair_of_q == number], theirs, gaps.min(axis=0)),
+        ):
+            found = {*map(tuple, found[:, :3].tolist())}
+            left_out = np.array([tuple(point) not in found for point in whole.tolist()])
+            assert found <= {*map(tuple, whole.tolist())}
+            assert not left_out.any() or len(whole) >= 100
+            assert (gap[left_out] >= 0.4).all()  # these join nothing
+        assert {*floor_of_q[pair_of_q == number]} <= {host}
+        visited += (pair_of_q == number).any()
+    assert visited > 100
 
 
 def test_heaps_end_to_end_are_not_asked_about_point_by_point():
@@ -106,10 +115,24 @@ def test_heaps_end_to_end_are_not_asked_about_point_by_point():
     assert len(set(pieces[cell_of_point])) == 4
 
 
+@pytest.mark.parametrize("radius", [0.001, 0.2, 1.0])
+def test_the_plan_is_exact_for_a_heap_within_a_shell(radius):
+    """Each point of the heap is as near to all of the shell: once it took seven seconds."""
+    rng = np.random.default_rng(7)
+    v = rng.normal(size=(2, 4000, 3))
+    v /= np.linalg.norm(v, axis=2, keepdims=True)
+    for gap, clusters in ((0.5001, 2), (0.4999, 1)):
+        points = np.concatenate([radius * v[0], (radius + gap) * v[1]])
+        points[4000] = (radius + gap) * v[0, 0]  # the nearest is as near as the gap
+        for way in (LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed):
+            labels = way(points, 0.5)
+            assert labels.max() == clusters and len(set(labels[:4000])) == 1
+
+
 def test_no_open_pair_has_no_floor():
     none = np.empty((0, 2), dtype=int)
-    p, q, floor_of_q = LESSON.on_floors(LESSON.seven, np.arange(7), none, 0.5)
-    assert p.shape == q.shape == (0, 4) and floor_of_q.shape == (0,)
+    p, q, pair_of_q = LESSON.on_floors(LESSON.seven, np.arange(7), none, 0.5)
+    assert p.shape == q.shape == (0, 4) and pair_of_q.shape == (0,)
 
 
 @pytest.mark.parametrize("far", [1.0, 1e6, 1e13, 1e300])

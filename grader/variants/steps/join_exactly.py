@@ -3,10 +3,10 @@
 # %% right: the hints followed to the letter
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, _ = cKDTree(p).query(q)
     near = distances < threshold
-    return components(label.max() + 1, label[open_pairs[floor_of_q[near]]])[label]
+    return components(label.max() + 1, label[open_pairs[pair_of_q[near]]])[label]
 
 # %% right: a tree for each open pair, and the label of a piece replaced
 def join_exactly(points, cell_of_point, pairs, label, threshold):
@@ -45,7 +45,7 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
 # says: boolean index did not match
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, _ = cKDTree(p).query(q)
     return components(label.max() + 1, label[open_pairs[distances < threshold]])[label]
 
@@ -54,30 +54,30 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
 # says: from piece to piece
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, _ = cKDTree(p).query(q)
     near = distances < threshold
-    return components(label.max() + 1, label[open_pairs[floor_of_q[near][:1]]])[label]
+    return components(label.max() + 1, label[open_pairs[pair_of_q[near][:1]]])[label]
 
 # %% wrong: no floors
 # loses: joins_exactly
 # says: Other cells hang together
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, _ = cKDTree(p[:, :3]).query(q[:, :3])
     near = distances < threshold
-    return components(label.max() + 1, label[open_pairs[floor_of_q[near]]])[label]
+    return components(label.max() + 1, label[open_pairs[pair_of_q[near]]])[label]
 
 # %% wrong: one number for each piece
 # loses: joins_exactly, joins_on_and_on
 # says: one label for each of the 6 cells
 def join_exactly(points, cell_of_point, pairs, label, threshold):
     open_pairs = pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]
-    p, q, floor_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
+    p, q, pair_of_q = on_floors(points, cell_of_point, open_pairs, threshold)
     distances, _ = cKDTree(p).query(q)
     near = distances < threshold
-    return components(label.max() + 1, label[open_pairs[floor_of_q[near]]])
+    return components(label.max() + 1, label[open_pairs[pair_of_q[near]]])
 
 # %% wrong: the labels of step 2 written over
 # loses only: leaves_the_labels

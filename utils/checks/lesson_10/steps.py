@@ -261,8 +261,8 @@ def leaves_the_labels(join_exactly: Callable) -> None:
     "join_exactly",
     title="A row of pieces becomes one, as far as its points are close",
     why="A wall falls into dozens of pieces, and each is close to the next one only.",
-    hint="Each open pair has a floor, and several points on it: floor_of_q[near] are the rows of "
-    "the open pairs to join, and components joins on from piece to piece.",
+    hint="Several points of q may belong to one open pair: pair_of_q[near] are the rows of the "
+    "open pairs to join, and components joins on from piece to piece.",
 )
 def joins_on_and_on(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
