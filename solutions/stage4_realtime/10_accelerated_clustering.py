@@ -501,8 +501,8 @@ def on_floors(points, cell_of_point, open_pairs, threshold):
         comes = close | (many[pair] < 100)
         return rows[comes], pair[comes]
 
-    few_first = np.argsort(sizes[open_pairs], axis=1, kind="stable")
-    guests, hosts = np.take_along_axis(open_pairs, few_first, axis=1).T
+    most_first = np.argsort(-sizes[open_pairs], axis=1, kind="stable")
+    hosts, guests = np.take_along_axis(open_pairs, most_first, axis=1).T
     at_home = np.unique(near(hosts, guests)[0])
     visiting, pair = near(guests, hosts)
     p = np.column_stack([by_cell[at_home], 2 * threshold * cell_of_point[order[at_home]]])

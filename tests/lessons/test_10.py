@@ -83,7 +83,7 @@ def test_of_each_open_pair_one_cell_visits_the_other_on_its_floor(obstacles):
     assert len(chosen) > 100
     many, visited = np.bincount(cell_of_point), 0
     for number, (one, other) in enumerate(chosen):
-        host, guest = (one, other) if many[one] > many[other] else (other, one)
+        host, guest = (one, other) if many[one] >= many[other] else (other, one)
         mine, theirs = (points[cell_of_point == cell] for cell in (host, guest))
         gaps = np.linalg.norm(mine[:, None] - theirs, axis=2)
         for found, whole, gap in (
