@@ -33,6 +33,8 @@ from tests.benchmarks.racing import (
 from utils import load_cloud, scenes
 
 OURS = "ours, full speed"
+# What the worst cases of a grid are tried on.
+GRIDS = {name: CLUSTERING[name] for name in ("ours, Numba", OURS, "ours, taught", "dbscan (PyPI)")}
 # Told apart by the colour-blind, and by their markers (Okabe and Ito, 2008).
 COLOURS = ["#0072B2", "#56B4E9", "#009E73", "#D55E00", "#E69F00", "#CC79A7", "#000000", "#999999"]
 SIZES = (10_000, 30_000, 100_000, 300_000, 1_000_000)
@@ -47,6 +49,17 @@ def scans() -> Iterator[tuple[str, np.ndarray]]:
     for path in sorted(Path(folder).rglob("*")) if folder else ():
         if path.suffix in (".bin", ".pcd") and path.stat().st_size > 1_000_000:
             yield f"{path.parent.name}/{path.name}", load_cloud(path)[:, :3]
+
+
+def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Name, points and right labels of clouds in which a grid of cells gains least."""
+    rng = np.random.default_rng(3)
+    inner, outer = (v / np.linalg.norm(v, axis=1)[:, None] for v in rng.normal(size=(2, 30_000, 3)))
+    nested = np.vstack([0.05 * inner, (0.05 + RADIUS + 1e-4) * outer])
+    yield "a heap of 30 000 points within a shell of as many", nested, np.arange(60_000) // 30_000
+    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # a point to ten cells
+    sparse = rng.uniform(0, edge, (1_000_000, 3))
+    yield "a million points, one to ten cells", sparse, all_pairs(sparse)()
 
 
 def row(name: str, result: Result, mine: Result, right: str) -> list[str]:
@@ -164,10 +177,12 @@ def draw(record: dict, path: Path) -> None:
 def main() -> None:
     """Measure, print, write."""
     about = {"python": sys.version.split()[0], "machine": platform.machine(), "rounds": ROUNDS}
-    record = about | {"radius": RADIUS, "clustering": {}, "detector": {}}
+    record = about | {"radius": RADIUS, "clustering": {}, "worst": {}, "detector": {}}
     clouds = {name: np.ascontiguousarray(cloud, dtype=float) for name, cloud in scans()}
     for name, cloud in clouds.items():
         record["clustering"][name] = compare(CLUSTERING, name, cloud, OURS, all_pairs(cloud)())
+    for name, cloud, truth in worst_cases():
+        record["worst"][name] = compare(GRIDS, name, cloud, OURS, truth)
     print("\n## From the raw scan to boxes")
     for name, cloud in clouds.items():
         record["detector"][name] = compare(DETECTORS, name, cloud, "ours", None)
