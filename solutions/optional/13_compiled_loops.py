@@ -366,7 +366,7 @@ def sort_by_cell(points, side):
     return order, in_order, starts[:count + 1], numbers[:count], next_x, next_y
 
 # %% [markdown]
-# The cells at most two steps away lie in 25 columns, of which 13 are enough: each pair need be met only once. As the numbers ascend, so do those of the neighbours, and one finger for each column moves up along with the cell. First the cheap question for all pairs; then, for those still apart, the exact one, if the boxes around their points are near enough at all. Where two cells hold thousands of points, a kd-tree is better: such pairs are handed back.
+# The cells at most two steps away lie in 25 columns, of which 13 are enough: each pair need be met only once. As the numbers ascend, so do those of the neighbours, and one finger for each column moves up along with the cell. First the cheap question for all pairs; whoever says no is noted. Then, for those of the noted pairs that are still apart, the exact one, if the boxes around their points are near enough at all. Where two cells hold thousands of points, a kd-tree is better: such pairs are handed back.
 
 # %%
 @njit
@@ -394,34 +394,34 @@ def are_near(low, high, a, b, limit):
 @njit
 def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
     """Join cells; returns the parents (m,), and pairs of cells too crowded to compare."""
-    count, too_many = len(numbers), [(0, 0)]
+    count, still_open, too_many = len(numbers), [(0, 0)], [(0, 0)]
     parent = np.arange(count)
+    for column in range(13):  # (0, 0), (0, 1), (0, 2), (1, -2), ..., (2, 2)
+        step = (column + 2) // 5 * next_x + ((column + 2) % 5 - 2) * next_y
+        b_first = 0
+        for a in range(count):
+            middle = numbers[a] + step
+            b_first = max(b_first, a + 1)
+            while b_first < count and numbers[b_first] < middle - 2:
+                b_first += 1
+            b = b_first
+            while b < count and numbers[b] <= middle + 2:
+                if parent[a] != parent[b]:
+                    if any_close(points, starts[a], starts[a] + 1, starts[b], starts[b] + 1, limit):
+                        unite(parent, a, b)
+                    else:
+                        still_open.append((a, b))
+                b += 1
     low, high = boxes_of(points, starts)
-    for exact in (False, True):
-        for cell in range(count):  # now each points at its root, for a while
-            parent[cell] = root_of(parent, cell)
-        for column in range(13):  # (0, 0), (0, 1), (0, 2), (1, -2), ..., (2, 2)
-            step = (column + 2) // 5 * next_x + ((column + 2) % 5 - 2) * next_y
-            b_first = 0
-            for a in range(count):
-                middle = numbers[a] + step
-                b_first = max(b_first, a + 1)
-                while b_first < count and numbers[b_first] < middle - 2:
-                    b_first += 1
-                b = b_first
-                while b < count and numbers[b] <= middle + 2:
-                    if not exact:
-                        if any_close(points, starts[a], starts[a] + 1, starts[b], starts[b] + 1,
-                                     limit):
-                            unite(parent, a, b)
-                    elif (parent[a] != parent[b] and root_of(parent, a) != root_of(parent, b)
-                          and are_near(low, high, a, b, limit)):
-                        if (starts[a + 1] - starts[a]) * (starts[b + 1] - starts[b]) > crowd:
-                            too_many.append((a, b))
-                        elif any_close(points, starts[a], starts[a + 1], starts[b], starts[b + 1],
-                                       limit):
-                            unite(parent, a, b)
-                    b += 1
+    for cell in range(count):  # now each points at its root, for a while
+        parent[cell] = root_of(parent, cell)
+    for a, b in still_open[1:]:
+        if (parent[a] != parent[b] and root_of(parent, a) != root_of(parent, b)
+                and are_near(low, high, a, b, limit)):
+            if (starts[a + 1] - starts[a]) * (starts[b + 1] - starts[b]) > crowd:
+                too_many.append((a, b))
+            elif any_close(points, starts[a], starts[a + 1], starts[b], starts[b + 1], limit):
+                unite(parent, a, b)
     return parent, too_many[1:]
 
 
@@ -453,6 +453,8 @@ def cluster_compiled(cloud, threshold=0.5):
     for a, b in too_many:  # heaps of points: lesson 10's way
         if root_of(parent, a) != root_of(parent, b):
             p, q = points[starts[a]:starts[a + 1]], points[starts[b]:starts[b + 1]]
+            if np.ptp(p, axis=0).max() > np.ptp(q, axis=0).max():
+                p, q = q, p  # the tree around the smaller: sooner asked
             if cKDTree(p).query(q, distance_upper_bound=threshold)[0].min() < threshold:
                 unite(parent, a, b)
     return numbered(parent, order, starts)
