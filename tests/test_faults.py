@@ -146,6 +146,16 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     assert {one.score for one in graded(course, sandbox).values()} == {30}
 
 
+def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
+    def broken(lesson):
+        raise JudgeFault("pytest ran 3 of 9 tests")
+
+    monkeypatch.setattr(trial, "tests_of_nothing", broken)
+    verdict = judging.judge(LESSON.released, SEED, None)
+    assert verdict.status == FAILED and verdict.faults == ("pytest ran 3 of 9 tests",)
+    assert judging.UNFAIR in verdict.problems
+
+
 @pytest.mark.slow
 def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""

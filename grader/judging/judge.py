@@ -14,13 +14,13 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.intake.apart import ReadingFailed
 from grader.intake.handed_in import HandedIn, read_handed_in
 from grader.intake.preflight import ToJudge, lesson_name_in, prepare_to_judge
-from grader.judging.asking import JudgeTimeout, tests_of_nothing
+from grader.judging.asking import JudgeTimeout
 from grader.judging.followed import follow_through
 from grader.judging.key import verdict_key
 from grader.judging.points import total
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of, untried
-from grader.judging.trial import Asked, Setting, ask
+from grader.judging.trial import Asked, Setting, ask, nothing_written
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
@@ -162,7 +162,7 @@ def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Rea
     lesson = setting.lesson
     program = program_for(lesson, to_judge.code, modules)
     if to_judge.is_as_released and not modules:
-        asked = Asked(tests_of_nothing(lesson))
+        asked = nothing_written(lesson)
     else:
         asked = _odd_ones_again(setting, program, ask(setting, program, explain=True))
     if faults := _faults(setting, asked):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.judging.asking import JudgeFault, everything, run_tests
+from grader.judging.asking import JudgeFault, everything, run_tests, tests_of_nothing
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program
@@ -105,6 +105,14 @@ def ask(
             mistakes = _mistakes(outcomes, student)
         about = (tuple(student.problems), student.uses, student.starved)
         return Asked(tuple(outcomes), *about, mistakes, fault)
+
+
+def nothing_written(lesson: Lesson) -> Asked:
+    """What comes of asking a notebook that stands as it was handed out, without asking it."""
+    try:
+        return Asked(tests_of_nothing(lesson))
+    except JudgeFault as error:
+        return Asked((), fault=str(error))
 
 
 def _mistakes(outcomes: Iterable[Outcome], student: Student) -> dict[str, Mistake]:

@@ -11,8 +11,7 @@ verdicts can be watched as they come.
 
 Give it a machine that does nothing else. nbgrader keeps one hardware thread busy, and has the
 whole core while nobody is on the other one; ours fills all threads anyway. That may be why
-others at work cost nbgrader more: in stage 1 a notebook took it 5.3 s on a quiet machine and 9 s on
-a busy one, and ours 0.4 s on both.
+others at work cost nbgrader more than ours.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
 
