@@ -32,6 +32,8 @@ from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
 NO = CheckFailed("no")
+# An untouched notebook would not be asked at all.
+WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
 PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
 
@@ -68,10 +70,11 @@ def judge_made_of(monkeypatch):
             return dataclasses.replace(again, outcomes=outcomes)
 
         monkeypatch.setattr(judging, "ask", ask)
+        monkeypatch.setattr(judging, "_RIGHT", {})  # nothing was right before
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "follow_through", lambda *about: (better or {}, late))
         monkeypatch.setattr(judging, "slips_in", lambda *about: {})
-        data = (text or fill_in(FILTER, {})).encode()
+        data = (text or fill_in(FILTER, WRITTEN)).encode()
         verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting
         return verdict, asked
