@@ -329,6 +329,17 @@ def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     assert "does not define it" in verdict.exercises[0].tests[0].message
 
 
+def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox, tmp_path):
+    lesson = find_lesson("09_filter_clusters")
+    content = json.loads(lesson.released.read_text("utf-8"))
+    first = next(cell for cell in content["cells"] if cell["cell_type"] == "code")
+    right = next(one.source for one in variants_of("filter_clusters") if one.right)
+    first["source"] = "".join(first["source"]) + "\n\n" + right
+    path = tmp_path / f"{lesson.name}.ipynb"
+    path.write_text(json.dumps(content), "utf-8")
+    assert judge(path, 1, sandbox).score == 20
+
+
 def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path, monkeypatch):
     lesson, asked = find_lesson("09_filter_clusters"), []
     right, wrong = (
@@ -357,10 +368,15 @@ def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path,
 
     first, times = judged(right, student="ada")
     assert (first.score, times) == (first.max_score, 1)
+    (kept,) = judging._RIGHT.values()
     second, times = judged(right, student="bob")
     assert (second.exercises, second.student, times) == (first.exercises, "bob", 0)
     assert second.key != first.key
     assert judged(right + "\n# mine", student="eve")[1] == 1
+    # What is remembered of one more is its key: the results are those of the first.
+    assert all(
+        one is kept.exercises[0] for also in judging._RIGHT.values() for one in also.exercises
+    )
     assert judged(right, seed=2)[1] == 1
     assert judged(right, module="x = 1")[1] == 1
     assert [judged(wrong)[1] for _ in range(2)] == [1, 1]

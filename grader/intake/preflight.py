@@ -87,7 +87,7 @@ class ToJudge:
     code, notes : tuple of str
     versions : dict of str to str
     is_as_released : bool
-        Whether the code is what was handed out, to the letter: then it need not be asked.
+        Whether all code but the first cell's is what was handed out: then it need not be asked.
     """
 
     code: tuple[str, ...]

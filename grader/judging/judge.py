@@ -21,7 +21,7 @@ from grader.judging.points import total
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of, untried
 from grader.judging.trial import Asked, Setting, ask, nothing_written
-from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
+from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, shared
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.patience import Budget
@@ -153,7 +153,8 @@ def _reach_once(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) ->
         return _RIGHT[key]
     reached = _reach(setting, to_judge, modules)
     if not reached.faults and all(one.score == one.max_score for one in reached.exercises):
-        _RIGHT[key] = reached
+        # A class may be ten thousand, and what is right is alike for all of them.
+        _RIGHT[key] = replace(reached, exercises=tuple(map(shared, reached.exercises)))
     return reached
 
 

@@ -147,12 +147,11 @@ class Verdict:
 
         Most checks end alike for most students, and a class may be ten thousand.
         """
-        return dataclasses.replace(
-            self, exercises=tuple(_common(exercise) for exercise in self.exercises)
-        )
+        return dataclasses.replace(self, exercises=tuple(map(shared, self.exercises)))
 
 
-def _common(exercise: ExerciseResult) -> ExerciseResult:
+def shared(exercise: ExerciseResult) -> ExerciseResult:
+    """The same, made of what is in memory already: most students' results are alike."""
     tests = tuple(map(_the_same, exercise.tests))
     return _the_same(dataclasses.replace(exercise, tests=tests))
 
