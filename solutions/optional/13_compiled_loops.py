@@ -366,7 +366,7 @@ def sort_by_cell(points, side):
     return order, in_order, starts[:count + 1], numbers[:count], next_x, next_y
 
 # %% [markdown]
-# The cells at most two steps away lie in 25 columns, of which 13 are enough: each pair need be met only once. As the numbers ascend, so do those of the neighbours, and one finger for each column moves up along with the cell. First the cheap question for all pairs; whoever says no is noted. Then, for those of the noted pairs that are still apart, the exact one, if the boxes around their points are near enough at all. Where two cells hold thousands of points, a kd-tree is better: such pairs are handed back.
+# The cells at most two steps away lie in 25 columns, of which 13 are enough: each pair need be met only once. As the numbers ascend, so do those of the neighbours, and one finger for each column moves up along with the cell. First the cheap question: a pair for which the answer is no is noted. Then, for those noted that are still apart, the exact one, if the boxes around their points are near enough at all. Where two cells hold thousands of points, a kd-tree is better: such pairs are handed back.
 
 # %%
 @njit

@@ -921,12 +921,12 @@ def clustering_at_full_speed(cloud, threshold=0.5):
     order, starts, keys, strides = sort_into_cells(xyz, threshold / np.sqrt(3) * (1 - 1e-6))
     xyz, sizes = xyz.take(order, axis=1), np.diff(starts, append=len(order))
 
-    # Cheap: one point stands for each cell. Where it is alone, nothing is left to be asked.
+    # Cheap: one point stands for each cell. Of two lonely points no more is asked.
     first, several, found = xyz.take(starts, axis=1), sizes > 1, []
     for a, b in neighbouring_cells(keys, strides):
         near = squared_distance(first, a, b) < threshold**2
-        counts = np.flatnonzero(near | several.take(a) | several.take(b))
-        found.append((a.take(counts), b.take(counts), near.take(counts)))
+        kept = np.flatnonzero(near | several.take(a) | several.take(b))
+        found.append((a.take(kept), b.take(kept), near.take(kept)))
     a, b, near = map(np.concatenate, zip(*found))
     label = joined(np.arange(len(starts)), a[near], b[near])
 

@@ -2,8 +2,9 @@
 
 All work on the same cloud in the same run, in turn; ratios compare the times of one round. The
 clouds are `cloud.txt`, a random street, and whatever lies in the folder REAL_CLOUDS (KITTI's
-frames, which are no part of the project). `peers.py` says how to install the peers; who is missing
-is left out, with a word. ROUNDS and PATIENCE (seconds for a slow peer) say how long it takes.
+frames, which are no part of the project). Ours and dbscan meet two more, in which a grid of cells
+gains least. `peers.py` says how to install the peers; who is missing is left out, with a word.
+ROUNDS and PATIENCE (seconds for a slow peer) say how long it takes.
 
 Prints a table in Markdown, and writes `.bench/measured.json` (under "clustering") and
 `.bench/clustering.png`.
