@@ -540,13 +540,14 @@ def _grade_alone(
     # What was judged now is a part of the class.
     reported = _verdicts_on_disk(course) if student or wanted else judged
     results, now = class_results(course), len(judged) - before
-    run = Run(now, len(reported) - now, seconds)
+    label = "" if scheduler else sandbox.label()
+    run = Run(now, len(reported) - now, seconds, label)
     path = write_report(course, reported, results, run, warning or sandbox.warning, left)
     if student:
         _print_one(course, student, judged)
     else:
         _print_all(course, judged, results, left)
-    _print_end(course, len(judged), before, seconds)
+    _print_end(course, len(judged), before, seconds, label)
     print(f"Report: {path}")
     return status
 
@@ -619,11 +620,12 @@ def _print_one(course: Course, student: str, judged: Judged) -> None:
     )
 
 
-def _print_end(course: Course, count: int, before: int, seconds: float) -> None:
+def _print_end(course: Course, count: int, before: int, seconds: float, label: str) -> None:
     from grader.lms.gradebook import address
 
     print(
         f"{count} notebook{'s' * (count != 1)}: {count - before} judged in {seconds:.1f} s"
+        f"{f' in {label}' if label else ''}"
         f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
     )
 

@@ -38,9 +38,9 @@ def why_not():
     """What keeps this machine from playing Colab, as a sentence; empty when nothing does."""
     missing = [name for name in NEEDED if not shutil.which(name)]
     if sys.platform != "linux" or missing:
-        return f"Colab is a Linux with {' and '.join(NEEDED)}"
+        return f"Linux with {' and '.join(NEEDED)}: sudo apt-get install curl tar"
     if not find_python():
-        return "Colab has Python 3.12 or 3.13, and none is found here"
+        return "Python 3.12 or 3.13: install one, or make test PYTHON=python3.13"
     return ""
 
 

@@ -4,13 +4,14 @@ import os
 import shutil
 import signal
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 from grader.course.lessons import Lesson, all_lessons
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
-from tests.demands import demand_walls
+from tests.demands import RECORDINGS, demand_walls
 
 MEMORY = Path("/dev/shm")
 ENOUGH = 2**31  # bytes
@@ -25,6 +26,18 @@ def pytest_configure(config):
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_unconfigure(config):
+    """Say below the summary what was skipped, and how to get what was missing."""
+    reporter = config.pluginmanager.getplugin("terminalreporter")
+    if reporter is None:  # a worker of pytest-xdist
+        return
+    reasons = Counter(report.longrepr[2] for report in reporter.stats.get("skipped", ()))
+    if reasons:
+        reporter.write_line("Skipped, each for want of:")
+    for reason, count in reasons.most_common():
+        reporter.write_line(f"{count:6}  {reason.removeprefix('Skipped: ')}")
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -49,7 +62,7 @@ def real_clouds():
     """Folder of real recordings, named by REAL_CLOUDS; tests that need it skip without."""
     folder = os.environ.get("REAL_CLOUDS")
     if not folder:
-        pytest.skip("REAL_CLOUDS does not name a folder of real recordings")
+        pytest.skip(RECORDINGS)
     return Path(folder)
 
 

@@ -6,7 +6,6 @@ capabilities that Docker leaves root, and without the system calls that Docker's
 What Gradescope's own containers allow, nobody here has seen; so it is tried with more, and less.
 """
 
-import ctypes
 import dataclasses
 import io
 import json
@@ -23,6 +22,7 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.lms.autograder.packing import packed_autograder
+from tests.containers import DOCKER, as_user, deny_what_docker_denies
 from tests.demands import demand_walls
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
@@ -30,10 +30,6 @@ SEED = 2**64 + 20_170_405
 LONGEST = 1800  # seconds that setting up may take, and judging
 PORT = 18_731  # something of the machine's own listens there
 
-DOCKER = (
-    *("chown", "dac_override", "fsetid", "fowner", "mknod", "net_raw", "setgid", "setuid"),
-    *("setfcap", "setpcap", "net_bind_service", "sys_chroot", "kill", "audit_write"),
-)
 # Of this machine's folders those that a container has, too; the others are empty there.
 SYSTEM = ("bin", "dev", "etc", "lib", "lib32", "lib64", "libx32", "opt", "proc", "sbin", "sys")
 SYSTEM = (*SYSTEM, "usr", "var")
@@ -124,36 +120,8 @@ def become(kind, layers, script):
     socket.sethostname("container")
     if kind.filtered:
         deny_what_docker_denies()
-    user = ["--reuid", str(kind.user), "--regid", str(kind.user), "--clear-groups"]
-    words = ["setpriv", "--inh-caps=-all", *(user if kind.user else ())]
-    if kind.capabilities is not None:
-        kept = ",".join(f"+{name}" for name in kind.capabilities)
-        words.append(f"--bounding-set=-all{',' if kept else ''}{kept}")
+    words = as_user(kind.user, kind.capabilities)
     os.execvp(words[0], [*words, "/bin/sh", "-c", script])
-
-
-def deny_what_docker_denies():
-    """Namespaces and mounts: "not permitted", as without CAP_SYS_ADMIN (x86_64)."""
-    load, jump, any_bit, give = 0x20, 0x15, 0x45, 0x06
-    allow, no, unknown = 0x7FFF0000, 0x00050001, 0x00050026
-    code = [(load, 0, 0, 0)]
-    for number in (272, 308, 165, 166, 155, 321, 298, 250, 248, 323, 428, 429, 430, 432, 442):
-        code += [(jump, 0, 1, number), (give, 0, 0, no)]
-    code += [(jump, 0, 1, 435), (give, 0, 0, unknown)]  # clone3, whose flags nobody can look at
-    code += [(jump, 0, 3, 56), (load, 0, 0, 16), (any_bit, 0, 1, 0x7E020000), (give, 0, 0, no)]
-    code += [(give, 0, 0, allow)]
-
-    class Program(ctypes.Structure):
-        _fields_ = [("length", ctypes.c_ushort), ("code", ctypes.c_char_p)]
-
-    text = b"".join(
-        operation.to_bytes(2, "little") + bytes((yes, no_)) + value.to_bytes(4, "little")
-        for operation, yes, no_, value in code
-    )
-    program, libc = Program(len(code), text), ctypes.CDLL(None, use_errno=True)
-    zero = ctypes.c_ulong(0)
-    if libc.prctl(22, ctypes.c_ulong(2), ctypes.byref(program), zero, zero):
-        raise OSError(ctypes.get_errno(), "seccomp")
 
 
 # ---- What is handed in ---------------------------------------------------------------------

@@ -23,7 +23,7 @@ def server():
     """
     programs = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
     if not programs:
-        raise NotInstalled("PostgreSQL is not installed: sudo apt-get install postgresql")
+        raise NotInstalled("PostgreSQL: sudo apt-get install postgresql")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

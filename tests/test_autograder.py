@@ -19,6 +19,7 @@ from grader.lms.autograder import closing, judging, results
 from grader.lms.autograder.judging import Judged, JudgedLesson
 from grader.lms.autograder.packing import packed_autograder
 from grader.sandbox import SANDBOXES, SandboxUnavailable
+from tests.demands import ROOT
 
 SEED = 2**64 + 20_170_405
 SIX = find_lesson("06_filter_ground")
@@ -244,7 +245,7 @@ def test_no_walls_are_taken_that_protect_nothing():
     assert set(closing.KINDS) < set(SANDBOXES) and "process" not in closing.KINDS
 
 
-needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can close folders to others")
+needs_root = pytest.mark.skipif(os.geteuid() != 0, reason=ROOT)
 
 
 @needs_root

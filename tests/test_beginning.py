@@ -10,6 +10,7 @@ from nbconvert.exporters import HTMLExporter
 from nbformat.v4 import new_code_cell, new_output
 
 from tests.browser import BROWSER, seen
+from tests.demands import CHROMIUM
 from utils.beginning import STYLE
 
 # For each cell of code: how high it is, and how far it reaches beyond its right edge.
@@ -21,7 +22,7 @@ MEASURE = """<script>addEventListener("load", () => {
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not BROWSER, reason="no Chromium here")
+@pytest.mark.skipif(not BROWSER, reason=CHROMIUM)
 def test_an_exported_page_folds_and_wraps(tmp_path):
     long, many = "x = [" + "1, " * 200 + "]", "y = 1\n" * 60
     style = new_output("display_data", data={"text/html": STYLE})

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.demands import RECORDINGS
 from utils.clouds import SUFFIXES, CloudFileError, read_cloud, write_cloud
 from utils.clouds.kitti import decode_kitti
 from utils.clouds.npz import decode_npz
@@ -200,7 +201,7 @@ def bounded(call, *arguments) -> int:
         tracemalloc.stop()
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="REAL_CLOUDS is not set")
+@pytest.mark.skipif(not REAL.is_dir(), reason=RECORDINGS)
 def test_real_recordings_are_read():
     first = read_cloud(REAL / "data_1" / "0000000000.pcd")
     assert first.shape == (119_978, 4) and first.dtype == np.float32

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.demands import RECORDINGS
 from utils.boxes import Box, inside
 from utils.clouds import CloudFileError, read_cloud, write_cloud
 from utils.recordings import (
@@ -204,7 +205,7 @@ def test_inside_includes_the_faces_and_turns_with_the_box():
     assert inside(np.empty((0, 4)), box).shape == (0,)
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="REAL_CLOUDS is not set")
+@pytest.mark.skipif(not REAL.is_dir(), reason=RECORDINGS)
 def test_real_boxes_hold_the_points_their_table_says():
     frame = read_cloud(REAL / "kitti_000008.bin")
     with open(REAL / "kitti_000008_boxes.csv", newline="") as file:

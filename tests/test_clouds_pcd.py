@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.demands import RECORDINGS
 from utils.clouds import CloudFileError, lzf, read_cloud
 from utils.clouds.pcd import decode_pcd, encode_pcd
 from utils.clouds.pcd_header import ENCODINGS
@@ -232,7 +233,7 @@ class TestLzf:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not REAL.is_dir(), reason="REAL_CLOUDS is not set")
+@pytest.mark.skipif(not REAL.is_dir(), reason=RECORDINGS)
 def test_real_frames_survive_every_encoding():
     cloud = read_cloud(REAL / "data_1" / "0000000005.pcd")
     for encoding in ENCODINGS:

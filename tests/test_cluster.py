@@ -30,6 +30,7 @@ from grader.course.paths import Course
 from grader.course.travelling import TRAVELS
 from grader.course.variants import fill_in, variants_of
 from grader.judging.verdict import read_verdict
+from tests.demands import without_bubblewrap
 from tests.test_course import rows
 from tests.test_faults import Inline
 from tests.test_grade import LESSON, SEED, answer, make_course, quiet, rehearsed
@@ -307,7 +308,7 @@ def test_unfit_workers_are_refused_and_named(course, local, sandbox, start, tmp_
     start.worker(address, "--no-nanny", PYTHONPATH=str(broken.parent))
     count = 2
     if sandbox.name == "bubblewrap":
-        start.worker(address, "--no-nanny", PATH=str(empty))
+        start.worker(address, "--no-nanny", **without_bubblewrap(empty))
         count = 3
     workers_at(address, count)
 

@@ -37,6 +37,7 @@ from grader.lms.gradebook import open_gradebook
 from grader.lms.results import EXCUSED, MARKED, StageResult
 from tests import browser
 from tests.archives import canvas_files, moodle_files, zipped
+from tests.demands import CHROMIUM
 
 STAGE = "stage4_realtime"
 TEN, TWELVE = find_lesson("10_accelerated_clustering"), find_lesson("12_streaming_obstacles")
@@ -381,7 +382,7 @@ def test_a_student_may_be_named_in_any_way_and_nobody_is_passed_over(
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not browser.BROWSER, reason="no browser here")
+@pytest.mark.skipif(not browser.BROWSER, reason=CHROMIUM)
 def test_a_browser_fetches_nothing_for_a_page_and_draws_its_formulas(pages, tmp_path):
     shown, asked = browser.seen(pages["bjorn"], tmp_path, "example.org")
     assert asked == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.demands import FFMPEG
 from utils import progress as bar
 from utils import scenes
 from utils.films.filming import Sight, record, scene_of, watch
@@ -28,7 +29,7 @@ def box_of_everything(cloud):
 @pytest.mark.slow
 @pytest.mark.parametrize("renderer", ["pyvista", "matplotlib"])
 def test_an_mp4_has_a_picture_for_each_frame(tmp_path, frames, renderer):
-    pytest.importorskip("imageio_ffmpeg")
+    pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     if renderer == "pyvista" and opengl.obstacle():
         pytest.skip(opengl.obstacle())
     import imageio.v3 as imageio
@@ -85,7 +86,7 @@ def test_a_detector_that_fails_at_once_is_heard_and_leaves_no_file(tmp_path, fra
 
 def test_ctrl_c_leaves_neither_a_file_nor_words_of_the_writer(tmp_path, capfd):
     """Who writes an MP4 is a process of its own, and once complained that its file was gone."""
-    pytest.importorskip("imageio_ffmpeg")
+    pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
 
     def images():
         yield from np.zeros((3, 64, 64, 3), dtype=np.uint8)
@@ -153,7 +154,7 @@ def test_progress_goes_to_standard_output(tmp_path, frames, monkeypatch, capsys)
 @pytest.mark.parametrize(("suffix", "tag"), [(".gif", "<img alt="), (".mp4", "<video controls")])
 def test_a_film_shows_itself_with_words(tmp_path, frames, suffix, tag):
     if suffix == ".mp4":
-        pytest.importorskip("imageio_ffmpeg")
+        pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     film = record(frames, tmp_path / f"f{suffix}", size=SIZE, renderer="matplotlib")
     page = film._repr_html_()
     assert page.startswith(tag) and "base64," in page

@@ -479,7 +479,7 @@ def test_grading_without_a_sandbox_is_refused(monkeypatch, capsys):
     from grader import cli
     from grader.sandbox import bubblewrap
 
-    monkeypatch.setattr(bubblewrap, "_complaint", lambda: "bubblewrap is not installed.")
+    monkeypatch.setattr(bubblewrap, "_search", lambda: (None, "bubblewrap is not installed."))
     lesson = find_lesson("06_filter_ground")
     assert cli.main(["judge", str(lesson.released), "--seed", str(2**64)]) == 2
     assert "--sandbox process" in capsys.readouterr().err

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.demands import FFMPEG
 from utils import play, scenes
 from utils.clouds import write_cloud
 from utils.films import writers
@@ -73,7 +74,7 @@ def test_bags_are_opened_with_their_topic(monkeypatch):
 
 
 def test_without_a_screen_the_film_goes_into_a_file_of_the_same_name(tmp_path, capsys):
-    pytest.importorskip("imageio_ffmpeg")
+    pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert (tmp_path / "highway.mp4").stat().st_size > 0
     assert "so the film goes into highway.mp4" in capsys.readouterr().out

@@ -29,6 +29,7 @@ from grader.lms.results import (
     NotebookResult,
     StageResult,
 )
+from tests import demands
 from tests.browser import BROWSER, PDF_TO_TEXT, printed, seen
 
 SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance")
@@ -409,7 +410,7 @@ def test_without_names_a_lesson_of_few_is_left_out(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not BROWSER, reason="no browser")
+@pytest.mark.skipif(not BROWSER, reason=demands.CHROMIUM)
 def test_students_are_sorted_and_found_without_a_network(tmp_path):
     scores = {"cy": 9.0, "ada": 10.0, "bo": 8.5}
     results = class_of([result(name, MARKED, score) for name, score in scores.items()])
@@ -438,7 +439,7 @@ def test_students_are_sorted_and_found_without_a_network(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (BROWSER and PDF_TO_TEXT), reason="no browser, or no pdftotext")
+@pytest.mark.skipif(not (BROWSER and PDF_TO_TEXT), reason=demands.PDF_TO_TEXT)
 def test_on_paper_no_heading_stands_alone_at_the_foot_of_a_page(tmp_path):
     page = report(tmp_path, [verdict("ada", [check(True)])])
     rows = "<tr><td>check</td><td>passed</td></tr>"

@@ -45,7 +45,9 @@ def normal(name):
 def own_pins(file):
     """Version by distribution of what a file names itself."""
     text = (PROJECT / file).read_text("utf-8")
-    return {normal(name): version for name, version in re.findall(r"^([\w.-]+)==(\S+)", text, re.M)}
+    return {
+        normal(name): version for name, version in re.findall(r"^([\w.-]+)==([\w.]+)", text, re.M)
+    }
 
 
 def pins(file):
@@ -130,7 +132,9 @@ def test_constraints_pin_what_the_requirements_name(file):
 def test_every_requirement_is_a_pin_and_every_file_is_constrained(file):
     text = (PROJECT / file).read_text("utf-8")
     assert re.search(r"^-[rc] ", text, re.M)  # requirements.txt names the constraints
-    pattern = r"(#.*|-r requirements[\w-]*\.txt|-c constraints\.txt|[\w.-]+==[\w.]+( +#.*)?|)"
+    pattern = (
+        r"(#.*|-r requirements[\w-]*\.txt|-c constraints\.txt|[\w.-]+==[\w.]+( ; [^#]+)?( +#.*)?|)"
+    )
     assert not [line for line in text.splitlines() if not re.fullmatch(pattern, line)]
 
 
@@ -142,8 +146,12 @@ def test_constraints_hold_everywhere():
 
 
 def needs(name):
-    """What a distribution that is installed needs here, without extras."""
-    for text in metadata.requires(name) or ():
+    """What a distribution needs here, without extras; nothing if it is not installed here."""
+    try:
+        requirements = metadata.requires(name) or ()
+    except metadata.PackageNotFoundError:  # such as a wheel for other machines
+        return
+    for text in requirements:
         requirement = Requirement(text)
         if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
             yield normal(requirement.name)

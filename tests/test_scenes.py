@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from shapely.geometry import Polygon
 
+from tests.demands import RECORDINGS
 from utils.simulator import CLASSES, Sensor, layers
 from utils.simulator.frames import Frame
 from utils.simulator.scenes import (
@@ -302,7 +303,7 @@ def test_frame_zero_of_the_moving_highway_is_the_simple_highway():
 REAL = os.environ.get("REAL_CLOUDS")
 
 
-@pytest.mark.skipif(not REAL, reason="REAL_CLOUDS names no folder of recordings")
+@pytest.mark.skipif(not REAL, reason=RECORDINGS)
 def test_the_highway_returns_as_often_per_object_as_the_published_recording():
     from tests.benchmarks.compare_real import highway_counts, read_highway
 

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib import metadata
 
+from packaging.requirements import Requirement
+
 from grader.classroom.folders import spelt_otherwise, strangers
 from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
 from grader.classroom.submissions import find_submissions, unaccounted_files
@@ -85,11 +87,12 @@ def _versions() -> Iterator[Finding]:
 
 
 def _packages(file: str) -> Finding:
-    pins = re.findall(r"^([\w-]+)==(\S+)", (PROJECT / file).read_text("utf-8"), re.M)
+    lines = re.findall(r"^\w[^#\n]*==[^#\n]*", (PROJECT / file).read_text("utf-8"), re.M)
+    pins = [pin for pin in map(Requirement, lines) if not pin.marker or pin.marker.evaluate()]
     other = [
-        f"{name} {_version(name) or 'missing'} instead of {wanted}"
-        for name, wanted in pins
-        if _version(name) != wanted
+        f"{pin.name} {_version(pin.name) or 'missing'} instead of {str(pin.specifier)[2:]}"
+        for pin in pins
+        if not _version(pin.name) or _version(pin.name) not in pin.specifier
     ]
     return Finding(
         "packages",
@@ -118,7 +121,8 @@ def _sandboxes() -> Iterator[Finding]:
         except SandboxUnavailable as error:
             yield Finding(f"sandbox {sandbox.name}", False, str(error))
         else:
-            yield Finding(f"sandbox {sandbox.name}", True, sandbox.walls())
+            text = f"{sandbox.label()}: {sandbox.walls()}"
+            yield Finding(f"sandbox {sandbox.name}", True, text)
 
 
 def _boundary(course: Course) -> Finding:

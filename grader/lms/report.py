@@ -54,11 +54,14 @@ class Run:
         Notebooks that it judged, and those that had been judged before.
     seconds : float
         What judging took, by the clock on the wall.
+    sandbox : str
+        The program that built the sandbox; empty if a cluster's workers each chose their own.
     """
 
     judged: int
     before: int
     seconds: float
+    sandbox: str = ""
 
 
 def write_report(

@@ -9,15 +9,12 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-import shutil
-import subprocess
-import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.paths import PROJECT
-from grader.sandbox import users
+from grader.sandbox import bwrap, users
 from grader.sandbox.boundary import (
     BASE_PREFIX,
     PREFIX,
@@ -34,8 +31,6 @@ from grader.sandbox.launcher import launch
 from grader.sandbox.program import PACKAGES
 from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
-SECONDS_TO_BUILD = 60
-
 
 @dataclass(frozen=True)
 class Bubblewrap:
@@ -46,12 +41,12 @@ class Bubblewrap:
 
     def available(self) -> None:
         """Build a trial sandbox, once; see `grader.sandbox.protocol.Sandbox`."""
-        complaint = _complaint()
-        if complaint:
-            raise SandboxUnavailable(
-                f"{complaint} Student code is only run inside a sandbox. To grade code that you "
-                "trust without one, add: --sandbox process"
-            )
+        _program()
+
+    def label(self) -> str:
+        """Name the program in use; see `grader.sandbox.protocol.Sandbox`."""
+        program = _program()
+        return f"{program.version()} from {program.origin}"
 
     def walls(self) -> str:
         """Say which walls there are on this machine, for whoever grades."""
@@ -91,34 +86,19 @@ class Bubblewrap:
 
 
 @functools.cache
-def _complaint() -> str:
-    """Why bubblewrap does not work here; empty where it does."""
-    if not sys.platform.startswith("linux"):
-        return "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
-    if not shutil.which("bwrap"):
-        return (
-            "bubblewrap is not installed. Install it with: "
-            "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)."
+def _search() -> tuple[bwrap.Program | None, str]:
+    """The bubblewrap that works here, or why none does; asked once."""
+    return bwrap.find(_options(Limits()))
+
+
+def _program() -> bwrap.Program:
+    program, complaint = _search()
+    if not program:
+        raise SandboxUnavailable(
+            f"{complaint} Student code is only run inside a sandbox. To grade code that you "
+            "trust without one, add: --sandbox process"
         )
-    try:
-        trial = subprocess.run(
-            [*_walls(Limits()), "--die-with-parent", "/bin/sh", "-c", "true"],
-            capture_output=True,
-            text=True,
-            timeout=SECONDS_TO_BUILD,
-        )
-    except subprocess.TimeoutExpired:
-        return (
-            f"bubblewrap is installed, but has not built a sandbox within {SECONDS_TO_BUILD} "
-            "seconds. Is the machine overloaded, or a disk or network drive not answering?"
-        )
-    if trial.returncode:
-        return (
-            f"bubblewrap is installed but cannot build a sandbox here: {trial.stderr.strip()}."
-            " Inside a container, allow user namespaces (docker run --privileged); on "
-            "Ubuntu 24.04: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0."
-        )
-    return ""
+    return program
 
 
 @functools.cache
@@ -140,6 +120,10 @@ def _can_go_behind_walls() -> bool:
 
 def _walls(limits: Limits) -> list[str]:
     """The bubblewrap command up to what is seen through it."""
+    return [_program().path, *_options(limits)]
+
+
+def _options(limits: Limits) -> list[str]:
     options = [
         "--unshare-net",
         "--unshare-pid",
@@ -165,7 +149,6 @@ def _walls(limits: Limits) -> list[str]:
         if os.path.lexists(path)
     ]
     return [
-        "bwrap",
         *options,
         *itertools.chain(*system),
         "--proc",

@@ -131,6 +131,9 @@ class Sandbox(Protocol):
             With the command that would mend it.
         """
 
+    def label(self) -> str:
+        """Name the program that builds the sandbox, with its version, for reports."""
+
     def walls(self) -> str:
         """Say what stands between a student's code and this machine."""
 

@@ -23,6 +23,10 @@ class Unwalled:
     def available(self) -> None:
         """Every machine has processes."""
 
+    def label(self) -> str:
+        """Name it; see `grader.sandbox.protocol.Sandbox`."""
+        return "no sandbox"
+
     def walls(self) -> str:
         """Say that there are none."""
         return "none"

@@ -23,7 +23,7 @@ CLOUD = np.arange(12.0).reshape(3, 4)
 SEED = 20_170_405
 
 in_namespaces = pytest.mark.skipif(
-    WALLS.name != "bubblewrap", reason="of /proc, sockets of its own, a disk of its own"
+    WALLS.name != "bubblewrap", reason="/proc, sockets and a disk of one's own: leave out ATTACKED"
 )
 
 

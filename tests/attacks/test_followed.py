@@ -7,11 +7,10 @@ import pytest
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
-from tests.demands import demand_walls
+from tests.attacks.attacking import WALLS
 
 pytestmark = pytest.mark.slow
 
-WALLS = demand_walls()
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
 WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"

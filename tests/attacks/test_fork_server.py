@@ -49,7 +49,7 @@ def f():
 def forked():
     """These tests are about workers that are forked."""
     if not bubblewrap._can_go_behind_walls():
-        not_here("processes may not enter namespaces here; workers start anew")
+        not_here("the right to enter namespaces: sudo make test")
 
 
 def looked(monkeypatch, forks):

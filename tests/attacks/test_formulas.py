@@ -11,6 +11,7 @@ from grader.lms.formulas import COMMANDS, NO_WIDTH, harmless_formulas
 from grader.lms.harmless import harmless
 from tests import browser
 from tests.attacks.attacking import tried
+from tests.demands import MATHJAX
 
 # What each would make a page ask for, or lead to.
 EVIL = "evil.example"
@@ -136,7 +137,7 @@ def browsed(texts, entry, folder):
 
 needs_browser = pytest.mark.skipif(
     not (browser.BROWSER and browser.mathjax_entries()),
-    reason="no Chromium, or no MathJax: apt-get install chromium libjs-mathjax",
+    reason=MATHJAX,
 )
 
 

