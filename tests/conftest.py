@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.course.lessons import Lesson, all_lessons
+from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
 from tests.demands import RECORDINGS, demand_walls
 
@@ -261,10 +261,23 @@ A_FEW_OF_MANY = {
 }
 
 
-MADE_ONCE = (
-    *("test_standalone", "test_build", "test_scenes", "test_hermetic", "test_markdown"),
-    "test_site",
-)
+# What is costly to make is made once in a process, so these run in one: a module for itself, or
+# with others that need the same.
+TOGETHER = {
+    **{name: name for name in ("test_build", "test_scenes", "test_hermetic", "test_markdown")},
+    "test_chroot": "folders for a root",
+    "test_standalone": "standalone notebooks",
+    "test_site": "standalone notebooks",
+    "test_release": "standalone notebooks",
+}
+
+
+# The name of a lesson by its number, and by each of its exercises.
+LESSONS = {
+    key: lesson.name
+    for lesson in every_lesson()
+    for key in (lesson.number, *(exercise.name for exercise in lesson.machine_graded))
+}
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -276,11 +289,8 @@ def pytest_itemcollected(item):
     begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
     if begins is not None and not item.name.partition("[")[2].startswith(begins):
         item.add_marker(pytest.mark.proof)
-    lesson = getattr(item, "callspec", None) and _lesson_in(item.callspec.params.values())
-    if item.path.stem == "test_judge" and lesson:
-        item.add_marker(pytest.mark.xdist_group(lesson))
-    if item.path.parent.name == "lessons" or item.path.stem in MADE_ONCE:
-        item.add_marker(pytest.mark.xdist_group(item.path.stem))
+    if group := TOGETHER.get(item.path.stem) or _lesson_of(item):
+        item.add_marker(pytest.mark.xdist_group(group))
 
 
 # What takes longest comes first, so that no processor waits for another in the end.
@@ -309,11 +319,16 @@ def pytest_testnodedown(node, error):
         node.config.pluginmanager.getplugin("dsession").triggershutdown()
 
 
-def _lesson_in(values):
-    """Name of the lesson that a test's parameters are about."""
-    for value in values:
+def _lesson_of(item):
+    """Name of the lesson that a test is about: by its file, its marker or its parameters."""
+    if item.path.parent.name == "lessons":
+        return LESSONS[item.path.stem.split("_")[1]]
+    values = getattr(item, "callspec", None) and item.callspec.params.values()
+    for value in values or ():
         if isinstance(value, Lesson):
             return value.name
+        if isinstance(value, str) and value in LESSONS:
+            return LESSONS[value]
     return None
 
 

@@ -605,6 +605,7 @@ def test_what_is_no_function_of_its_arguments_explains_nothing(explains):
 
 
 @pytest.mark.slow
+@pytest.mark.xdist_group("10_accelerated_clustering")  # whose scenes take seconds to make
 def test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be():
     """It is asked here, in the judge: on heaps of 20 000 points, too."""
     exercise = "euclidean_clustering_accelerated"
