@@ -625,8 +625,8 @@ def _print_end(course: Course, count: int, before: int, seconds: float, label: s
 
     print(
         f"{count} notebook{'s' * (count != 1)}: {count - before} judged in {seconds:.1f} s"
-        f"{f' in {label}' if label else ''}"
         f"{f', {before} as before' if before else ''}. Gradebook: {address(course)}"
+        f"{f'. Sandbox: {label}' if label else ''}"
     )
 
 

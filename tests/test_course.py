@@ -26,6 +26,7 @@ from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
 from grader.lms import entering, gradebook
 from grader.lms.late import PercentPerDay
+from tests.demands import PATIENCE
 from tests.postgresql import NotInstalled, server
 from tests.test_faults import Inline
 from tests.test_grade import (
@@ -500,7 +501,7 @@ def test_workers_end_with_whoever_started_them(tmp_path):
     )
     workers = [int(word) for word in done.stdout.split()]
     assert workers
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline and any(os.path.exists(f"/proc/{one}") for one in workers):
         time.sleep(0.05)
     assert not any(os.path.exists(f"/proc/{one}") for one in workers)

@@ -98,7 +98,7 @@ def in_a_notebook(packages, without, forbidden, first=()):
         cwd=PROJECT,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     failed, count, left = json.loads(done.stdout.splitlines()[-1])

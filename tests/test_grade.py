@@ -25,6 +25,7 @@ from grader.lms.entering import enter
 from grader.lms.registering import register
 from grader.lms.report import write_report
 from grader.lms.standings import class_results
+from tests.demands import PATIENCE
 
 LESSON = find_lesson("06_filter_ground")
 SEED = 2**64 + 31
@@ -163,7 +164,7 @@ def nbgrader(course, *words):
         cwd=course.root,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
     )
 
 
@@ -402,7 +403,7 @@ def test_killed_in_the_middle_nothing_is_lost(course, sandbox):
         f"SANDBOXES[{sandbox.name!r}], Pool, 2, lambda *a: None)"
     )
     running = subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT, start_new_session=True)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE
     while not list(course.verdicts.rglob("*.json")) and time.monotonic() < deadline:
         time.sleep(0.02)
     os.killpg(running.pid, signal.SIGKILL)
@@ -436,7 +437,7 @@ def test_plain_nbgrader_still_grades_by_the_visible_checks(course):
         nbclient.NotebookClient(
             whole,
             allow_errors=True,
-            timeout=120,
+            timeout=600,
             resources={"metadata": {"path": str(LESSON.released.parent)}},
         ).execute()
         assert determine_grade(whole.cells[-1]) == (score, 10.0)

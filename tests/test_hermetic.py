@@ -44,7 +44,7 @@ def judged(path, sandbox, folder=PROJECT, python=sys.executable, **environment):
         env={**os.environ, "PYTHONPATH": str(PROJECT), **environment},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     verdict = json.loads(done.stdout)

@@ -122,7 +122,7 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
         env={**os.environ, "PYTHONPATH": str(PROJECT)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     said = done.stdout + done.stderr
     assert done.returncode

@@ -39,7 +39,7 @@ def loaded_with(module):
     """The packages that a fresh interpreter holds when it has imported `module`."""
     command = f"import sys, {module}; print(*sys.modules)"
     done = subprocess.run(
-        [sys.executable, "-c", command], cwd=PROJECT, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", command], cwd=PROJECT, capture_output=True, text=True, timeout=600
     )
     assert done.returncode == 0, done.stderr
     return {name.partition(".")[0] for name in done.stdout.split()}

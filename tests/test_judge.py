@@ -433,7 +433,7 @@ def command(*arguments):
         cwd=PROJECT,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=600,
     )
 
 

@@ -210,7 +210,7 @@ def test_with_a_screen_it_plays_until_the_window_is_closed(monkeypatch, tmp_path
 def test_help_names_what_can_be_played():
     done = subprocess.run(
         [sys.executable, "-m", "utils.play", "--help"], cwd=PROJECT, capture_output=True, text=True,
-        timeout=60,
+        timeout=600,
     )  # fmt: skip
     assert done.returncode == 0 and done.stderr == ""
     for word in ("highway", "city", "cyclist", ".bag", "--detector", "--record", "TopDown"):

@@ -10,6 +10,7 @@ import pytest
 
 from grader.classroom import pool
 from grader.classroom.pool import Pool
+from tests.demands import PATIENCE
 
 pytestmark = [pytest.mark.slow, pytest.mark.death]
 LARGE = 400_000  # bytes: several times what a pipe holds
@@ -63,15 +64,15 @@ def test_who_dies_costs_what_it_worked_on(death, words, workers):
         for number, future in enumerate(asked):
             if number == 2:
                 with pytest.raises(BrokenExecutor, match=f"died.*{words}.*memory"):
-                    future.result(60)
+                    future.result(PATIENCE)
             else:
-                assert future.result(60) == bytes(2 * LARGE)
+                assert future.result(PATIENCE) == bytes(2 * LARGE)
 
 
 def test_processes_are_kept_and_end_with_the_pool():
     with Pool(2) as judges:
         asked = [judges.submit(size_of, bytes(LARGE), 0.05) for _ in range(12)]
-        pids = {future.result(60)[1] for future in asked}
+        pids = {future.result(PATIENCE)[1] for future in asked}
     assert 1 <= len(pids) <= 2
     assert not any(os.path.exists(f"/proc/{pid}") for pid in pids)
 
@@ -80,9 +81,9 @@ def test_who_stands_still_is_given_up(monkeypatch):
     monkeypatch.setattr(pool, "LONGEST", 0.5)
     with Pool(1) as judges:
         with pytest.raises(BrokenExecutor, match="signal 9"):
-            judges.submit(time.sleep, 600).result(60)
+            judges.submit(time.sleep, 600).result(PATIENCE)
         monkeypatch.undo()
-        assert judges.submit(size_of, b"abc").result(60)[0] == 3
+        assert judges.submit(size_of, b"abc").result(PATIENCE)[0] == 3
 
 
 def test_what_is_called_off_ends_at_once():
@@ -91,17 +92,17 @@ def test_what_is_called_off_ends_at_once():
         asked = [judges.submit(time.sleep, 600) for _ in range(3)]
         time.sleep(0.5)
         raise KeyboardInterrupt
-    assert time.monotonic() - begin < 60
+    assert time.monotonic() - begin < PATIENCE
     for future in asked:
         with pytest.raises((BrokenExecutor, CancelledError)):
-            future.result(60)
+            future.result(PATIENCE)
 
 
 @pytest.mark.parametrize(("kind", "comes"), [(KeyError, KeyError), (Unspeakable, RuntimeError)])
 def test_an_exception_says_where_it_comes_from(kind, comes):
     with Pool(1) as judges:
         with pytest.raises(comes) as caught:
-            judges.submit(fail, kind).result(60)
+            judges.submit(fail, kind).result(PATIENCE)
         said = [str(caught.value), *getattr(caught.value, "__notes__", ())]
         assert any("in fail" in line for line in said)
-        assert judges.submit(size_of, b"abc").result(60)[0] == 3
+        assert judges.submit(size_of, b"abc").result(PATIENCE)[0] == 3

@@ -67,7 +67,7 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
         env={**os.environ, "PATH": path},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     assert holding(course, NEEDLE) == []
@@ -93,7 +93,7 @@ def test_nbgrader_reads_the_roster_too(tmp_path):
         cwd=course.root,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr
     with gradebook.open_gradebook(course) as book:

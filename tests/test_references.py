@@ -7,6 +7,7 @@ import pytest
 
 from grader.course.lessons import load_reference
 from grader.judging import samples
+from tests.demands import PATIENCE
 from utils.clouds import read_cloud
 
 
@@ -91,4 +92,4 @@ def test_real_frame_goes_through_the_references(real_clouds, ground, cluster):
     expected = samples.cluster_labels(thin, 0.5)
     pairs = np.unique(np.stack([labels, expected]), axis=1)
     assert pairs.shape[1] == labels.max() == expected.max()
-    assert seconds < 60
+    assert seconds < PATIENCE

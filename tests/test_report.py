@@ -215,6 +215,13 @@ def test_counts_and_seconds_are_of_what_was_done(tmp_path):
     assert "of which" not in report(tmp_path, verdicts)
 
 
+def test_the_sandbox_is_named(tmp_path):
+    verdicts, label = [verdict("ada", [check(True)])], "bubblewrap 0.8.0 (/usr/bin/bwrap)"
+    assert f"sandbox: {label}</p>" in report(tmp_path, verdicts, run=Run(1, 0, 1.4, label))
+    on_a_cluster = report(tmp_path, verdicts, run=Run(1, 0, 1.4))
+    assert "sandbox" not in on_a_cluster
+
+
 NOT_STARTED = "filter_ground is not started: replace `raise NotImplementedError` with your code."
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.demands import PATIENCE
 from utils.scene3d import CAMERAS, LAYERS, Camera, Scene, builders, opengl, output, solids, viewer
 from utils.scene3d.cameras import as_camera, cut_off
 from utils.scene3d.parts import Label, Points, Segments, dashed
@@ -282,7 +283,7 @@ def test_a_full_scan_is_drawn_in_seconds(renderer):
     cloud = np.random.default_rng(0).normal(size=(120_000, 4)) * (20, 20, 1, 1)
     start = time.perf_counter()
     Scene().add_cloud(cloud).picture("XY", renderer=renderer)
-    assert time.perf_counter() - start < 20  # usually less than one
+    assert time.perf_counter() - start < PATIENCE  # usually less than one second
 
 
 def test_scenes_are_drawn_into_given_axes(street):
@@ -412,7 +413,7 @@ def test_a_picture_stands_in_where_scripts_do_not_run(street):
 
 def run(program, **environment):
     return subprocess.run(
-        [sys.executable, "-c", program], cwd=PROJECT, capture_output=True, text=True, timeout=60,
+        [sys.executable, "-c", program], cwd=PROJECT, capture_output=True, text=True, timeout=600,
         env=os.environ | environment,
     )  # fmt: skip
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from grader.course.paths import PROJECT
+from tests.demands import PATIENCE
 from utils.checks import check, core, diagnosis, display
 from utils.checks.core import ChecksFailed, noted, visible
 from utils.checks.diagnosis import Mistake, diagnose, mistakes
@@ -299,7 +300,7 @@ def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function)
 
     begin = time.monotonic()
     shown = shown_by(function, capsys)
-    assert time.monotonic() - begin < 60
+    assert time.monotonic() - begin < PATIENCE
     assert "did not come back after 1 s, and was in the loop of line" in shown
     assert "[passed] one" in shown and "[waiting] three" in shown
 
@@ -309,7 +310,7 @@ def test_a_process_that_ignores_interrupts_hears_the_clock(handler):
     """As one that a script has started in the background."""
 
     def busy():
-        end = time.monotonic() + 20
+        end = time.monotonic() + 600
         while time.monotonic() < end:
             pass
 
@@ -359,8 +360,8 @@ def test_where_no_thread_can_start_python_looks_at_the_clock(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     start = time.monotonic()
     with pytest.raises(TimeUp), limited(0.1):
-        busy_for(20)
-    assert time.monotonic() - start < 10
+        busy_for(600)
+    assert time.monotonic() - start < PATIENCE
     with limited(20):
         busy_for(0.01)
     assert sys.gettrace() is None

@@ -46,7 +46,7 @@ class Bubblewrap:
     def label(self) -> str:
         """Name the program in use; see `grader.sandbox.protocol.Sandbox`."""
         program = _program()
-        return f"{program.version()} from {program.origin}"
+        return f"{program.version()} ({program.origin})"
 
     def walls(self) -> str:
         """Say which walls there are on this machine, for whoever grades."""

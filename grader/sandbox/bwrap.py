@@ -126,7 +126,7 @@ def _programs() -> Iterator[Program]:
     if path := shutil.which("bwrap"):
         yield Program(path, path)
     if path := _program_of_wheel():
-        yield Program(path, f"the package {WHEEL}")
+        yield Program(path, f"package {WHEEL}")
 
 
 def _program_of_wheel() -> str:

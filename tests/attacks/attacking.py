@@ -15,6 +15,7 @@ from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import Student
+from tests.demands import PATIENCE
 
 WALLS = SANDBOXES[os.environ.get("ATTACKED", "bubblewrap")]
 MEBIBYTE = 2**20
@@ -62,5 +63,5 @@ def stopped_by(source, *arguments, calls=3, **limits):
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):
             student.f(*arguments)
-    assert time.monotonic() - begin < 120
+    assert time.monotonic() - begin < PATIENCE
     return str(stopped.value)
