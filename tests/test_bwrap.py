@@ -167,7 +167,7 @@ def test_the_wheels_program_runs(wheel_files):
     assert Path(path).is_relative_to(wheel_files)
     version = subprocess.run([path, "--version"], capture_output=True, text=True, check=True)
     assert version.stdout == "bubblewrap 0.11.0\n"
-    assert bwrap.Program(path, "").version() == "bubblewrap 0.11.0"
+    assert bwrap.Executable(path, "").version() == "bubblewrap 0.11.0"
 
 
 @pytest.mark.parametrize("name", bwrap.DIGESTS)

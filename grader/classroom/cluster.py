@@ -1,8 +1,8 @@
 """Judge on the workers of a Dask cluster.
 
-Workers need Python, the packages of requirements-cluster.txt and bubblewrap. The course's code
-travels to each of them once, in a plugin; jobs travel as bytes, and what comes of them, too, so
-that neither scheduler nor worker needs a module of ours.
+Workers need Python, the packages of requirements-cluster.txt and, on other processors than x86-64,
+the system's bubblewrap. A plugin brings the course's code to each of them once. Jobs and results
+travel as bytes, so neither scheduler nor worker needs a module of ours.
 """
 
 from __future__ import annotations

@@ -86,12 +86,12 @@ class Bubblewrap:
 
 
 @functools.cache
-def _search() -> tuple[bwrap.Program | None, str]:
+def _search() -> tuple[bwrap.Executable | None, str]:
     """The bubblewrap that works here, or why none does; asked once."""
     return bwrap.find(_options(Limits()))
 
 
-def _program() -> bwrap.Program:
+def _program() -> bwrap.Executable:
     program, complaint = _search()
     if not program:
         raise SandboxUnavailable(

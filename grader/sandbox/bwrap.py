@@ -58,7 +58,7 @@ SETTINGS = (
 
 
 @dataclass(frozen=True)
-class Program:
+class Executable:
     """A bubblewrap program.
 
     Attributes
@@ -96,7 +96,7 @@ class Program:
         return f"cannot build a sandbox here: {words}. {_remedy(words)}"
 
 
-def find(options: Sequence[str]) -> tuple[Program | None, str]:
+def find(options: Sequence[str]) -> tuple[Executable | None, str]:
     """Find the first bubblewrap that builds a sandbox here.
 
     Parameters
@@ -106,7 +106,7 @@ def find(options: Sequence[str]) -> tuple[Program | None, str]:
 
     Returns
     -------
-    program : Program or None
+    program : Executable or None
     complaint : str
         Without a program, the reason and the remedy.
     """
@@ -121,12 +121,12 @@ def find(options: Sequence[str]) -> tuple[Program | None, str]:
     return None, complaint
 
 
-def _programs() -> Iterator[Program]:
+def _programs() -> Iterator[Executable]:
     """The bubblewrap programs of this machine, the system's first."""
     if path := shutil.which("bwrap"):
-        yield Program(path, path)
+        yield Executable(path, path)
     if path := _program_of_wheel():
-        yield Program(path, f"package {WHEEL}")
+        yield Executable(path, f"package {WHEEL}")
 
 
 def _program_of_wheel() -> str:

@@ -87,10 +87,10 @@ def draft_of(cells):
     return preflight._Draft(LESSON, given, notebook, list(notebook.cells))
 
 
-def taken(prepare, work):
-    """Processor seconds of some work, the best of three; what it works on is prepared before."""
+def taken(prepare, work, times=3):
+    """Processor seconds of some work, the best of some; what it works on is prepared before."""
     found = []
-    for _ in range(3):
+    for _ in range(times):
         material = prepare()
         begin = time.process_time()
         work(material)
@@ -101,16 +101,16 @@ def taken(prepare, work):
 def assert_linear(material, work, size=12_500):
     """Twice as much takes twice as long; `material` takes a length."""
 
-    def seconds_for(length):
-        return taken(lambda: material(length), work)
+    def seconds_for(length, times=3):
+        return taken(lambda: material(length), work, times)
 
-    seconds = seconds_for(size)
+    seconds = seconds_for(size, 1)
     while seconds < SHORTEST and size < LARGEST:
         size *= 2
-        seconds = seconds_for(size)
+        seconds = seconds_for(size, 1)
     if seconds >= SHORTEST:
         # A busy machine spoils one measurement, but not all: a square stays a square.
-        found = [(seconds, seconds_for(2 * size))]
+        found = [(seconds_for(size), seconds_for(2 * size))]
         while found[-1][1] >= MOST * found[-1][0] and len(found) < TRIES:
             found.append((seconds_for(size), seconds_for(2 * size)))
         once, twice = found[-1]
