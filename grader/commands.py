@@ -71,9 +71,9 @@ def _release_solutions(options: argparse.Namespace) -> int:
     from grader.classroom.executors import processors
     from grader.course.deadlines import Deadlines, read_deadlines
     from grader.course.lessons import all_lessons
-    from grader.course.solved import still_open, write_solutions
+    from grader.course.solutions import still_open, write_solutions
     from grader.lms.dates import granted_in_gradebook
-    from grader.site.running import solved_runs
+    from grader.site.runs import solved_runs
     from grader.site.solution import as_notebook
 
     wanted, course = options.stages or stages(), Course()
@@ -100,9 +100,9 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.course.build import read_origin
     from grader.course.lessons import all_lessons, optional_lessons
     from grader.course.standalone import NotReleased
-    from grader.site.running import not_installed, solved_runs
-    from grader.site.trouble import SiteTrouble
-    from grader.site.writing import ready, write_site
+    from grader.site.builder import ready, write_site
+    from grader.site.errors import SiteTrouble
+    from grader.site.runs import not_installed, solved_runs
 
     missing = {lesson: not_installed(lesson) for lesson in optional_lessons()}
     can_run = [lesson for lesson, packages in missing.items() if not packages]
@@ -126,7 +126,7 @@ def run_site(options: argparse.Namespace) -> int:
 def run_collect(options: argparse.Namespace) -> int:
     """Run ``collect ARCHIVE... --stage STAGE``."""
     from grader.classroom.collect import CollectTrouble
-    from grader.classroom.collect.collecting import collect
+    from grader.classroom.collect.collection import collect
     from grader.classroom.lock import AlreadyRunning, only_one
     from grader.course.deadlines import DeadlinesTrouble
     from grader.course.roster import RosterTrouble
@@ -270,7 +270,7 @@ def _verdicts_on_disk(course: Course) -> Judged:
 def run_export(options: argparse.Namespace) -> int:
     """Run ``export``."""
     from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
-    from grader.lms.exporters.placing import place
+    from grader.lms.exporters.destination import place
     from grader.lms.standings import class_results
 
     course, exporter = Course(), EXPORTERS[options.format]
@@ -304,7 +304,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
     from grader.course.seed import course_seed
     from grader.lms.autograder.judging import lessons_of
-    from grader.lms.autograder.packing import packed_autograder, write_secret
+    from grader.lms.autograder.package import packed_autograder, write_secret
 
     course, lessons = Course(), lessons_of(options.assignment)
     if not lessons:
@@ -341,7 +341,7 @@ def run_autograder(options: argparse.Namespace) -> int:
 def run_feedback(options: argparse.Namespace) -> int:
     """Run ``feedback [STAGE ...]``."""
     from grader.classroom.folders import Unknown, who_is_meant
-    from grader.lms.handing_back import PLATFORMS, write_feedback
+    from grader.lms.feedback_archives import PLATFORMS, write_feedback
 
     if not are_stages(options.stages):
         return WRONG_CALL
@@ -443,7 +443,7 @@ def run_doctor(options: argparse.Namespace) -> int:
     from grader.classroom.doctor import examine
     from grader.classroom.executors import EXECUTORS
     from grader.course.seed import course_seed
-    from grader.lms.checkup import examine_gradebook
+    from grader.lms.gradebook_check import examine_gradebook
 
     course = Course()
     try:
@@ -581,7 +581,7 @@ def _judge_all(
 def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str | None) -> int:
     """Enter verdicts into the gradebook; the exit status that this means."""
     # nbgrader takes a second to import; by now the verdicts are there.
-    from grader.lms.entering import GradebookTrouble, enter
+    from grader.lms.gradebook_writer import GradebookTrouble, enter
 
     with console.progress_bar("Entering into the gradebook") as advance:
         try:
@@ -599,7 +599,7 @@ def _print_all(
     from grader.classroom.folders import spelt_otherwise
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
-    from grader.lms.notes import notes
+    from grader.lms.instructor_notes import notes
 
     roster = read_roster(course)
     console.print_class(judged, results)

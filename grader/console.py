@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from grader.course.lessons import Lesson
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import Exported
-    from grader.lms.handing_back import Written
+    from grader.lms.feedback_archives import Written
     from grader.lms.history import Change
     from grader.lms.results import ClassResults, NotebookResult
     from grader.sandbox import Sandbox

@@ -11,7 +11,7 @@ import pytest
 
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
-from tests.demands import RECORDINGS, demand_walls
+from tests.prerequisites import RECORDINGS, demand_walls
 
 MEMORY = Path("/dev/shm")
 ENOUGH = 2**31  # bytes
@@ -296,7 +296,7 @@ def pytest_itemcollected(item):
 # What takes longest comes first, so that no processor waits for another in the end.
 LONGEST = (
     *("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_site", "test_course"),
-    *("test_12", "test_judge", "test_cheap"),
+    *("test_12", "test_judge", "test_cheap_answers"),
 )
 
 

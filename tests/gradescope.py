@@ -21,9 +21,9 @@ from pathlib import Path
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
-from grader.lms.autograder.packing import packed_autograder
+from grader.lms.autograder.package import packed_autograder
 from tests.containers import DOCKER, as_user, deny_what_docker_denies
-from tests.demands import demand_walls
+from tests.prerequisites import demand_walls
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
 SEED = 2**64 + 20_170_405

@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from grader.classroom.pool import Pool  # noqa: E402
 from grader.course.lessons import all_lessons  # noqa: E402
 from grader.course.variants import fill_in, variants_of  # noqa: E402
-from grader.intake.handed_in import HandedIn  # noqa: E402
+from grader.intake.submission import HandedIn  # noqa: E402
 from grader.judging.judge import judge_handed_in  # noqa: E402
 from grader.sandbox import Limits, choose_sandbox  # noqa: E402
 

@@ -29,22 +29,22 @@ import numpy as np
 
 from grader.course.lessons import Lesson, all_lessons, lesson_of, load_reference
 from grader.course.variants import fill_in, variants_of
-from grader.intake.handed_in import HandedIn
-from grader.judging.asking import hidden_questions, run_tests, shown_questions
+from grader.intake.submission import HandedIn
 from grader.judging.judge import program_for
+from grader.judging.program_run import Setting, ask
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of
-from grader.judging.trial import Setting, ask
+from grader.judging.runner import hidden_questions, run_tests, shown_questions
 from grader.sandbox import choose_sandbox
-from tests.alike import alike, anything
+from tests.answer_equality import alike, anything
 from tests.students import student_with
 from tests.test_slips import solution_of
 from utils.checks import checks_of
-from utils.checks.remembering import one_run
-from utils.checks.vocabulary import call_each, observe, timed
+from utils.checks.assertions import call_each, observe, timed
+from utils.checks.run_cache import one_run
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
-from utils.remote import Remote
+from utils.remote_objects import Remote
 
 SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that tell two answers apart
 CALLS = 1000

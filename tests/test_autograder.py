@@ -15,11 +15,11 @@ from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
 from grader.lms.autograder import __main__ as program
-from grader.lms.autograder import closing, judging, results
+from grader.lms.autograder import isolation, judging, results
 from grader.lms.autograder.judging import Judged, JudgedLesson
-from grader.lms.autograder.packing import packed_autograder
+from grader.lms.autograder.package import packed_autograder
 from grader.sandbox import SANDBOXES, SandboxUnavailable
-from tests.demands import ROOT
+from tests.prerequisites import ROOT
 
 SEED = 2**64 + 20_170_405
 SIX = find_lesson("06_filter_ground")
@@ -232,7 +232,7 @@ def test_without_walls_nothing_runs(root, monkeypatch, capsys):
         raise SandboxUnavailable("It is a drill. Student code is only run inside a sandbox.")
 
     monkeypatch.setattr(program, "close", lambda root: None)
-    for name in closing.KINDS:
+    for name in isolation.KINDS:
         monkeypatch.setattr(type(SANDBOXES[name]), "available", unavailable)
     assert program.main(root) == 1
     said = capsys.readouterr().out
@@ -242,7 +242,7 @@ def test_without_walls_nothing_runs(root, monkeypatch, capsys):
 
 
 def test_no_walls_are_taken_that_protect_nothing():
-    assert set(closing.KINDS) < set(SANDBOXES) and "process" not in closing.KINDS
+    assert set(isolation.KINDS) < set(SANDBOXES) and "process" not in isolation.KINDS
 
 
 needs_root = pytest.mark.skipif(os.geteuid() != 0, reason=ROOT)
@@ -254,7 +254,7 @@ def test_tests_and_seed_are_closed_to_others(root):
     (root / "results").chmod(0o777)
     (root / "source").chmod(0o755)
     os.chown(root / "results", 31_415, 31_415)
-    closing.close(root)
+    isolation.close(root)
     modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in root.iterdir()}
     assert modes["source"] == modes["submission"] == 0o700
     assert modes["submission_metadata.json"] & 0o077 == 0
@@ -267,14 +267,14 @@ def test_what_does_not_stay_closed_is_refused(root, tmp_path):
     elsewhere.mkdir()
     (root / "submission").rmdir()
     (root / "submission").symlink_to(elsewhere)
-    with pytest.raises(closing.NotClosed, match="submission"):
-        closing.close(root)
+    with pytest.raises(isolation.NotClosed, match="submission"):
+        isolation.close(root)
 
 
 def test_whoever_is_not_root_is_refused(root, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    with pytest.raises(closing.NotClosed, match="must be run by root"):
-        closing.close(root)
+    with pytest.raises(isolation.NotClosed, match="must be run by root"):
+        isolation.close(root)
 
 
 @needs_root

@@ -12,7 +12,7 @@ from nbgrader.apps.api import NbGraderAPI
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
-from grader.course import build, earlier, minutes
+from grader.course import build, durations, earlier_lessons
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
 from grader.course.nbgrader_settings import STUB, configure
 from grader.course.paths import PROJECT
@@ -59,8 +59,8 @@ def test_student_notebook_is_the_solved_one_up_to_its_first_stub(built, lesson):
         if cell["metadata"].get("nbgrader", {}).get("solution")
     )
     for mine, theirs in zip(solved[:first], released[:first], strict=True):
-        if earlier.TAG in mine["metadata"].get("tags", ()):
-            mine["source"] = earlier.emptied(source_of(mine))
+        if earlier_lessons.TAG in mine["metadata"].get("tags", ()):
+            mine["source"] = earlier_lessons.emptied(source_of(mine))
         assert (mine["cell_type"], source_of(mine)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
     exec(source_of(released[first]), namespace)  # defining a stub is no error
@@ -130,7 +130,7 @@ PASTED = """\
 
 def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_need():
     namespace = {}
-    text = earlier.filled(PASTED)
+    text = earlier_lessons.filled(PASTED)
     exec(text, namespace)  # imports included
     cloud = np.arange(12.0).reshape(3, 4)
     assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
@@ -140,7 +140,7 @@ def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_ne
     assert box.tolist() == right.tolist()
     assert text.count("import numpy as np") == 1 and text.count("### ") == 2
     assert "remove_ego_returns" not in text and "plots" not in text
-    assert earlier.emptied(text) == "# Paste here.\n"
+    assert earlier_lessons.emptied(text) == "# Paste here.\n"
 
 
 @pytest.mark.parametrize(
@@ -152,14 +152,18 @@ def test_functions_of_earlier_lessons_come_out_of_their_sources_with_all_they_ne
 )
 def test_a_wrong_name_of_an_earlier_function_is_said(line, message):
     with pytest.raises(ValueError, match=message):
-        earlier.filled(line)
+        earlier_lessons.filled(line)
 
 
 def test_students_get_no_function_of_an_earlier_lesson(built):
     """Their cell is empty; a line from elsewhere is a leak unless its own lesson gives it."""
     lesson = find_lesson("12_streaming_obstacles")
     (solved,), (released,) = (
-        [cell for cell in cells_of(built[path]) if earlier.TAG in cell["metadata"].get("tags", ())]
+        [
+            cell
+            for cell in cells_of(built[path])
+            if earlier_lessons.TAG in cell["metadata"].get("tags", ())
+        ]
         for path in (lesson.solved, lesson.released)
     )
     assert "def filter_clusters" in source_of(solved)
@@ -269,22 +273,22 @@ def test_minutes_are_computed(toy):
     assert "about 0 minutes" in toy.cells[0].source
     long = "\n".join(["# ## Long", "#", "# " + "word " * 1200])
     cells = jupytext.reads(f"# %% [markdown]\n{long}\n", fmt="py:percent")
-    assert minutes.in_all(cells) == 10
+    assert durations.in_all(cells) == 10
     cells.cells += jupytext.reads("# %%\n# roughly 10 lines\npass\n", fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
+    assert durations.sections(cells)["Long"] == pytest.approx(12 + 3 + 18 + 2 / 8, abs=0.05)
     unread = (
         "# %% [markdown]\n# ![what it shows](a.png) [one](https://ab.cd/ef) <details>x</details>\n"
     )
-    before = minutes.sections(cells)["Long"]
+    before = durations.sections(cells)["Long"]
     cells.cells += jupytext.reads(unread, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(before + 1 / 100, abs=1e-6)
+    assert durations.sections(cells)["Long"] == pytest.approx(before + 1 / 100, abs=1e-6)
     pasted = "# %%\n### BEGIN SOLUTION\n# from 01_a: f, g\n# from 02_b: h\n### END SOLUTION\n"
     cells.cells += jupytext.reads(pasted, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(33.26 + 2 * 0.5, abs=0.05)
+    assert durations.sections(cells)["Long"] == pytest.approx(33.26 + 2 * 0.5, abs=0.05)
     answer = "for whoever grades " * 100
     report = f'# %% [markdown] nbgrader={{"grade": true}}\n# {answer}\n'
     cells.cells += jupytext.reads(report, fmt="py:percent").cells
-    assert minutes.sections(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
+    assert durations.sections(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
 
 
 def test_what_is_for_who_wants_more_is_told_and_not_counted():
@@ -294,15 +298,17 @@ def test_what_is_for_who_wants_more_is_told_and_not_counted():
     )
     text = f"# %% [markdown]\n# (time)\n#\n{long}\n#\n{more}\n\n# %%\nprint(1)\n"
     cells = jupytext.reads(text, fmt="py:percent")
-    assert minutes.in_all(cells) == 15 and minutes.sittings(cells) == [pytest.approx(15, abs=0.05)]
-    minutes.tell(cells)
+    assert durations.in_all(cells) == 15 and durations.sittings(cells) == [
+        pytest.approx(15, abs=0.05)
+    ]
+    durations.tell(cells)
     assert "about 15 minutes" in cells.cells[0].source
     assert "<td>If you want more</td><td>15 on top</td>" in cells.cells[0].source
 
 
 def test_no_sitting_is_longer_than_ninety_minutes(lesson):
     notebook = nbformat.read(lesson.solved, as_version=4)
-    assert max(minutes.sittings(notebook)) <= minutes.WITHOUT_A_STOP
+    assert max(durations.sittings(notebook)) <= durations.WITHOUT_A_STOP
 
 
 def test_what_is_made_once_is_made_in_one_process(request):

@@ -12,10 +12,10 @@ import pytest
 
 from grader.course.lessons import lesson_of
 from grader.course.variants import fill_in
-from grader.intake.handed_in import HandedIn
-from grader.judging.asking import hidden_questions, run_tests, shown_questions
+from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
-from tests import test_cheap
+from grader.judging.runner import hidden_questions, run_tests, shown_questions
+from tests import test_cheap_answers
 from tests.students import student_with, walled
 from utils.checks import checks_of
 from utils.checks.diagnosis import diagnose
@@ -28,7 +28,7 @@ MEMORY = 4 * 2**30  # beside what there is, for what an edit has made large
 
 def sources():
     """Each function of the table's module, by where its code begins."""
-    tree = ast.parse(inspect.getsource(test_cheap))
+    tree = ast.parse(inspect.getsource(test_cheap_answers))
     kinds = (ast.Lambda, ast.FunctionDef)
     return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}
 
@@ -87,9 +87,13 @@ def holds(question):
 def mended_by_one_edit(exercise, function):
     """The edits of an answer with which it passes what it failed."""
     lesson = lesson_of(exercise)
-    student = student_with(lesson, {one.name: test_cheap.nothing for one in lesson.machine_graded})
+    student = student_with(
+        lesson, {one.name: test_cheap_answers.nothing for one in lesson.machine_graded}
+    )
     setattr(student, exercise, walled(function))
-    outcomes = run_tests(lesson, student, test_cheap.SEED, lambda check: check.exercise == exercise)
+    outcomes = run_tests(
+        lesson, student, test_cheap_answers.SEED, lambda check: check.exercise == exercise
+    )
     failed = [outcome.check for outcome in outcomes if outcome.failure]
     found, hidden = [], None
     for text, changed in edited(function):
@@ -97,7 +101,7 @@ def mended_by_one_edit(exercise, function):
         shown = shown_questions(student, failed)
         if not all(map(holds, shown)):
             continue
-        hidden = hidden or hidden_questions(lesson, student, test_cheap.SEED, failed)
+        hidden = hidden or hidden_questions(lesson, student, test_cheap_answers.SEED, failed)
         if all(map(holds, hidden)):
             found.append(text)
     return found
@@ -121,13 +125,15 @@ def bounded():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.usefixtures("bounded")
-@pytest.mark.parametrize("exercise", test_cheap.CHEAP)
+@pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
     """But for what the judge knows to be the very mistake that an exercise is about."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
-        for name, function in (test_cheap.ANYTHING | test_cheap.CHEAP[exercise]).items():
+        for name, function in (
+            test_cheap_answers.ANYTHING | test_cheap_answers.CHEAP[exercise]
+        ).items():
             if inspect.isfunction(function) and not is_the_task(exercise, function):
                 kept[name] = mended_by_one_edit(exercise, function)
                 tried += 1
@@ -140,9 +146,9 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
 def test_a_mistake_that_a_cheap_answer_makes_says_so():
     """Else who knows its name for certain would keep three fifths."""
     named = {}
-    for exercise, table in test_cheap.CHEAP.items():
+    for exercise, table in test_cheap_answers.CHEAP.items():
         checks_of(exercise)  # declares the mistakes
-        for name, function in (test_cheap.ANYTHING | table).items():
+        for name, function in (test_cheap_answers.ANYTHING | table).items():
             with np.errstate(all="ignore"):
                 mistake = diagnose(exercise, function)
             if mistake:

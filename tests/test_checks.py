@@ -14,14 +14,10 @@ from scipy.sparse import coo_array
 
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
-from grader.judging.asking import run_tests
 from grader.judging.messages import text_of, told
+from grader.judging.runner import run_tests
 from utils.checks import CheckFailed, check, checks_of
-from utils.checks.core import ChecksFailed, run_check
-from utils.checks.display import Table, as_html
-from utils.checks.story import resolve
-from utils.checks.tips import place_in, tip_for
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     as_array,
     as_labels,
     assert_all_columns,
@@ -33,6 +29,10 @@ from utils.checks.vocabulary import (
     assert_same_set_of_rows,
     assert_untouched,
 )
+from utils.checks.core import ChecksFailed, run_check
+from utils.checks.display import Table, as_html
+from utils.checks.summary import resolve
+from utils.checks.tips import place_in, tip_for
 
 CLOUD = np.array([[1.0, 2.0, -1.5, 0.1], [3.0, 4.0, 0.5, 0.2], [5.0, 6.0, 1.5, 0.3]])
 KEEP = np.array([False, True, True])

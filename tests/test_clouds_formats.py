@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.demands import RECORDINGS
+from tests.prerequisites import RECORDINGS
 from utils.clouds import SUFFIXES, CloudFileError, read_cloud, write_cloud
 from utils.clouds.kitti import decode_kitti
 from utils.clouds.npz import decode_npz

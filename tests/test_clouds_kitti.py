@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.demands import RECORDINGS
+from tests.prerequisites import RECORDINGS
 from utils.boxes import Box, inside
 from utils.clouds import CloudFileError, read_cloud, write_cloud
 from utils.recordings import (

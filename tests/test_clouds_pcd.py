@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.demands import RECORDINGS
+from tests.prerequisites import RECORDINGS
 from utils.clouds import CloudFileError, lzf, read_cloud
 from utils.clouds.pcd import decode_pcd, encode_pcd
 from utils.clouds.pcd_header import ENCODINGS

@@ -27,10 +27,10 @@ from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import only_one
 from grader.classroom.protocol import ExecutorLost, room
 from grader.course.paths import Course
-from grader.course.travelling import TRAVELS
+from grader.course.portable_files import TRAVELS
 from grader.course.variants import fill_in, variants_of
 from grader.judging.verdict import read_verdict
-from tests.demands import without_bubblewrap
+from tests.prerequisites import without_bubblewrap
 from tests.test_course import rows
 from tests.test_faults import Inline
 from tests.test_grade import LESSON, SEED, answer, make_course, quiet, rehearsed

@@ -22,7 +22,7 @@ from tests.colab import (
     served,
     why_not,
 )
-from tests.running import errors_beside_checks, errors_of, run, written
+from tests.notebook_runs import errors_beside_checks, errors_of, run, written
 from utils import colab
 from utils.scene3d import opengl
 

@@ -15,13 +15,13 @@ import pytest
 
 from grader import cli, commands
 from grader.classroom import contents
-from grader.classroom.collect import CollectTrouble, looking, zips
-from grader.classroom.collect import collecting as module
+from grader.classroom.collect import CollectTrouble, inspection, zips
+from grader.classroom.collect import collection as module
 from grader.classroom.collect.owners import safe_folder
 from grader.classroom.collect.record import read_record, why_untimed
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import PROJECT, Course
-from grader.lms.times import Undecided, handed_in_at
+from grader.lms.submission_times import Undecided, handed_in_at
 from tests.archives import (
     EIGHT,
     NINE,
@@ -892,7 +892,7 @@ def test_bombs_are_refused_with_a_sentence(course, monkeypatch):
 
 
 def test_much_in_one_zip_is_refused(course, monkeypatch):
-    monkeypatch.setattr("grader.classroom.collect.looking.MOST_BYTES_OF_A_STUDENT", 2000)
+    monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
     inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
     assert "unpacks to more than" in asked(outcome)["ada/homework.zip"]
@@ -1131,14 +1131,14 @@ def test_a_name_of_nothing_in_a_zip_costs_nobody_anything(course):
 
 
 def test_what_cannot_be_opened_at_all_costs_nobody_else_anything(course, monkeypatch):
-    real = looking._look
+    real = inspection._look
 
     def look(data, name):
         if data == b"PK!":
             raise IndexError  # something that nobody has thought of
         return real(data, name)
 
-    monkeypatch.setattr(looking, "_look", look)
+    monkeypatch.setattr(inspection, "_look", look)
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
@@ -1158,13 +1158,13 @@ def test_damage_in_a_zip_is_a_complaint_or_nothing():
             start = directory if chance.random() < 0.6 else 0
             place = chance.randrange(start, len(data))
             data[place] = chance.choice((0, 1, 0xFF, 0x80, 12, 93, chance.randrange(256)))
-        pieces = looking._look(bytes(data), "h.zip")
+        pieces = inspection._look(bytes(data), "h.zip")
         seen |= {piece.complaint.partition(":")[0] for piece in pieces}
     assert len(seen) > 3, "some of it was damage"
 
 
 def test_much_in_several_zips_is_refused(course, monkeypatch):
-    monkeypatch.setattr("grader.classroom.collect.looking.MOST_BYTES_OF_A_STUDENT", 2000)
+    monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
     zips_of = [
         zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
         for k in (0, 5, 10)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from grader.classroom.collect import placing, record
+from grader.classroom.collect import record, storage
 from grader.course.paths import Course
-from grader.lms.times import Undecided, handed_in_at
+from grader.lms.submission_times import Undecided, handed_in_at
 from tests.archives import EIGHT, SEVEN, SIX, canvas_files, notebook
 from tests.test_collect import STAGE, archive, collect, older, placed, resubmission, states
 
@@ -143,7 +143,7 @@ def test_stopped_anywhere_new_work_never_has_the_time_of_old_work(
         about, count = table(place, LATE), []
         with monkeypatch.context() as patch, contextlib.suppress(Stopped):
             for owner, name in (
-                (placing, "write_atomically"),
+                (storage, "write_atomically"),
                 (record, "write_atomically"),
                 (Path, "unlink"),
             ):

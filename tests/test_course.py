@@ -24,10 +24,10 @@ from grader.course import paths
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
-from grader.lms import entering, gradebook
+from grader.lms import gradebook, gradebook_writer
 from grader.lms.late import PercentPerDay
-from tests.demands import PATIENCE
 from tests.postgresql import NotInstalled, server
+from tests.prerequisites import PATIENCE
 from tests.test_faults import Inline
 from tests.test_grade import (
     CONFIGURATION,
@@ -280,7 +280,7 @@ def test_a_difference_in_the_gradebook_is_mended_or_named(course, sandbox, monke
     base.close()
     assert grade(course, sandbox) == commands.GOOD
     assert rows(course) == before
-    monkeypatch.setattr(entering, "_save", lambda *anything: None)
+    monkeypatch.setattr(gradebook_writer, "_save", lambda *anything: None)
     (course.root / "gradebook.db").unlink()
     assert grade(course, sandbox) == commands.FAULT
     said = capsys.readouterr().err

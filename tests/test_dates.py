@@ -11,9 +11,9 @@ from grader.course.paths import Course
 from grader.lms import dates as dates_module
 from grader.lms import gradebook
 from grader.lms.differences import differences
-from grader.lms.entering import enter
 from grader.lms.entries import Entry
-from grader.lms.notes import notes
+from grader.lms.gradebook_writer import enter
+from grader.lms.instructor_notes import notes
 from grader.lms.penalties import late_penalties
 from grader.lms.standings import class_results
 from tests.postgresql import NotInstalled, server

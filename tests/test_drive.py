@@ -11,21 +11,21 @@ from PIL import Image
 from scipy.spatial import cKDTree
 from sklearn.cluster import DBSCAN
 
-from grader.course.driving import drive_all
+from grader.course.drive_standards import drive_all
 from grader.course.lessons import all_lessons
 from grader.course.variants import fill_in, variants_of
 from utils.drive import STREETS, Trip, askew, chain, drive_street, occupied_squares, on_time
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
 from utils.drive.clock import Clock, ticks
-from utils.drive.driving import drive
-from utils.drive.measuring import measure
+from utils.drive.ground_truth import distances
+from utils.drive.loop import drive
+from utils.drive.metrics import measure
 from utils.drive.motion import Motion, closest_pairs, motion_by
 from utils.drive.planner import Planner, Thing, needed_room, plan, room
 from utils.drive.rules import stopping_distance
 from utils.drive.standards import Result, standards
 from utils.drive.streets import Street
-from utils.drive.truth import distances
 from utils.play import load_detector
 from utils.simulator.pose import Pose
 from utils.simulator.scanner import CLASSES

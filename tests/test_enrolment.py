@@ -10,8 +10,8 @@ from grader.classroom.folders import spelt_otherwise, strangers
 from grader.classroom.submissions import find_submissions
 from grader.course.roster import read_roster
 from grader.lms import gradebook
-from grader.lms.entering import GradebookTrouble, enter
-from grader.lms.notes import notes
+from grader.lms.gradebook_writer import GradebookTrouble, enter
+from grader.lms.instructor_notes import notes
 from grader.lms.standings import class_results
 from tests.test_gradebook import (
     DISTANCE,

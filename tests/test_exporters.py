@@ -13,8 +13,8 @@ from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms import standings
 from grader.lms.exporters import EXPORTERS, ExportTrouble, Order
-from grader.lms.exporters.marks import marks_of
-from grader.lms.exporters.placing import place
+from grader.lms.exporters.assignment_marks import marks_of
+from grader.lms.exporters.destination import place
 from grader.lms.results import (
     EXCUSED,
     MARKED,

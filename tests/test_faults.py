@@ -24,16 +24,16 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
-from grader.judging import trial
-from grader.judging.asking import JudgeFault, run_tests
+from grader.judging import program_run
+from grader.judging.runner import JudgeFault, run_tests
 from grader.judging.verdict import FAILED, JUDGED, Verdict, read_verdict
-from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, patience, usage
+from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, time_budget, usage
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.protocol import Thread
 from grader.sandbox.student import Student
 from tests.archives import notebook
-from tests.demands import PATIENCE
+from tests.prerequisites import PATIENCE
 from tests.test_grade import rehearsed
 
 SEED = 20_170_405
@@ -134,8 +134,8 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     def broken(*question):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
-    right = trial.run_tests
-    monkeypatch.setattr(trial, "run_tests", broken)
+    right = program_run.run_tests
+    monkeypatch.setattr(program_run, "run_tests", broken)
     rehearsed(course, LESSON, SEED)
     verdicts = graded(course, sandbox)
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
@@ -143,7 +143,7 @@ def test_a_judge_that_fails_takes_no_points_and_keeps_the_reason(course, sandbox
     assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
     assert "faults" not in verdicts["ada"].as_dict()  # for whoever grades, not for students
     # The next run tries again.
-    monkeypatch.setattr(trial, "run_tests", right)
+    monkeypatch.setattr(program_run, "run_tests", right)
     assert {one.score for one in graded(course, sandbox).values()} == {30}
 
 
@@ -151,7 +151,7 @@ def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
     def broken(lesson):
         raise JudgeFault("pytest ran 3 of 9 tests")
 
-    monkeypatch.setattr(trial, "tests_of_nothing", broken)
+    monkeypatch.setattr(program_run, "tests_of_nothing", broken)
     verdict = judging.judge(LESSON.released, SEED, None)
     assert verdict.status == FAILED and verdict.faults == ("pytest ran 3 of 9 tests",)
     assert judging.UNFAIR in verdict.problems
@@ -160,7 +160,7 @@ def test_a_fault_is_told_of_an_untouched_notebook_too(monkeypatch):
 @pytest.mark.slow
 def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     """An oracle that raises on the reference, too, is ours; one that raises on a claim is not."""
-    right = trial.run_tests
+    right = program_run.run_tests
 
     def spoiled(*question):
         outcomes = right(*question)
@@ -169,7 +169,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
     rehearsed(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
-    monkeypatch.setattr(trial, "run_tests", spoiled)
+    monkeypatch.setattr(program_run, "run_tests", spoiled)
     verdict = graded(course, sandbox)["ada"]
     assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
     monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
@@ -179,7 +179,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
 def shake_once(monkeypatch):
     """Let some tests end, the first time, as no answer makes them end; what was asked each time."""
-    right, asked = trial.run_tests, []
+    right, asked = program_run.run_tests, []
 
     def shaken(*question):
         outcomes = right(*question)
@@ -191,7 +191,7 @@ def shake_once(monkeypatch):
             for one in outcomes
         ]
 
-    monkeypatch.setattr(trial, "run_tests", shaken)
+    monkeypatch.setattr(program_run, "run_tests", shaken)
     return asked
 
 
@@ -680,9 +680,9 @@ def test_a_call_takes_what_passes_while_nobody_keeps_it_waiting(
     waited, worked, delayed, seconds, monkeypatch
 ):
     now, worker = [100.0], Pretended()
-    monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(patience, "seconds_of_our_own", lambda: 0.0)
-    meter = patience.Meter(worker)
+    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: 0.0)
+    meter = time_budget.Meter(worker)
     now[0] += waited
     worker.worked, worker.delayed = worker.worked + worked, delayed
     meter.look(answered=True)
@@ -691,9 +691,9 @@ def test_a_call_takes_what_passes_while_nobody_keeps_it_waiting(
 
 def test_while_we_read_an_answer_nobody_sleeps(monkeypatch):
     now, ours = [100.0], [2.0]
-    monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(patience, "seconds_of_our_own", lambda: ours[0])
-    meter = patience.Meter(Pretended())
+    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: ours[0])
+    meter = time_budget.Meter(Pretended())
     now[0] += 1.0
     ours[0] += 0.6
     meter.look(answered=True)
@@ -703,9 +703,9 @@ def test_while_we_read_an_answer_nobody_sleeps(monkeypatch):
 def test_who_is_ready_to_run_does_not_sleep(monkeypatch):
     """Of threads and children that have ended, nobody tells how long they were kept waiting."""
     now, ours, worker = [100.0], [2.0], Pretended()
-    monkeypatch.setattr(patience.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(patience, "seconds_of_our_own", lambda: ours[0])
-    meter = patience.Meter(worker)
+    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time_budget, "seconds_of_our_own", lambda: ours[0])
+    meter = time_budget.Meter(worker)
     for ready, worked, passed, at_work, taken in (
         (True, 0.1, 1.0, 0.0, 0.1),  # the others had the rest
         (False, 0.0, 0.5, 0.2, 0.4),  # it slept, but while we were at work

@@ -14,7 +14,7 @@ import pytest
 from nbgrader.converters import GenerateFeedback
 
 from grader import cli, commands
-from grader.classroom.collect import collecting
+from grader.classroom.collect import collection
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
 from grader.course.lessons import find_lesson
@@ -30,14 +30,14 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
-from grader.lms.entering import enter
+from grader.lms.check_summary import fold
 from grader.lms.feedback import Feedback, lateness
-from grader.lms.folding import fold
 from grader.lms.gradebook import open_gradebook
+from grader.lms.gradebook_writer import enter
 from grader.lms.results import EXCUSED, MARKED, StageResult
 from tests import browser
 from tests.archives import canvas_files, moodle_files, zipped
-from tests.demands import CHROMIUM
+from tests.prerequisites import CHROMIUM
 
 STAGE = "stage4_realtime"
 TEN, TWELVE = find_lesson("10_accelerated_clustering"), find_lesson("12_streaming_obstacles")
@@ -265,7 +265,7 @@ def make_course(root, *archives, who=None):
     paths._folder.cache_clear()
     for files in archives:
         (root / "submissions.zip").write_bytes(zipped(files))
-        collecting.collect(
+        collection.collect(
             course, [root / "submissions.zip"], [STAGE], None, who or {}, {}, lambda *news: None
         )
     grade(course)

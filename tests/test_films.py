@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.demands import FFMPEG
+from tests.prerequisites import FFMPEG
 from utils import progress as bar
 from utils import scenes
-from utils.films.filming import Sight, record, scene_of, watch
+from utils.films.film import Sight, record, scene_of, watch
 from utils.films.writers import write_film
 from utils.scene3d import Scene, opengl
 

@@ -14,7 +14,7 @@ from grader.sandbox import Limits
 from grader.sandbox.boundary import files_of_packages
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import Student
-from utils.checks.refusing import Refusing
+from utils.checks.import_guard import Refusing
 from utils.notebooks.forbidden import StandIn, StandInModule
 
 # Imports all public modules of some packages; what became of each that failed: what was raised,
@@ -54,7 +54,7 @@ IN_A_NOTEBOOK = (
     SWEEP
     + """
 import json
-from utils.checks.refusing import Refusing
+from utils.checks.import_guard import Refusing
 from utils.notebooks.forbidden import StandIn, StandInModule
 tops, without, forbidden, first = json.loads(sys.argv[1])
 for name in first:

@@ -16,16 +16,16 @@ from grader.classroom.demo import make_class
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.rehearsals import note_of
 from grader.classroom.submissions import find_submissions
+from grader.course.atomic_files import write_atomically
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import fill_in, variants_of
-from grader.course.writing import write_atomically
 from grader.lms import gradebook
-from grader.lms.entering import enter
-from grader.lms.registering import register
+from grader.lms.gradebook_writer import enter
+from grader.lms.registration import register
 from grader.lms.report import write_report
 from grader.lms.standings import class_results
-from tests.demands import PATIENCE
+from tests.prerequisites import PATIENCE
 
 LESSON = find_lesson("06_filter_ground")
 SEED = 2**64 + 31

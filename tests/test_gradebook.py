@@ -18,14 +18,14 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
-from grader.lms import entering, gradebook, registering
+from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
-from grader.lms.entering import GradebookTrouble, enter
 from grader.lms.entries import Entry
+from grader.lms.gradebook_rows import Row
+from grader.lms.gradebook_writer import GradebookTrouble, enter
 from grader.lms.penalties import late_penalties
-from grader.lms.registering import register
+from grader.lms.registration import register
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnreachable
-from grader.lms.rows import Row
 from grader.lms.standings import class_results
 
 GROUND = find_lesson("06_filter_ground")
@@ -215,7 +215,7 @@ def test_what_was_replaced_since_it_was_judged_is_not_entered(entered):
 def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_half_done(
     course, monkeypatch
 ):
-    right, tries = entering._save, []
+    right, tries = gradebook_writer._save, []
 
     def fail(notebook, *about):
         right(notebook, *about)
@@ -223,7 +223,7 @@ def test_one_student_who_cannot_be_entered_stops_no_other_and_leaves_nothing_hal
         if len(tries) == 2:  # of two notebooks of ada's the first was written
             raise ValueError("no")
 
-    monkeypatch.setattr(entering, "_save", fail)
+    monkeypatch.setattr(gradebook_writer, "_save", fail)
     with pytest.raises(GradebookTrouble) as trouble:
         enter(course, verdicts(course), [STAGE], quiet)
     assert str(trouble.value).splitlines() == [
@@ -241,7 +241,7 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
     def kill(*about):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(entering, "_save", kill)
+    monkeypatch.setattr(gradebook_writer, "_save", kill)
     with pytest.raises(KeyboardInterrupt):
         enter(course, verdicts(course), [STAGE], quiet)
     assert marks(course) == {}
@@ -415,13 +415,13 @@ def test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing(
 ):
     registered(course)
     saved = []
-    right = registering.SaveCells.preprocess
+    right = registration.SaveCells.preprocess
 
     def save(self, notebook, about):
         saved.append(about["nbgrader"]["notebook"])
         return right(self, notebook, about)
 
-    monkeypatch.setattr(registering.SaveCells, "preprocess", save)
+    monkeypatch.setattr(registration.SaveCells, "preprocess", save)
     assert registered(course)[0] == saved == []
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(GROUND.name, STAGE)
@@ -451,8 +451,8 @@ def test_cells_that_nbgrader_refuses_to_change_are_named(entered, monkeypatch):
     def refuse(self, notebook, about):
         raise RuntimeError("submissions exist")
 
-    monkeypatch.setattr(registering, "_is_registered", lambda *about: False)
-    monkeypatch.setattr(registering.SaveCells, "preprocess", refuse)
+    monkeypatch.setattr(registration, "_is_registered", lambda *about: False)
+    monkeypatch.setattr(registration.SaveCells, "preprocess", refuse)
     trouble, _ = registered(entered)
     assert [sentence.partition(":")[0] for sentence in trouble] == [GROUND.name, DISTANCE.name]
     assert trouble[0].endswith("nbgrader refuses to change them: submissions exist")
@@ -643,7 +643,7 @@ class Session(SimpleNamespace):
 
 def test_what_nbgrader_commits_step_by_step_is_committed_at_the_end():
     session = Session()
-    with entering._one_transaction(SimpleNamespace(db=lambda: session)):
+    with gradebook_writer._one_transaction(SimpleNamespace(db=lambda: session)):
         session.commit()
         session.commit()
         assert session.asked == ["flush", "flush"]
@@ -656,7 +656,7 @@ def test_or_not_at_all(error):
     session = Session()
     with (
         pytest.raises(type(error)),
-        entering._one_transaction(SimpleNamespace(db=lambda: session)),
+        gradebook_writer._one_transaction(SimpleNamespace(db=lambda: session)),
     ):
         session.commit()
         raise error

@@ -16,8 +16,8 @@ from grader.classroom.submissions import find_submissions
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.judging.verdict import CheckResult, ExerciseResult, Verdict, write_verdict
-from grader.lms.exporters.exported import Order
 from grader.lms.exporters.gradescope import gradescope
+from grader.lms.exporters.protocol import Order
 from grader.lms.results import MARKED, MISSING, ClassResults, NotebookResult, StageResult
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"

@@ -12,7 +12,7 @@ import pytest
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
 from grader.course.variants import fill_in, variants_of
-from tests.demands import without_bubblewrap
+from tests.prerequisites import without_bubblewrap
 
 SEED = 20_170_405
 JUDGE = """
@@ -125,7 +125,7 @@ def test_the_folder_of_the_grader_decides_nothing(half, plain, sandbox, tmp_path
 @pytest.mark.slow
 @pytest.mark.parametrize("required, outcome", [("1", "error"), ("", "skipped")])
 def test_attacks_without_a_wall_fail_where_it_is_required(required, outcome, tmp_path):
-    attacks = Path(__file__).parent / "attacks" / "test_sight.py"
+    attacks = Path(__file__).parent / "attacks" / "test_visibility.py"
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", str(attacks)],
         cwd=PROJECT,

@@ -8,8 +8,8 @@ import pytest
 
 from grader.course import paths
 from grader.course.paths import Course
-from grader.lms import entering, gradebook
-from grader.lms.entering import enter
+from grader.lms import gradebook, gradebook_writer
+from grader.lms.gradebook_writer import enter
 from grader.lms.history import read_changes
 from tests.test_gradebook import (
     DISTANCE,
@@ -136,7 +136,7 @@ def test_what_is_withdrawn_is_noted(course):
 
 def test_a_run_that_was_killed_before_noting_is_noted_by_the_next(course, monkeypatch):
     calls = []
-    right = entering.note_changes
+    right = gradebook_writer.note_changes
 
     def die(*about):
         calls.append(about)
@@ -145,10 +145,10 @@ def test_a_run_that_was_killed_before_noting_is_noted_by_the_next(course, monkey
         right(*about)
 
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 20.0)}}
-    monkeypatch.setattr(entering, "note_changes", die)
+    monkeypatch.setattr(gradebook_writer, "note_changes", die)
     with pytest.raises(KeyboardInterrupt):
         enter_again(course, earned, key="k2")
-    monkeypatch.setattr(entering, "note_changes", right)
+    monkeypatch.setattr(gradebook_writer, "note_changes", right)
     assert enter_again(course, earned, key="k2") == [("ada", SECOND, 8.5, 20.0, "verdict k2")]
 
 

@@ -16,13 +16,13 @@ from grader.course.paths import PROJECT
 from grader.course.standalone import standalone
 from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.intake import preflight
-from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
+from grader.intake.submission import read_handed_in
 from grader.judging import judge as judging
 from grader.judging import repair
-from grader.judging.asking import run_tests
 from grader.judging.judge import UnknownLesson, judge, program_for
 from grader.judging.key import verdict_key
+from grader.judging.runner import run_tests
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
 from grader.sandbox.student import Student

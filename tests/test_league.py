@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from grader import cli
-from grader.classroom.league import driving, page, season
-from grader.classroom.league.driving import (
+from grader.classroom.league import drives, page, season
+from grader.classroom.league.drives import (
     DETECTOR,
     MOST_BOXES,
     MOST_FAILURES,
@@ -42,7 +42,7 @@ from grader.sandbox.student import Student
 from tests.test_faults import Inline
 from utils.drive import Street, on_time
 from utils.drive.actors import standing
-from utils.drive.driving import drive
+from utils.drive.loop import drive
 from utils.simulator.sensor import Sensor, layers
 from utils.simulator.streets import EGO_LANE, Plan
 from utils.simulator.traffic import car
@@ -203,13 +203,13 @@ def test_what_never_answers_costs_its_own_drive_only(line, words, sandbox):
 
 
 def test_a_notebook_that_nobody_can_read_says_no_word_of_its_own():
-    handed_in = driving.HandedIn("<b>mine</b>.ipynb", b"{", "")
-    driven = driving.drive_one(handed_in, LESSON.name, 1, SEED, "process")
+    handed_in = drives.HandedIn("<b>mine</b>.ipynb", b"{", "")
+    driven = drives.drive_one(handed_in, LESSON.name, 1, SEED, "process")
     assert driven.stopped == "The notebook cannot be read."
 
 
 def test_a_drive_is_kept_until_something_changes_that_decides():
-    files = with_all_they_run([Path(driving.__file__)])
+    files = with_all_they_run([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
         "grader/classroom/league/streets.py",
@@ -258,7 +258,7 @@ CHEAP = {
 
 def cheap_points(street, boxes):
     done = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
-    return counted(street, driving._measured(done, ""))
+    return counted(street, drives._measured(done, ""))
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
@@ -272,7 +272,7 @@ def test_cheap_detectors_earn_nothing_to_speak_of(name):
 @pytest.mark.parametrize("seed", (SEED, SEED + 1))
 def test_in_every_street_true_boxes_are_worth_more_than_all_that_is_cheap(number, seed):
     street = streets_of(seed)[number]
-    assert counted(street, driving._measured(drive(street), "")) > 50
+    assert counted(street, drives._measured(drive(street), "")) > 50
     assert max(cheap_points(street, boxes) for boxes in CHEAP.values()) <= 20
 
 
@@ -333,7 +333,7 @@ def jobs(monkeypatch):
 
     def drive_one(handed_in, lesson, number, seed, sandbox):
         asked.append((handed_in and handed_in.name, number))
-        key = driving.key_of(handed_in, streets_of(seed)[number - 1])
+        key = drives.key_of(handed_in, streets_of(seed)[number - 1])
         return Driven(number, 100.0 + number, key=key)
 
     monkeypatch.setattr(season, "drive_one", drive_one)

@@ -5,7 +5,6 @@ import ast
 import pytest
 
 from grader.course.paths import PROJECT
-from grader.judging.asking import JudgeTimeout
 from grader.judging.messages import (
     failure_of,
     in_common,
@@ -14,8 +13,9 @@ from grader.judging.messages import (
     told,
     without_numbers,
 )
+from grader.judging.runner import JudgeTimeout
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quoting import LONGEST_LINE, sentence_on, sentence_on_cell
+from grader.sandbox.quotation import LONGEST_LINE, sentence_on, sentence_on_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -29,7 +29,7 @@ from utils.checks.failures import (
     fixed,
 )
 from utils.checks.outcomes import Outcome
-from utils.checks.story import resolve
+from utils.checks.summary import resolve
 
 SHOWN = Check("shown", "f", "It holds", "Look at it.", run=print)
 HIDDEN = Check("test_hidden", "f", "It holds elsewhere", "Look there.")

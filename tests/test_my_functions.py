@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 from grader.course.lessons import find_lesson
-from grader.judging.asking import run_tests
+from grader.judging.runner import run_tests
 from utils.notebooks.my_functions import load_my_functions
 
 STORY = """\

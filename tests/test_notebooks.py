@@ -10,8 +10,8 @@ import nbformat
 import numpy as np
 import pytest
 
-from grader.course import lending
-from tests.running import errors_beside_checks, errors_of, outputs_of, run, written
+from grader.course import recorded_answers
+from tests.notebook_runs import errors_beside_checks, errors_of, outputs_of, run, written
 from utils.lent.encoding import decode
 
 pytestmark = pytest.mark.slow
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 
 def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path):
     notebook = nbformat.read(lesson.solved, as_version=4)
-    lending.listen(notebook, lesson, tmp_path / "answers.json")
+    recorded_answers.listen(notebook, lesson, tmp_path / "answers.json")
     run(notebook, lesson.released.parent)
     assert errors_of(notebook) == []
     assert written(notebook, "stderr") == ""
@@ -30,9 +30,9 @@ def test_solved_notebook_runs_to_its_end_and_gives_what_is_lent(lesson, tmp_path
     ]
     assert len(pictures) >= 5
     assert all(len(picture) < 400_000 for picture in pictures)
-    now = named(json.loads(lending.stored_bytes(lesson, tmp_path / "answers.json")))
-    stored = named(json.loads(lending.path_of(lesson).read_text("utf-8")))
-    again = f"Run: python -m grader.course.lending {lesson.number}"
+    now = named(json.loads(recorded_answers.stored_bytes(lesson, tmp_path / "answers.json")))
+    stored = named(json.loads(recorded_answers.path_of(lesson).read_text("utf-8")))
+    again = f"Run: python -m grader.course.recorded_answers {lesson.number}"
     assert now.keys() == stored.keys(), again
     for name, answer in now.items():
         assert alike(answer, stored[name]), f"{name} has changed. {again}"

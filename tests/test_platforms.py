@@ -7,8 +7,8 @@ import pytest
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms.exporters.canvas import canvas
-from grader.lms.exporters.exported import ExportTrouble, Order
 from grader.lms.exporters.moodle import moodle
+from grader.lms.exporters.protocol import ExportTrouble, Order
 from grader.lms.results import EXCUSED, MARKED, MISSING, ClassResults, NotebookResult, StageResult
 from tests.platforms import GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
 

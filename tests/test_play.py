@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.demands import FFMPEG
+from tests.prerequisites import FFMPEG
 from utils import play, scenes
 from utils.clouds import write_cloud
 from utils.films import writers

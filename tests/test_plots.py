@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from utils import plots
-from utils.plots import data, style
+from utils.plots import arguments, style
 
 QUIZ = np.array(
     [
@@ -315,7 +315,7 @@ def test_big_clouds_are_thinned_evenly_and_say_so():
     assert "1 of 4 points shown" in texts(axes)
     # Every 4th of a scan ordered by azimuth, then beam, would be 16 of its 64 beams.
     beams = np.arange(120_000) % 64
-    rows, _ = data.drawn_rows(axes, np.zeros(120_000), np.zeros(120_000))
+    rows, _ = arguments.drawn_rows(axes, np.zeros(120_000), np.zeros(120_000))
     assert np.bincount(beams[rows]).min() > 350
     assert not any("shown" in text for text in texts(plots.from_above(street(30_000))))
 
@@ -522,7 +522,7 @@ def contrast(first, second):
 
 
 def test_text_has_contrast():
-    from utils.plots.comparing import CELL_COLOURS
+    from utils.plots.comparison import CELL_COLOURS
 
     for ink in (style.INK, style.MUTED):
         assert contrast(ink, style.PAPER) >= 4.5

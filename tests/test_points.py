@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from grader.classroom.items import hardest_checks
+from grader.classroom.item_analysis import hardest_checks
 from grader.course.variants import fill_in, variants_of
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.judging.points import points_of, shares, total
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict

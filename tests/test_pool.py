@@ -10,7 +10,7 @@ import pytest
 
 from grader.classroom import pool
 from grader.classroom.pool import Pool
-from tests.demands import PATIENCE
+from tests.prerequisites import PATIENCE
 
 pytestmark = [pytest.mark.slow, pytest.mark.death]
 LARGE = 400_000  # bytes: several times what a pipe holds

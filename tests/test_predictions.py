@@ -7,7 +7,7 @@ import ipywidgets
 import pytest
 
 import utils
-from utils import predict, predictions, still_widgets
+from utils import predict, predictions, static_widgets
 
 
 @pytest.fixture(autouse=True)
@@ -76,7 +76,7 @@ def no_widgets(monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     monkeypatch.delitem(sys.modules, "ipywidgets")
     assert "Sliders stand still" in utils.health() and utils.health().startswith("Ready")
-    still_widgets.stand_in()
+    static_widgets.stand_in()
 
 
 def test_without_widgets_a_slider_stands_still_and_a_guess_is_kept_in_mind(no_widgets, capsys):
@@ -99,5 +99,5 @@ def test_without_widgets_a_slider_stands_still_and_a_guess_is_kept_in_mind(no_wi
 
 
 def test_widgets_that_are_there_are_left_alone():
-    still_widgets.stand_in()
+    static_widgets.stand_in()
     assert sys.modules["ipywidgets"] is ipywidgets

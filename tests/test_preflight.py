@@ -13,8 +13,8 @@ from nbconvert.exporters import HTMLExporter
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.intake import preflight
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import Answer, Prepared, ToJudge, prepare, prepare_to_show
+from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
 from tests.students import answers_in

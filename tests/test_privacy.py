@@ -10,7 +10,7 @@ import pytest
 
 from grader.course.paths import PROJECT
 from grader.lms import gradebook
-from grader.lms.entering import enter
+from grader.lms.gradebook_writer import enter
 from grader.lms.standings import class_results
 from tests.test_gradebook import STAGE, make_course, quiet, verdicts
 

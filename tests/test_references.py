@@ -7,7 +7,7 @@ import pytest
 
 from grader.course.lessons import load_reference
 from grader.judging import samples
-from tests.demands import PATIENCE
+from tests.prerequisites import PATIENCE
 from utils.clouds import read_cloud
 
 

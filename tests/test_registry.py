@@ -98,7 +98,7 @@ check(highest)
 """,
     "utils/checks/lesson_13.py": """\
 from utils.checks.core import visible
-from utils.checks.vocabulary import CheckFailed
+from utils.checks.assertions import CheckFailed
 
 
 @visible("highest", title="Finds it", why="Bridges are low.", hint="Look at z.")
@@ -107,7 +107,7 @@ def finds_it(highest):
         raise CheckFailed("That is not the highest.")
 """,
     "grader/tests/test_13_toy.py": """\
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
 
 
 @hidden("highest", title="An object sees the same", hint="Read `Highest`.")

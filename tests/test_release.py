@@ -20,16 +20,16 @@ from nbgrader.exchange import ExchangeFactory
 from traitlets.config import Config
 
 from grader import cli, commands
-from grader.course import release, solved, standalone
+from grader.course import release, solutions, standalone
 from grader.course.archives import zipped
 from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.nbgrader_settings import configure
 from grader.course.paths import PROJECT, Course
 from grader.lms.gradebook import open_gradebook
-from grader.site import recording, running
+from grader.site import runs, widget_states
 from grader.site.solution import as_notebook
-from tests.running import errors_of, run
+from tests.notebook_runs import errors_of, run
 from tests.test_requirements import distributions, normal, own_pins, strangers_by_file
 
 pytestmark = pytest.mark.slow
@@ -204,8 +204,8 @@ def deadlines(**dates):
 
 def test_who_may_still_hand_in_is_named():
     late, over = NOW + HOUR, NOW - HOUR
-    assert solved.still_open(deadlines(due=over), STAGE, NOW, {}) == ""
-    said = solved.still_open(
+    assert solutions.still_open(deadlines(due=over), STAGE, NOW, {}) == ""
+    said = solutions.still_open(
         deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
         STAGE,
         NOW,
@@ -215,25 +215,25 @@ def test_who_may_still_hand_in_is_named():
         "stage3_obstacles is open: for section B until 12 October 2026, 15:00 CEST, "
         "anna until 12 October 2026, 15:00 CEST."
     )
-    assert "for everybody until" in solved.still_open(deadlines(due=late), STAGE, NOW, {})
-    granted = solved.still_open(deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over})
+    assert "for everybody until" in solutions.still_open(deadlines(due=late), STAGE, NOW, {})
+    granted = solutions.still_open(deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over})
     assert granted == "stage3_obstacles is open: for cy until 12 October 2026, 15:00 CEST."
 
 
 def test_where_nothing_says_when_a_stage_is_due_it_may_be_open():
     late, over = NOW + HOUR, NOW - HOUR
     for known in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
-        assert "nothing says when it is due" in solved.still_open(known, STAGE, NOW, {})
-        assert solved.still_open(known, STAGE, NOW, {"": over, "anna": over}) == ""
-        assert "for everybody until" in solved.still_open(known, STAGE, NOW, {"": late})
-        assert "for anna until" in solved.still_open(known, STAGE, NOW, {"": over, "anna": late})
+        assert "nothing says when it is due" in solutions.still_open(known, STAGE, NOW, {})
+        assert solutions.still_open(known, STAGE, NOW, {"": over, "anna": over}) == ""
+        assert "for everybody until" in solutions.still_open(known, STAGE, NOW, {"": late})
+        assert "for anna until" in solutions.still_open(known, STAGE, NOW, {"": over, "anna": late})
 
 
 @pytest.fixture
 def ran(tmp_path, monkeypatch):
     """No solution is run, and no page made. The course lies in a folder of its own."""
-    monkeypatch.setattr(running, "shown", lambda lesson, kept, before: lesson.solved.read_bytes())
-    monkeypatch.setattr(solved, "as_page", lambda notebook, lesson: b"page")
+    monkeypatch.setattr(runs, "shown", lambda lesson, kept, before: lesson.solved.read_bytes())
+    monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: b"page")
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
     return tmp_path
 
@@ -296,7 +296,7 @@ def test_dates_of_the_gradebook_count_for_solutions_too(ran, capsys):
 
 def test_a_page_fetches_nothing():
     lesson = find_lesson("02_ransac_line")
-    page = solved.as_page(lesson.solved.read_bytes(), lesson).decode()
+    page = solutions.as_page(lesson.solved.read_bytes(), lesson).decode()
     assert "<script" not in page and "<link" not in page and "@import" not in page
     assert set(re.findall(r'src="([a-z]+):', page)) == {"data"}
     assert page.count("<math ") >= 5 and "$" not in re.sub(
@@ -310,10 +310,10 @@ def tiny(tmp_path, monkeypatch, source):
     notebook = nbformat.v4.new_notebook(cells=[setup, nbformat.v4.new_code_cell(source)])
     path = tmp_path / "tiny.ipynb"
     nbformat.write(notebook, path)
-    monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"1"})
+    monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"1"})
 
     class Tiny:
-        name, solved, released = "tiny", path, path
+        name, solutions, released = "tiny", path, path
 
     return Tiny
 
@@ -321,20 +321,20 @@ def tiny(tmp_path, monkeypatch, source):
 def test_a_solution_is_run_once_and_shows_what_it_prints(tmp_path, monkeypatch):
     marked = "### BEGIN SOLUTION\nprint(6 * 7)\n### END SOLUTION"
     lesson = tiny(tmp_path, monkeypatch, marked)
-    first = solved.shown(lesson, tmp_path / "kept", "")
+    first = solutions.shown(lesson, tmp_path / "kept", "")
     _, cell = nbformat.reads(first.decode(), as_version=4).cells
     assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
-    monkeypatch.setattr(solved, "_run", lambda lesson, before: b"run again")
-    assert solved.shown(lesson, tmp_path / "kept", "") == first
-    monkeypatch.setattr(solved, "course_tools", lambda: {"utils/one.py": b"2"})
-    assert solved.shown(lesson, tmp_path / "kept", "") == b"run again"
+    monkeypatch.setattr(solutions, "_run", lambda lesson, before: b"run again")
+    assert solutions.shown(lesson, tmp_path / "kept", "") == first
+    monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"2"})
+    assert solutions.shown(lesson, tmp_path / "kept", "") == b"run again"
     assert len(list((tmp_path / "kept").iterdir())) == 1  # the other one is of no use now
 
 
 def test_a_solution_that_fails_is_named(tmp_path, monkeypatch):
     lesson = tiny(tmp_path, monkeypatch, "1 / 0")
     with pytest.raises(standalone.NotReleased, match=r"(?s)tiny: .*ZeroDivisionError"):
-        solved.shown(lesson, tmp_path / "kept", "")
+        solutions.shown(lesson, tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
 
@@ -351,7 +351,7 @@ def test_a_solution_that_hangs_or_dies_is_named(tmp_path, monkeypatch, error, sa
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
     with pytest.raises(standalone.NotReleased, match=says):
-        solved.shown(tiny(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
+        solutions.shown(tiny(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 
 
@@ -365,11 +365,11 @@ def test_what_the_site_ran_becomes_a_notebook_that_any_reader_shows():
 
     answer = {"question": "How many?", "answer": "7 <m>", "why": "Because."}
     cells = [
-        [output(recording.QUESTION, {"question": "How many?"})],
-        [nbformat.v4.new_output("stream", text="said"), output(recording.ANSWER, answer)],
+        [output(widget_states.QUESTION, {"question": "How many?"})],
+        [nbformat.v4.new_output("stream", text="said"), output(widget_states.ANSWER, answer)],
         [
-            *(output(recording.POSITION, {"all": [["height", "3"]]}), picture("one")),
-            *(output(recording.POSITION, {"slider": "height", "value": "4"}), picture("two")),
+            *(output(widget_states.POSITION, {"all": [["height", "3"]]}), picture("one")),
+            *(output(widget_states.POSITION, {"slider": "height", "value": "4"}), picture("two")),
         ],
     ]
     notebook = nbformat.v4.new_notebook(

@@ -6,7 +6,7 @@ import pytest
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 from grader.judging import repair, results
 from grader.judging.judge import judge_handed_in
 from grader.judging.verdict import read_verdict, write_verdict

@@ -18,9 +18,9 @@ from scipy.spatial.distance import cdist, pdist
 
 from grader.course.variants import variants_of
 from tests.lessons.taught import source_of
-from utils import replay, still_widgets
+from utils import replay, static_widgets
 from utils.geometry import grown
-from utils.replays import clustering, play, player, ransac, tracing, walk
+from utils.replays import clustering, play, player, ransac, tracer, walk
 from utils.replays.clustering.points import GROUPS, POINTS, THRESHOLD
 from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS
 from utils.visits import watched
@@ -108,7 +108,7 @@ def test_the_answer_is_the_same_as_without_being_watched(exercise):
             function = function_of(exercise, one.source)
             with contextlib.redirect_stdout(io.StringIO()):
                 alone = function(asked[0].copy(), *asked[1:])
-                seen = tracing.record(function, (asked[0].copy(), *asked[1:]), lambda *_: None)
+                seen = tracer.record(function, (asked[0].copy(), *asked[1:]), lambda *_: None)
             answers = (alone, seen.answer) if task is None else zip(alone, seen.answer, strict=True)
             for mine, other in [answers] if task is None else answers:
                 np.testing.assert_array_equal(mine, other)
@@ -237,7 +237,7 @@ WRONG = {
     [(exercise, name) for exercise in RUNS for name in named(exercise, right=False)],
 )
 def test_a_wrong_answer_stops_where_it_goes_wrong(exercise, name, monkeypatch):
-    monkeypatch.setattr(tracing, "SECONDS", 1)
+    monkeypatch.setattr(tracer, "SECONDS", 1)
     run = run_of(exercise, name)
     happens, said = WRONG[exercise].get(name, (None, None))
     if happens is None:
@@ -319,7 +319,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 @pytest.mark.parametrize("has_threads", [True, False])
 def test_what_does_not_end_is_ended(has_threads, monkeypatch):
-    monkeypatch.setattr(tracing, "SECONDS", 0.5)
+    monkeypatch.setattr(tracer, "SECONDS", 0.5)
     if not has_threads:  # as in a browser
 
         def refuse(thread):
@@ -350,7 +350,7 @@ def test_a_fault_of_the_recording_is_none_of_the_students():
     def broken(*_):
         raise KeyError
 
-    ending = tracing.record(lambda x: x + 1, (1,), broken)
+    ending = tracer.record(lambda x: x + 1, (1,), broken)
     assert ending.answer == 2 and sys.gettrace() is None
 
 
@@ -469,8 +469,8 @@ def test_a_right_run_begins_at_its_beginning(shown, monkeypatch):
 def test_without_widgets_a_few_pictures_lead_to_the_wrong_step(shown, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
-    monkeypatch.setattr(still_widgets.util, "find_spec", lambda name: None)
-    still_widgets.stand_in()
+    monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)
+    static_widgets.stand_in()
     try:
         play(run_of("ransac_line", "the tolerance is squared"))
         assert shown.count("figure") == 1 and "✗" in shown[-1]

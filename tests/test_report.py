@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.classroom.items import common_messages, items_of, not_started
+from grader.classroom.item_analysis import common_messages, items_of, not_started
 from grader.classroom.submissions import Submission
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
 from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import duration, marks_table
@@ -29,7 +29,7 @@ from grader.lms.results import (
     NotebookResult,
     StageResult,
 )
-from tests import demands
+from tests import prerequisites
 from tests.browser import BROWSER, PDF_TO_TEXT, printed, seen
 
 SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance")
@@ -417,7 +417,7 @@ def test_without_names_a_lesson_of_few_is_left_out(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not BROWSER, reason=demands.CHROMIUM)
+@pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
 def test_students_are_sorted_and_found_without_a_network(tmp_path):
     scores = {"cy": 9.0, "ada": 10.0, "bo": 8.5}
     results = class_of([result(name, MARKED, score) for name, score in scores.items()])
@@ -446,7 +446,7 @@ def test_students_are_sorted_and_found_without_a_network(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not (BROWSER and PDF_TO_TEXT), reason=demands.PDF_TO_TEXT)
+@pytest.mark.skipif(not (BROWSER and PDF_TO_TEXT), reason=prerequisites.PDF_TO_TEXT)
 def test_on_paper_no_heading_stands_alone_at_the_foot_of_a_page(tmp_path):
     page = report(tmp_path, [verdict("ada", [check(True)])])
     rows = "<tr><td>check</td><td>passed</td></tr>"

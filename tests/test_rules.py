@@ -14,19 +14,19 @@ from grader.course.deadlines import Deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.variants import fill_in
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
-from grader.judging import followed
-from grader.judging.trial import Asked, Setting
+from grader.intake.submission import HandedIn
+from grader.judging import error_carried_forward
+from grader.judging.program_run import Asked, Setting
 from grader.judging.verdict import (
     JUDGED,
     Verdict,
     write_verdict,
 )
-from grader.lms import entering
+from grader.lms import gradebook_writer
 from grader.lms.differences import differences
 from grader.lms.entries import Entry
-from grader.lms.times import known_time
+from grader.lms.submission_times import known_time
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
 from utils.checks import Check
@@ -62,9 +62,9 @@ def follow(monkeypatch, uses, outcomes, again):
         ended = outcomes if code == program else again
         return Asked(tuple(outcome for outcome in ended if wanted(outcome.check)))
 
-    monkeypatch.setattr(followed, "ask", ask)
+    monkeypatch.setattr(error_carried_forward, "ask", ask)
     asked = Asked(tuple(outcomes), uses=uses)
-    better, _ = followed.follow_through(Setting(LINE, 1, None), program, asked)
+    better, _ = error_carried_forward.follow_through(Setting(LINE, 1, None), program, asked)
     return better, programs
 
 
@@ -97,7 +97,7 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, held):
 
 
 def test_who_was_followed_stays_so():
-    assert followed.Followed.__dataclass_params__.frozen
+    assert error_carried_forward.Followed.__dataclass_params__.frozen
 
 
 STOP = StudentStopped("it did not answer")
@@ -120,7 +120,7 @@ STOP = StudentStopped("it did not answer")
 def test_what_counts_of_three_tries(first, once_more, with_right, counts):
     (check,) = (one.check for one in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
-    assert followed.settled(*tries).failure is counts
+    assert error_carried_forward.settled(*tries).failure is counts
 
 
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
@@ -136,7 +136,7 @@ def test_a_coin_gains_nothing_by_a_wrong_helper(chance, stops):
                 stop = stops if may_stop else 0.0
                 answer = chance if failure is None else 1 - chance
                 likely *= stop if failure is STOP else (1 - stop) * answer
-            settled = followed.settled(*(Outcome(check, failure) for failure in tries))
+            settled = error_carried_forward.settled(*(Outcome(check, failure) for failure in tries))
             expected += likely * (settled.failure is None)
         assert expected <= chance + 1e-12
 
@@ -152,9 +152,9 @@ def test_who_earns_everything_by_chance_has_to_do_it_again(monkeypatch):
             asked.append(code)
             return Asked(tuple(outcomes_of("ransac_line", *again)))
 
-        monkeypatch.setattr(followed, "ask", ask)
+        monkeypatch.setattr(error_carried_forward, "ask", ask)
         program = Program(("pass",), LINE.names)
-        better, _ = followed.follow_through(
+        better, _ = error_carried_forward.follow_through(
             Setting(LINE, 1, None), program, Asked(tuple(first), uses=uses)
         )
         assert asked == [program], "with nothing put right"
@@ -166,8 +166,8 @@ def test_what_held_by_chance_is_taken_back(monkeypatch):
     program, uses = Program(("pass",), LINE.names), {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, False)]
     tries = iter([outcomes_of("ransac_line", False, True), outcomes_of("ransac_line", True, True)])
-    monkeypatch.setattr(followed, "ask", lambda *about: Asked(tuple(next(tries))))
-    better, _ = followed.follow_through(
+    monkeypatch.setattr(error_carried_forward, "ask", lambda *about: Asked(tuple(next(tries))))
+    better, _ = error_carried_forward.follow_through(
         Setting(LINE, 1, None), program, Asked(tuple(first), uses=uses)
     )
     assert all(outcome.failure for outcome in better["ransac_line"].outcomes)
@@ -181,9 +181,9 @@ def test_of_a_second_time_that_failed_nothing_counts(monkeypatch, fault, starved
     ended = dataclasses.replace(Asked(tuple(ALL_HOLD)), fault=fault, starved=starved)
     asked, own = Asked(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
     monkeypatch.setattr(
-        followed, "ask", lambda setting, code, wanted: asked if code == own else ended
+        error_carried_forward, "ask", lambda setting, code, wanted: asked if code == own else ended
     )
-    better, late = followed.follow_through(Setting(LINE, 1, None), own, asked)
+    better, late = error_carried_forward.follow_through(Setting(LINE, 1, None), own, asked)
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
@@ -204,9 +204,9 @@ def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
         again = Asked(tuple(one for one in hold if wanted(one.check)), starved=len(programs) == 1)
         return dataclasses.replace(again, fault="" if len(programs) != 2 else "it broke")
 
-    monkeypatch.setattr(followed, "ask", ask)
+    monkeypatch.setattr(error_carried_forward, "ask", ask)
     uses = {name: tuple(names) for name in names[1:]}
-    better, late = followed.follow_through(
+    better, late = error_carried_forward.follow_through(
         Setting(plane, 1, None), own, Asked(tuple(lost), uses=uses)
     )
     assert late and list(better) == [names[1], *names[3:]]  # the second of the four broke
@@ -290,7 +290,7 @@ def test_another_time_of_submission_is_a_difference(handed_in, hour):
 
 def test_of_a_notebook_that_nobody_handed_in_nothing_waits_for_a_person():
     waiting = SimpleNamespace(auto_score=4.0, needs_manual_grade=True)
-    entering._nothing_handed_in(SimpleNamespace(grades=[waiting]))
+    gradebook_writer._nothing_handed_in(SimpleNamespace(grades=[waiting]))
     assert (waiting.auto_score, waiting.needs_manual_grade) == (0.0, False)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.demands import PATIENCE
+from tests.prerequisites import PATIENCE
 from utils.scene3d import CAMERAS, LAYERS, Camera, Scene, builders, opengl, output, solids, viewer
 from utils.scene3d.cameras import as_camera, cut_off
 from utils.scene3d.parts import Label, Points, Segments, dashed

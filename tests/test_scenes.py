@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from shapely.geometry import Polygon
 
-from tests.demands import RECORDINGS
+from tests.prerequisites import RECORDINGS
 from utils.simulator import CLASSES, Sensor, layers
 from utils.simulator.frames import Frame
 from utils.simulator.scenes import (

@@ -8,20 +8,20 @@ import shutil
 import pytest
 
 from grader import cli, commands
-from grader.classroom.similarity import comparing
+from grader.classroom.similarity import comparison
 from grader.classroom.similarity.answers import (
     answers_in,
     kept_answers,
     taught_answers,
     work_in,
 )
-from grader.classroom.similarity.comparing import compare
+from grader.classroom.similarity.comparison import compare
 from grader.classroom.similarity.page import percent, write_similarity
 from grader.classroom.similarity.stage import compare_stage
 from grader.course.lessons import lesson_of
 from grader.course.paths import PROJECT, Course
 from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 
 ALL = tuple(sorted(path.stem for path in (PROJECT / "grader" / "variants").glob("*.py")))
 
@@ -57,8 +57,8 @@ def names_of(comparison):
 @pytest.mark.parametrize("exercise", ALL)
 def test_nobody_who_wrote_alone_is_named(exercise, monkeypatch):
     """The right answers have each an author of their own. Nor are any two nearly named."""
-    monkeypatch.setattr(comparing, "LEAST_SHARE", comparing.LEAST_SHARE - 0.1)
-    monkeypatch.setattr(comparing, "LEAST_BITS", comparing.LEAST_BITS - 3)
+    monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
+    monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()
 
 

@@ -20,12 +20,21 @@ from grader.course import standalone
 from grader.course.build import Origin, read_origin
 from grader.course.lessons import all_lessons, every_lesson, find_lesson, optional_lessons
 from grader.course.paths import PROJECT
-from grader.site import front, guides, live, proof, recording, running, words, writing
+from grader.site import (
+    builder,
+    front_page,
+    glossary,
+    guides,
+    live,
+    runs,
+    site_checks,
+    widget_states,
+)
+from grader.site.errors import SiteTrouble
+from grader.site.html_outputs import html_of, key_of, shown
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
-from grader.site.showing import html_of, key_of, shown
-from grader.site.trouble import SiteTrouble
-from tests.running import errors_of, run
+from tests.notebook_runs import errors_of, run
 from utils.scene3d import Scene, output
 
 LESSON = find_lesson("05_euclidean_clustering")
@@ -44,10 +53,10 @@ def displayed(data, about=None):
 
 def positions():
     """A slider at its own value and at two others."""
-    yield displayed({recording.POSITION: {"all": [["level (m)", "-1.2"]]}})
+    yield displayed({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
     yield displayed({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
-        yield displayed({recording.POSITION: {"slider": "level (m)", "value": value}})
+        yield displayed({widget_states.POSITION: {"slider": "level (m)", "value": value}})
         yield displayed({"image/png": picture(colour)})
         yield new_output("stream", name="stdout", text=f"at {value} <m>\n")
 
@@ -69,16 +78,16 @@ def made_up():
     code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
     code[1].outputs = [new_output("stream", name="stdout", text="0 of 2\r1 of 2\r2 of 2\n")]
     code[2].outputs = [displayed({"image/gif": picture("red", "GIF")})]
-    code[3].outputs = [displayed({recording.QUESTION: QUESTION})]
+    code[3].outputs = [displayed({widget_states.QUESTION: QUESTION})]
     code[4].outputs = [*positions()]
-    code[5].outputs = [displayed({recording.ANSWER: ANSWER}), displayed(scene())]
+    code[5].outputs = [displayed({widget_states.ANSWER: ANSWER}), displayed(scene())]
     return {lesson: nbformat.writes(notebook).encode() for lesson, notebook in ran.items()}
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site") / "pages"
-    writing.write_site(folder, made_up(), PUBLIC)
+    builder.write_site(folder, made_up(), PUBLIC)
     return folder
 
 
@@ -104,9 +113,9 @@ def test_a_slider_is_its_picture_at_some_positions_with_words_beside():
 
 
 def test_several_sliders_share_one_choice():
-    own = {recording.POSITION: {"all": [["beams", "32"], ["step", "0.8"]]}}
+    own = {widget_states.POSITION: {"all": [["beams", "32"], ["step", "0.8"]]}}
     moved = [
-        {recording.POSITION: {"slider": title, "value": value}}
+        {widget_states.POSITION: {"slider": title, "value": value}}
         for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
     ]
     (one,) = shown([displayed(data) for data in (own, *moved)], Pictures())
@@ -118,15 +127,15 @@ def test_several_sliders_share_one_choice():
 
 
 def test_a_question_is_a_field_and_its_answer_is_folded():
-    asked = html_of(displayed({recording.QUESTION: QUESTION}), Pictures())
-    told = html_of(displayed({recording.ANSWER: ANSWER}), Pictures())
+    asked = html_of(displayed({widget_states.QUESTION: QUESTION}), Pictures())
+    told = html_of(displayed({widget_states.ANSWER: ANSWER}), Pictures())
     assert '<input type="range" min="0" max="10" step="1"' in asked
     key = f'data-question="{key_of("How many?")}"'
     assert key in asked and key in told, "a guess finds its answer"
     assert told.startswith("<details") and " open" not in told.partition(">")[0]
     assert "Because 3 &lt; 4." in told
     choices = QUESTION | {"choices": ["a < b", "b < a"]}
-    radio = html_of(displayed({recording.QUESTION: choices}), Pictures())
+    radio = html_of(displayed({widget_states.QUESTION: choices}), Pictures())
     assert radio.count('type="radio"') == 2 and "a &lt; b" in radio
 
 
@@ -151,7 +160,7 @@ def test_what_a_bar_has_overwritten_is_not_shown():
 
 
 def values_of(sliders):
-    return [values for _, values in recording.positions(sliders)]
+    return [values for _, values in widget_states.positions(sliders)]
 
 
 def test_positions_are_values_of_the_slider_with_its_own_first():
@@ -183,9 +192,9 @@ def test_a_figure_says_its_titles_axes_and_legend():
     axes.set_title("Left", loc="left")
     axes.set_xlabel("x, forward (m)")
     axes.legend()
-    said = recording.described(figure)
+    said = widget_states.described(figure)
     plt.close(figure)
-    assert all(words in said for words in ("Left", "x, forward (m)", "n²: n^2"))
+    assert all(word in said for word in ("Left", "x, forward (m)", "n²: n^2"))
     assert "$" not in said
 
 
@@ -205,16 +214,16 @@ def show(n):
 guess.compare(7, "So it is.")
 print(sorted(name for name in globals() if "record" in name or name == "np"))
 """
-    sources = (setup, running.first_code(), lesson)
+    sources = (setup, runs.first_code(), lesson)
     notebook = nbformat.v4.new_notebook(cells=[*map(new_code_cell, sources)])
     run(notebook, PROJECT)
     assert not errors_of(notebook)
     outputs = notebook.cells[2].outputs
     kinds = [max(one.get("data", {}).keys() - {"text/plain"}, default="") for one in outputs]
     question, *between, answer, _ = kinds
-    assert (question, answer) == (recording.QUESTION, recording.ANSWER)
-    assert between == [recording.POSITION, "image/png"] * 5
-    assert outputs[-2].data[recording.ANSWER] == {
+    assert (question, answer) == (widget_states.QUESTION, widget_states.ANSWER)
+    assert between == [widget_states.POSITION, "image/png"] * 5
+    assert outputs[-2].data[widget_states.ANSWER] == {
         "question": "How many?",
         "answer": "7 m",
         "why": "So it is.",
@@ -228,7 +237,7 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
 
 def test_every_word_that_a_lesson_links_to_is_known():
     for lesson in all_lessons():
-        linked = words.linked(lesson.released.read_text("utf-8"))
+        linked = glossary.linked(lesson.released.read_text("utf-8"))
         assert "(../words.md)" not in linked, lesson.name
 
 
@@ -259,7 +268,7 @@ def test_a_guide_links_to_pages_to_files_or_to_nothing():
 
 @pytest.mark.slow
 def test_the_front_page_has_every_lesson():
-    page = front.page(read_origin(), Pictures())
+    page = front_page.page(read_origin(), Pictures())
     assert re.findall(r'class="lesson-card" href="(\w+/\w+)\.html"', page) == [
         f"{lesson.stage}/{lesson.name}" for lesson in every_lesson()
     ]
@@ -275,17 +284,17 @@ try:
 except ImportError:
     from numpy.linalg import norm
 """
-    missing = running.not_installed(SimpleNamespace(text=text))
+    missing = runs.not_installed(SimpleNamespace(text=text))
     assert missing == ["another_one", "no_such_compiler"]
-    assert not [lesson.name for lesson in all_lessons() if running.not_installed(lesson)]
+    assert not [lesson.name for lesson in all_lessons() if runs.not_installed(lesson)]
 
 
 @pytest.mark.parametrize("missing", [[], ["numba"]])
 def test_an_optional_lesson_runs_where_it_can(monkeypatch, tmp_path, capsys, missing):
     asked = []
-    monkeypatch.setattr(running, "not_installed", lambda lesson: missing)
-    monkeypatch.setattr(running, "solved_runs", lambda lessons, *_: asked.extend(lessons) or {})
-    monkeypatch.setattr(writing, "write_site", lambda *_: None)
+    monkeypatch.setattr(runs, "not_installed", lambda lesson: missing)
+    monkeypatch.setattr(runs, "solved_runs", lambda lessons, *_: asked.extend(lessons) or {})
+    monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
     assert tuple(asked) == (all_lessons() if missing else every_lesson())
     said = "The page of 13_compiled_loops shows no outputs: install numba first."
@@ -326,7 +335,7 @@ def test_a_line_of_a_solution_is_found_however_it_is_written(tmp_path, suffix):
         ".ipynb": json.dumps({"source": [line]}),
     }
     (tmp_path / f"file{suffix}").write_text(text[suffix], "utf-8")
-    (fault,) = proof.faults(tmp_path)
+    (fault,) = site_checks.faults(tmp_path)
     assert "gives away" in fault and LESSON.name in fault
 
 
@@ -344,20 +353,20 @@ def test_a_line_of_a_solution_is_found_however_it_is_written(tmp_path, suffix):
 )
 def test_what_a_page_asks_for_and_where_it_leads(tmp_path, page, said):
     (tmp_path / "page.html").write_text(page, "utf-8")
-    found = proof.faults(tmp_path)
+    found = site_checks.faults(tmp_path)
     assert [said in fault for fault in found] == [True] * bool(said)
 
 
 def test_styles_ask_no_other_host_either(tmp_path):
     style = "@import 'https://example.org/a.css'; a {background: url(img.png)}"
     (tmp_path / "a.css").write_text(style, "utf-8")
-    assert len(proof.faults(tmp_path)) == 1
+    assert len(site_checks.faults(tmp_path)) == 1
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine", "utf-8")
     with pytest.raises(SiteTrouble, match="holds something else"):
-        writing.ready(tmp_path)
+        builder.ready(tmp_path)
     assert cli.main(["site", "--to", str(tmp_path)]) == 1
     assert (tmp_path / "thesis.txt").read_text("utf-8") == "mine"
 
@@ -443,7 +452,7 @@ def test_two_sites_are_the_same_bytes(site, tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
     monkeypatch.setenv("PYTHONHASHSEED", "7")
     again = tmp_path / "elsewhere" / "deeper"
-    writing.write_site(again, made_up(), PUBLIC)
+    builder.write_site(again, made_up(), PUBLIC)
     files = {path.relative_to(site) for path in site.rglob("*") if path.is_file()}
     assert files == {path.relative_to(again) for path in again.rglob("*") if path.is_file()}
     assert len(files) > 80

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from grader.course.lessons import lesson_of, load_reference
-from grader.judging.asking import run_tests
+from grader.judging.runner import run_tests
 from tests import slips
 from tests.students import student_with
 

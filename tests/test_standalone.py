@@ -18,8 +18,8 @@ from grader.course import standalone
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.course.variants import fill_in, variants_of
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
+from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import build_copy, graded_cells
 from tests.test_requirements import imports

@@ -9,7 +9,7 @@ from grader.course import paths
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms import gradebook
-from grader.lms.entering import enter
+from grader.lms.gradebook_writer import enter
 from grader.lms.results import (
     EXCUSED,
     MARKED,

@@ -6,9 +6,9 @@ import pytest
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
-from grader.sandbox.quoting import sentence_on
+from grader.sandbox.quotation import sentence_on
 from grader.sandbox.student import TOOK_TOO_LONG, Student
-from utils.checks.vocabulary import call_each, reach
+from utils.checks.assertions import call_each, reach
 
 TREE = """
 import numpy as np

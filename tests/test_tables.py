@@ -18,7 +18,7 @@ def test_in_plain_python_columns_are_aligned(capsys):
 
 def test_a_notebook_gets_rows_and_cells(monkeypatch):
     shown = []
-    monkeypatch.setattr("utils.showing.shell", object)
+    monkeypatch.setattr("utils.display.shell", object)
     monkeypatch.setattr("IPython.display.display", lambda data, raw: shown.append(data))
     show_table(HEADINGS, [("a wall", 7, "<b>")])
     (data,) = shown

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
-from utils.films.filming import SIZE, Sight, record, scene_of, watch
+from utils.films.film import SIZE, Sight, record, scene_of, watch
 from utils.films.writers import suffix_of_films
 from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene

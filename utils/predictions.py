@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from html import escape
 
-from utils.showing import show
+from utils.display import show
 
 # What was guessed, by question: a cell that runs again keeps it.
 _GUESSES: dict[str, float | str] = {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from utils.showing import show
+from utils.display import show
 
 
 def show_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

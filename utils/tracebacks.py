@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType, TracebackType
 
-from utils.showing import shell
+from utils.display import shell
 
 _OURS = str(Path(__file__).parent)  # as Python calls it, which may be by a link
 

@@ -24,7 +24,7 @@ import distributed
 from grader.classroom import worker_plugin
 from grader.classroom.protocol import ROOM, ExecutorLost
 from grader.course.archives import zipped
-from grader.course.travelling import files_to_judge_with
+from grader.course.portable_files import files_to_judge_with
 from grader.judging.key import versions
 
 PATIENCE = 15 * 60

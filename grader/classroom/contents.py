@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.lessons import Lesson, all_lessons, find_lesson
-from grader.intake.apart import ReadingFailed, apart
 from grader.intake.notebook import read_file
+from grader.intake.reader_process import ReadingFailed, apart
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
 

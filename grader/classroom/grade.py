@@ -17,7 +17,7 @@ from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 from grader.judging.judge import UNFAIR, judge_handed_in
 from grader.judging.key import verdict_key
 from grader.judging.verdict import (
@@ -54,7 +54,7 @@ def judge_one(
 
     Parameters
     ----------
-    handed_in : grader.intake.handed_in.HandedIn
+    handed_in : grader.intake.submission.HandedIn
     lesson, student : str
         Names.
     seed : int

@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import BrokenExecutor, Executor, Future
 from pathlib import Path
 
+from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
-from grader.course.writing import write_atomically
-from grader.intake.handed_in import read_handed_in
+from grader.intake.submission import read_handed_in
 from grader.judging.judge import complaints_about_reference
 from grader.judging.key import verdict_key
 from grader.sandbox import SANDBOXES, Sandbox

@@ -13,7 +13,7 @@ from grader.classroom.contents import copy_number, lesson_by_name, lesson_inside
 from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
-from grader.intake.handed_in import HandedIn, read_handed_in
+from grader.intake.submission import HandedIn, read_handed_in
 
 # What nbgrader's exchange puts beside the notebooks: when, and what their feedback is named by.
 OF_THE_EXCHANGE = {"timestamp.txt", "submission_secret.txt"}

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.course import earlier, minutes
+from grader.course import durations, earlier_lessons
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
@@ -110,7 +110,7 @@ def _forbidden() -> bytes:
 
 def _cells(released: dict[Path, bytes]) -> bytes:
     """By which the code cells of each lesson are known; what students get is all that goes in."""
-    from utils.lent.again import key_of_cell
+    from utils.lent.rerun import key_of_cell
 
     keys = {
         lesson.number: [
@@ -135,12 +135,12 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     seen = {}
-    minutes.tell(notebook)
+    durations.tell(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
-        if earlier.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier.filled(cell.source)
+        if earlier_lessons.TAG in cell.metadata.get("tags", ()):
+            cell.source = earlier_lessons.filled(cell.source)
         if cell.cell_type == "markdown":
             cell.source = NEXT.sub(functools.partial(_linked, lesson), cell.source)
             _attach_pictures(cell, lesson.source.parent)
@@ -180,7 +180,7 @@ def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
     """Lines of a solution that tell somebody something; the parameters are those of `leaks`."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
-        from_earlier = earlier.TAG in cell["metadata"].get("tags", ())
+        from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
         for region in re.findall(
             r"### BEGIN SOLUTION\n(.*?)### END SOLUTION", _text(cell["source"]), re.S
         ):

@@ -12,7 +12,7 @@ import types
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course import earlier
+from grader.course import earlier_lessons
 from grader.course.header import Header, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
@@ -62,7 +62,7 @@ class Lesson:
     @property
     def text(self) -> str:
         """What stands in the source, and in the place of their names what earlier lessons lend."""
-        return earlier.filled(self.source.read_text("utf-8"))
+        return earlier_lessons.filled(self.source.read_text("utf-8"))
 
     @property
     def released(self) -> Path:

@@ -41,7 +41,7 @@ def markdown_page(markdown: str, attachments: dict | None = None) -> str:
     Parameters
     ----------
     markdown : str
-        What is HTML in it stays so: text of a stranger goes through `grader.lms.harmless` first.
+        What is HTML in it stays so: text of a stranger goes through `grader.lms.sanitizer` first.
     attachments : dict, optional
         Pictures of the cell, as nbformat has them.
     """

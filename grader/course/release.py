@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from grader.course.archives import zipped
+from grader.course.atomic_files import write_atomically
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT
 from grader.course.standalone import refuse_to_give_away
-from grader.course.writing import write_atomically
 
 FOLDER = "lidar_obstacle_lab"
 """In every zip, so that those of several stages become one course."""

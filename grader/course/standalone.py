@@ -13,10 +13,10 @@ import tarfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from grader.course.atomic_files import write_atomically
 from grader.course.build import COMMON_CELLS, HIDDEN, leaks
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
-from grader.course.writing import write_atomically
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
 # With this the setup cell begins, by which it is known when it comes back.

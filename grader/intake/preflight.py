@@ -21,8 +21,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.intake.apart import TooMuch, apart
-from grader.intake.handed_in import HandedIn
+from grader.intake.reader_process import TooMuch, apart
+from grader.intake.submission import HandedIn
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 
@@ -113,7 +113,7 @@ def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
 
     Parameters
     ----------
-    handed_in : grader.intake.handed_in.HandedIn
+    handed_in : grader.intake.submission.HandedIn
     lesson : grader.course.lessons.Lesson
 
     Returns
@@ -138,7 +138,7 @@ def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook
-    grader.intake.apart.ReadingFailed
+    grader.intake.reader_process.ReadingFailed
     """
 
     def work() -> tuple:

@@ -11,21 +11,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson
-from grader.intake.apart import ReadingFailed
-from grader.intake.handed_in import HandedIn, read_handed_in
 from grader.intake.preflight import ToJudge, lesson_name_in, prepare_to_judge
-from grader.judging.asking import JudgeTimeout
-from grader.judging.followed import follow_through
+from grader.intake.reader_process import ReadingFailed
+from grader.intake.submission import HandedIn, read_handed_in
+from grader.judging.error_carried_forward import follow_through
 from grader.judging.key import verdict_key
 from grader.judging.points import total
+from grader.judging.program_run import Asked, Setting, ask, nothing_written
 from grader.judging.repair import slips_in
 from grader.judging.results import result_of, untried
-from grader.judging.trial import Asked, Setting, ask, nothing_written
+from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, shared
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.patience import Budget
 from grader.sandbox.program import PACKAGES, Given, Program
+from grader.sandbox.time_budget import Budget
 from utils.checks import CheckFailed
 from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 from grader.sandbox.boundary import SHOWN
 
 # Where judging begins: here, and in the process that students' code is forked from.

@@ -9,9 +9,9 @@ import functools
 import re
 from collections.abc import Callable, Sequence
 
-from grader.judging.asking import JudgeTimeout
+from grader.judging.runner import JudgeTimeout
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quoting import sentence_on
+from grader.sandbox.quotation import sentence_on
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -23,9 +23,9 @@ from utils.checks.failures import (
     with_numbers,
 )
 from utils.checks.outcomes import Outcome
-from utils.checks.story import Story, hint_for
+from utils.checks.summary import Story, hint_for
 from utils.checks.tips import tip_for
-from utils.remote import ENDLESS
+from utils.remote_objects import ENDLESS
 
 # Counts, as "2 of 5 rows", are told of what students see: so many, and below a hundred.
 FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"

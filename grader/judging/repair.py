@@ -21,18 +21,18 @@ from dataclasses import dataclass, replace
 from grader.course.lessons import Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
 from grader.intake.preflight import given_cells
-from grader.judging.asking import hidden_questions, shown_questions
-from grader.judging.explained import explains
-from grader.judging.followed import Followed
-from grader.judging.trial import Asked, Setting, ask
+from grader.judging.error_carried_forward import Followed
+from grader.judging.mistake_diagnosis import explains
+from grader.judging.program_run import Asked, Setting, ask
+from grader.judging.runner import hidden_questions, shown_questions
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.patience import Budget
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.student import TOOK_TOO_LONG, Student
+from grader.sandbox.time_budget import Budget
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
-from utils.checks.remembering import one_run
+from utils.checks.run_cache import one_run
 
 # Of the processor, here and behind the walls, for the edits of one exercise.
 SECONDS = 1.0
@@ -128,7 +128,7 @@ def repair_of(
 
     Parameters
     ----------
-    setting : grader.judging.trial.Setting
+    setting : grader.judging.program_run.Setting
     program : grader.sandbox.program.Program
         The notebook.
     exercise : str
@@ -179,9 +179,9 @@ class _Questions:
 
     Parameters
     ----------
-    setting : grader.judging.trial.Setting
+    setting : grader.judging.program_run.Setting
     student : grader.sandbox.student.Student
-    budget : grader.sandbox.patience.Budget
+    budget : grader.sandbox.time_budget.Budget
         The student's.
     failed : tuple of utils.checks.outcomes.Outcome
     """

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from grader.course.lessons import Exercise, Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
-from grader.judging.followed import Followed
+from grader.judging.error_carried_forward import Followed
 from grader.judging.messages import messages_of, text_of, told
 from grader.judging.points import shares, total
+from grader.judging.program_run import Asked
 from grader.judging.repair import Repair
-from grader.judging.trial import Asked
 from grader.judging.verdict import CheckResult, ExerciseResult, Slip
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
-from utils.checks.story import resolve
+from utils.checks.summary import resolve
 
 
 def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
@@ -34,9 +34,9 @@ def result_of(
     Parameters
     ----------
     exercise : grader.course.lessons.Exercise
-    asked : grader.judging.trial.Asked
+    asked : grader.judging.program_run.Asked
         What came of asking the notebook.
-    followed : grader.judging.followed.Followed or None
+    followed : grader.judging.error_carried_forward.Followed or None
         How the exercise fared with right helpers, if better.
     proven : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
         What alone is wrong.

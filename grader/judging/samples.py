@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from grader.course.paths import PROJECT
-from utils.checks.vocabulary import frozen
+from utils.checks.assertions import frozen
 from utils.clouds import read_cloud
 
 MOST_REMEMBERED = 256

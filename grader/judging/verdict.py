@@ -9,7 +9,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.writing import write_atomically
+from grader.course.atomic_files import write_atomically
 
 LONGEST_LINE = 100
 JUDGED, FAILED = "judged", "judge_failed"

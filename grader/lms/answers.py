@@ -10,8 +10,8 @@ from nbformat import NotebookNode
 from nbgrader.api import Grade
 from nbgrader.utils import is_grade, is_solution
 
+from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.writing import write_atomically
 
 
 def fingerprints(notebook: NotebookNode) -> dict[str, str]:

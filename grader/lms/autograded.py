@@ -20,12 +20,12 @@ from nbgrader.utils import is_grade, is_solution
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 from grader.course.standalone import TITLE, is_setup_cell
-from grader.intake.apart import TooMuch, apart
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import Answer, Prepared, prepare_to_show, prepare_without
+from grader.intake.reader_process import TooMuch, apart
+from grader.intake.submission import HandedIn
 from grader.judging.verdict import ExerciseResult, Verdict
-from grader.lms.folding import fold
-from grader.lms.harmless import NO_WIDTH, as_code, harmless, harmless_pictures
+from grader.lms.check_summary import fold
+from grader.lms.sanitizer import NO_WIDTH, as_code, harmless, harmless_pictures
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
@@ -63,7 +63,7 @@ def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
 
     Raises
     ------
-    grader.intake.apart.ReadingFailed
+    grader.intake.reader_process.ReadingFailed
     """
 
     def work() -> NotebookNode:

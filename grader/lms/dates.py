@@ -16,10 +16,10 @@ from pathlib import Path
 
 from nbgrader.api import Assignment, Gradebook, MissingEntry, SubmittedAssignment
 
+from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import stages
 from grader.course.paths import Course
-from grader.course.writing import write_atomically
 from grader.lms.gradebook import is_there, open_gradebook
 
 

@@ -12,7 +12,7 @@ from grader.lms.autograded import key_of_copy
 from grader.lms.dates import extension
 from grader.lms.entries import Entry
 from grader.lms.penalties import penalty_of
-from grader.lms.times import known_time
+from grader.lms.submission_times import known_time
 
 CLOSE = 1e-6  # points are written with two digits
 

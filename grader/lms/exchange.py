@@ -7,9 +7,9 @@ from pathlib import Path
 
 from nbgrader.exchange.default import ExchangeReleaseAssignment
 
+from grader.course.atomic_files import write_atomically
 from grader.course.lessons import all_lessons
 from grader.course.standalone import standalone
-from grader.course.writing import write_atomically
 
 
 class ReleaseStandalone(ExchangeReleaseAssignment):

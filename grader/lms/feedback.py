@@ -18,9 +18,8 @@ from grader.course.roster import Person
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.autograded import graded_cells
 from grader.lms.cells import CellMark, CellMarks, cell_marks
-from grader.lms.folding import Folded, fold
+from grader.lms.check_summary import Folded, fold
 from grader.lms.gradebook import open_gradebook
-from grader.lms.harmless import harmless
 from grader.lms.results import (
     EXCUSED,
     WAITING,
@@ -29,6 +28,7 @@ from grader.lms.results import (
     StageResult,
     write_number,
 )
+from grader.lms.sanitizer import harmless
 from grader.lms.standings import class_results
 
 
@@ -50,7 +50,7 @@ class ExerciseFeedback:
     mark : grader.lms.cells.CellMark
     judged : grader.judging.verdict.ExerciseResult or None
         None where a person grades.
-    folded : grader.lms.folding.Folded or None
+    folded : grader.lms.check_summary.Folded or None
     answer : Text or None
         What was written; None where nothing was, or where nothing is to be written.
     comment : Text or None

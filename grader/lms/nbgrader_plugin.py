@@ -2,7 +2,7 @@
 
 `CopyExporter` reads a submission as the judge does. `Judge` stands where nbgrader would execute
 a notebook. `SaveGrades` keeps what a person graded. `python -m grader grade` does the same without
-nbgrader's converters, in `grader.lms.entering`.
+nbgrader's converters, in `grader.lms.gradebook_writer`.
 """
 
 from pathlib import Path
@@ -16,17 +16,17 @@ from traitlets import Enum, Integer
 
 from grader.classroom.grade import current_verdict
 from grader.classroom.submissions import Submission
-from grader.course import earlier
+from grader.course import earlier_lessons
 from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
-from grader.intake.handed_in import read_handed_in
+from grader.intake.submission import read_handed_in
 from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_known, regrade, write_known
 from grader.lms.autograded import copy_apart, judged_copy
 from grader.lms.dates import enter_due_dates, extend
-from grader.lms.times import known_time
+from grader.lms.submission_times import known_time
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -48,8 +48,8 @@ class ClearEarlier(NbGraderPreprocessor):
         -------
         (nbformat.NotebookNode, dict)
         """
-        if earlier.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier.emptied(cell.source)
+        if earlier_lessons.TAG in cell.metadata.get("tags", ()):
+            cell.source = earlier_lessons.emptied(cell.source)
         return cell, resources
 
 

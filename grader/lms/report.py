@@ -16,7 +16,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from grader.classroom.items import (
+from grader.classroom.item_analysis import (
     ENOUGH,
     common_messages,
     hardest_checks,
@@ -26,12 +26,12 @@ from grader.classroom.items import (
 )
 from grader.classroom.pages import TEMPLATES, coded, printable, render
 from grader.classroom.submissions import Submission
+from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import read_deadlines
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
-from grader.course.writing import write_atomically
-from grader.intake.handed_in import HandedIn
+from grader.intake.submission import HandedIn
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.marks_table import duration, marks_table

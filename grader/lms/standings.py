@@ -11,6 +11,7 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.lms.gradebook import open_gradebook
+from grader.lms.gradebook_rows import Row, read_rows
 from grader.lms.people import people_in
 from grader.lms.results import (
     EXCUSED,
@@ -22,8 +23,7 @@ from grader.lms.results import (
     StageResult,
     standing_in_stage,
 )
-from grader.lms.rows import Row, read_rows
-from grader.lms.times import Undecided, handed_in_at
+from grader.lms.submission_times import Undecided, handed_in_at
 
 
 def class_results(course: Course) -> ClassResults:

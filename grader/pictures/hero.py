@@ -3,7 +3,7 @@
 from grader.course.lessons import find_lesson, load_reference
 from utils import scenes
 from utils.films import Film, Sight
-from utils.films.filming import record
+from utils.films.film import record
 from utils.scene3d import Scene
 
 LESSON = "12_streaming_obstacles"

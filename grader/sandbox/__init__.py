@@ -7,8 +7,8 @@ module with a class that has the methods of `protocol.Sandbox`, whose workers ha
 
 from grader.sandbox.bubblewrap import Bubblewrap
 from grader.sandbox.chroot import Chroot
+from grader.sandbox.plain_process import Unwalled
 from grader.sandbox.protocol import Limits, Sandbox, SandboxUnavailable, Worker
-from grader.sandbox.unwalled import Unwalled
 
 __all__ = [
     "AUTO",

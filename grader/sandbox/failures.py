@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from utils.remote import RemoteError, RemoteStopped
+from utils.remote_objects import RemoteError, RemoteStopped
 
 # Names that say something and that student code did not choose. Few: which of them it is may
 # tell something about a hidden question.
@@ -24,7 +24,7 @@ class StudentError(RemoteError):
     function : str
         What was called.
     type_name, message : str
-        The student's words: not to be told. What may be is in `grader.sandbox.quoting`.
+        The student's words: not to be told. What may be is in `grader.sandbox.quotation`.
     place : str or None
         Where in the notebook, in our words.
     line : str

@@ -21,9 +21,9 @@ class SandboxUnavailable(Exception):
 class Limits:
     """What a student's process may use.
 
-    Seconds are those that `grader.sandbox.patience` counts, in which a process works or sleeps and
-    nobody keeps it waiting: for the cells that the exercises need; for all cells, where a name is
-    missing afterwards; for one call; and for everything together. `wall_seconds` are the wall's,
+    Seconds are those that `grader.sandbox.time_budget` counts, in which a process works or sleeps
+    and nobody keeps it waiting: for the cells that the exercises need; for all cells, where a name
+    is missing afterwards; for one call; and for everything together. `wall_seconds` are the wall's,
     for everything together. Where steps that raised, or had to be stopped, have taken as long as
     one may, the next have an eighth of that.
 

@@ -14,12 +14,12 @@ from typing import NoReturn
 
 from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, why_it_ended
 from grader.sandbox.inside import wire, wire_format
-from grader.sandbox.patience import Budget, Meter, Patience
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
-from grader.sandbox.quoting import sentence_on_cell
-from grader.sandbox.untrusted import changes, names_a_number, positions, readable, rows, texts
-from utils.remote import ENDLESS, Observed, Remote
+from grader.sandbox.quotation import sentence_on_cell
+from grader.sandbox.reply_parser import changes, names_a_number, positions, readable, rows, texts
+from grader.sandbox.time_budget import Budget, Meter, Patience
+from utils.remote_objects import ENDLESS, Observed, Remote
 
 # What may be stopped beside exercises: the cells that these need, and the whole notebook.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
@@ -51,7 +51,7 @@ class RemoteFunction(Remote):
         return self._student._ask(self.__name__, [arguments], keywords, self._held)
 
     def observe(self, *arguments: object) -> Observed:
-        """Call it, and look at what became of the arguments; see `utils.checks.vocabulary`."""
+        """Call it, and look at what became of the arguments; see `utils.checks.assertions`."""
         return self._student._ask(self.__name__, [arguments], held=self._held, observe=True)
 
     def timed(self, *arguments: object) -> tuple[object, float]:
@@ -90,7 +90,7 @@ class RemoteObject(Remote):
         return self._student._ask(name, held=self._held, call=False)
 
     def reach(self, names: Sequence[str]) -> object:
-        """Return where a way along attributes leads; see `utils.checks.vocabulary`."""
+        """Return where a way along attributes leads; see `utils.checks.assertions`."""
         return self._student._ask(".".join(names), held=self._held, call=False)
 
 
@@ -104,7 +104,7 @@ class Student:
     sandbox : grader.sandbox.Sandbox
         Starts a worker, and another one where that was stopped.
     limits : grader.sandbox.Limits, optional
-    budget : grader.sandbox.patience.Budget, optional
+    budget : grader.sandbox.time_budget.Budget, optional
         What is left of the notebook's time; by default all of it.
     mend : str, optional
         An exercise whose edits are to be tried.

@@ -11,12 +11,12 @@ from nbformat import NotebookNode
 
 from grader.course.build import Origin
 from grader.course.lessons import Lesson
-from grader.site import words
+from grader.site import glossary
+from grader.site.errors import SiteTrouble
+from grader.site.html_outputs import shown
 from grader.site.live import address_of
 from grader.site.pictures import Pictures
-from grader.site.recording import QUESTION
-from grader.site.showing import shown
-from grader.site.trouble import SiteTrouble
+from grader.site.widget_states import QUESTION
 
 FOLD = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
@@ -31,7 +31,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
     ----------
     lesson : Lesson
     ran : bytes
-        Its solved notebook, with outputs: of `grader.site.running.solved_runs`.
+        Its solved notebook, with outputs: of `grader.site.runs.solved_runs`.
     links : str
         The line below the title: of `links_of`.
     pictures : Pictures
@@ -63,7 +63,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
         elif "badge" in tags:
             cell.source = links
         else:
-            cell.source = words.linked(cell.source)
+            cell.source = glossary.linked(cell.source)
             _lay_down(cell, pictures)
         cells.append(cell)
     notebook.cells = cells

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson, every_lesson
 from grader.course.standalone import standalone
-from grader.site.trouble import SiteTrouble
+from grader.site.errors import SiteTrouble
 
 FOLDER = "live"
 EXTENSIONS = ("@jupyterlite/pyodide-kernel-extension", "@jupyter-widgets/jupyterlab-manager")

@@ -8,7 +8,7 @@ import nbformat
 from nbformat import NotebookNode
 from nbformat.v4 import new_output
 
-from grader.site.recording import ANSWER, POSITION, QUESTION
+from grader.site.widget_states import ANSWER, POSITION, QUESTION
 from utils.predictions import told
 
 
@@ -18,7 +18,7 @@ def as_notebook(ran: bytes) -> bytes:
     Parameters
     ----------
     ran : bytes
-        As `grader.site.running.solved_runs` returns it.
+        As `grader.site.runs.solved_runs` returns it.
     """
     notebook = nbformat.reads(ran.decode(), as_version=4)
     for cell in notebook.cells:

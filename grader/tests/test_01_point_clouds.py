@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import assert_places, assert_rows
 from utils.checks.lesson_01 import assert_distances, assert_measures, assert_works
-from utils.checks.vocabulary import assert_places, assert_rows
 
 
 @samples.remembered

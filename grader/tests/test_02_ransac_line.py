@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import CheckFailed, call_each
 from utils.checks.failures import fixed
 from utils.checks.lesson_02 import (
     as_result,
@@ -31,7 +32,6 @@ from utils.checks.lesson_02 import (
     wall_and_clutter,
 )
 from utils.checks.lesson_02 import assert_measures as assert_plain_case
-from utils.checks.vocabulary import CheckFailed, call_each
 
 
 def some_pairs(seed, n, reach=20.0):

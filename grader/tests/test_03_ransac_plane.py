@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import CheckFailed, needs
 from utils.checks.lesson_03.fit_plane import assert_direction, assert_fits, assert_through_the_mean
 from utils.checks.lesson_03.iterations_needed import (
     assert_about,
@@ -51,7 +52,6 @@ from utils.checks.lesson_03.results import (
     mask_of,
     model_of,
 )
-from utils.checks.vocabulary import CheckFailed, needs
 from utils.geometry import gaps_from
 
 

@@ -11,19 +11,8 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden
-from utils.checks.lesson_04.cases import (
-    along_the_diagonal,
-    distinct,
-    nested,
-    off_the_corners,
-    off_the_rim,
-)
-from utils.checks.lesson_04.finding import assert_found, assert_pruned, assert_same_tree
-from utils.checks.lesson_04.insert import assert_root
-from utils.checks.lesson_04.median_order import assert_halves, assert_lower_medians, assert_shallow
-from utils.checks.lesson_04.trees import assert_indices, assert_tree, planted
-from utils.checks.vocabulary import (
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import (
     assert_left_alone,
     assert_untouched,
     call_each,
@@ -31,6 +20,17 @@ from utils.checks.vocabulary import (
     needs,
     observe,
 )
+from utils.checks.lesson_04.cases import (
+    along_the_diagonal,
+    distinct,
+    nested,
+    off_the_corners,
+    off_the_rim,
+)
+from utils.checks.lesson_04.insert import assert_root
+from utils.checks.lesson_04.median_order import assert_halves, assert_lower_medians, assert_shallow
+from utils.checks.lesson_04.search_results import assert_found, assert_pruned, assert_same_tree
+from utils.checks.lesson_04.trees import assert_indices, assert_tree, planted
 from utils.geometry import grown, places_of, regions_of
 
 

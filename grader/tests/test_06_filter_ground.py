@@ -9,15 +9,8 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden
-from utils.checks.lesson_06 import (
-    assert_cells,
-    assert_centroids,
-    assert_filters,
-    assert_standing,
-    assert_thins,
-)
-from utils.checks.vocabulary import (
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import (
     as_array,
     assert_all_columns,
     assert_nothing_left,
@@ -25,6 +18,13 @@ from utils.checks.vocabulary import (
     assert_same_set_of_rows,
     assert_untouched,
     needs,
+)
+from utils.checks.lesson_06 import (
+    assert_cells,
+    assert_centroids,
+    assert_filters,
+    assert_standing,
+    assert_thins,
 )
 
 

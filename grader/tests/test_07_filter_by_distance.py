@@ -12,21 +12,21 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden
-from utils.checks.lesson_07 import (
-    assert_boxed,
-    assert_crops,
-    assert_frees,
-    assert_measures,
-    assert_near,
-)
-from utils.checks.vocabulary import (
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import (
     as_array,
     assert_all_columns,
     assert_nothing_left,
     assert_order,
     assert_untouched,
     frozen,
+)
+from utils.checks.lesson_07 import (
+    assert_boxed,
+    assert_crops,
+    assert_frees,
+    assert_measures,
+    assert_near,
 )
 
 MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.

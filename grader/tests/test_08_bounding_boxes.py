@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import assert_untouched, frozen
 from utils.checks.boxes import as_cluster_boxes, assert_box_corners
 from utils.checks.lesson_08 import assert_works
-from utils.checks.vocabulary import assert_untouched, frozen
 
 
 def boxes_by_hand(cloud, labels):

@@ -9,7 +9,8 @@ from collections import Counter
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import CheckFailed, as_labels, assert_untouched
 from utils.checks.lesson_09 import (
     KEEPS_ZERO,
     assert_chooses,
@@ -17,7 +18,6 @@ from utils.checks.lesson_09 import (
     assert_labels_kept,
     assert_works,
 )
-from utils.checks.vocabulary import CheckFailed, as_labels, assert_untouched
 
 
 def filtered_by_hand(labels, minimum):

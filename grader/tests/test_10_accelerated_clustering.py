@@ -9,11 +9,11 @@ import functools
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
 from grader.sandbox.failures import StudentStopped
+from utils.checks.assertions import CheckFailed, assert_partition, frozen
 from utils.checks.clusters import assert_works
 from utils.checks.lesson_10.accelerated import assert_in_clusters
-from utils.checks.vocabulary import CheckFailed, assert_partition, frozen
 
 NAME = "euclidean_clustering_accelerated"
 

@@ -9,8 +9,9 @@ import functools
 import numpy as np
 
 from grader.judging import samples
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
 from utils.checks import CheckFailed
+from utils.checks.assertions import frozen, needs
 from utils.checks.boxes import (
     LOOSE,
     as_cluster_boxes,
@@ -28,7 +29,6 @@ from utils.checks.lesson_11 import (
     assert_orthonormal,
     assert_right_handed,
 )
-from utils.checks.vocabulary import frozen, needs
 
 # ---- oracles ----
 

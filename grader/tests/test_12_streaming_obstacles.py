@@ -10,7 +10,8 @@ import itertools
 
 import numpy as np
 
-from grader.judging.marks import hidden
+from grader.judging.hidden_tests import hidden
+from utils.checks.assertions import CheckFailed
 from utils.checks.detections import (
     as_boxes,
     assert_boxes_real,
@@ -45,7 +46,6 @@ from utils.checks.scans import (
     with_invalid,
     without,
 )
-from utils.checks.vocabulary import CheckFailed
 
 
 @functools.lru_cache(maxsize=32)

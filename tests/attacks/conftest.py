@@ -8,8 +8,8 @@ from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
 from grader.judging.judge import judge
 from grader.sandbox import Limits
-from tests.attacks.attacking import SEED, SHORT, WALLS
-from tests.demands import demand_walls
+from tests.attacks.attack import SEED, SHORT, WALLS
+from tests.prerequisites import demand_walls
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -17,8 +17,8 @@ from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, chroot, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
 from grader.sandbox.student import Student
-from tests.attacks.attacking import SHORT, function, tried
-from tests.demands import PATIENCE, ROOT, demand_walls
+from tests.attacks.attack import SHORT, function, tried
+from tests.prerequisites import PATIENCE, ROOT, demand_walls
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.inside.wire_format import Opaque
 from grader.sandbox.program import Program
 from grader.sandbox.student import RemoteObject, Student
-from tests.attacks.attacking import (
+from tests.attacks.attack import (
     CLOUD,
     SHORT,
     WALLS,
@@ -22,7 +22,7 @@ from tests.attacks.attacking import (
     outcome_of,
     tried,
 )
-from tests.demands import PATIENCE
+from tests.prerequisites import PATIENCE
 
 pytestmark = pytest.mark.slow
 

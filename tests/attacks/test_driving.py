@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from grader.classroom.league.driving import DETECTOR, _unpacked, drive_behind_walls
+from grader.classroom.league.drives import DETECTOR, _unpacked, drive_behind_walls
 from grader.classroom.league.streets import streets_of
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
-from tests.attacks.attacking import SHORT, WALLS
+from tests.attacks.attack import SHORT, WALLS
 from utils.simulator.sensor import Sensor, layers
 
 SEED = 2**70 + 1

@@ -11,15 +11,15 @@ from grader.classroom.grade import judge_and_store, stored_verdict
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.paths import Course
 from grader.course.variants import fill_in, variants_of
-from grader.intake.handed_in import read_handed_in
 from grader.intake.notebook import read_notebook
+from grader.intake.submission import read_handed_in
 from grader.judging.judge import judge_handed_in
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import Program
 from grader.sandbox.student import Student
-from tests.attacks.attacking import SEED, SHORT, WALLS, attack, outcome_of, tried
-from tests.demands import PATIENCE
+from tests.attacks.attack import SEED, SHORT, WALLS, attack, outcome_of, tried
+from tests.prerequisites import PATIENCE
 from utils.notebooks.reading import UnreadableNotebook
 
 pytestmark = pytest.mark.slow

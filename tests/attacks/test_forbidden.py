@@ -4,7 +4,7 @@ import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
 from grader.sandbox.program import PACKAGES
-from tests.attacks.attacking import attack, function, tried
+from tests.attacks.attack import attack, function, tried
 
 FORBIDDING = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
 # These import what some lesson forbids.

@@ -16,8 +16,8 @@ from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, fork_client, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.usage import tree
-from tests.attacks.attacking import WALLS, attack, function, outcome_of
-from tests.demands import PATIENCE, not_here
+from tests.attacks.attack import WALLS, attack, function, outcome_of
+from tests.prerequisites import PATIENCE, not_here
 
 LOOK = """
 import gc, os, resource, signal, sys

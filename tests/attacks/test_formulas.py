@@ -7,11 +7,11 @@ import re
 import pytest
 
 from grader.course.lessons import all_lessons
-from grader.lms.formulas import COMMANDS, NO_WIDTH, harmless_formulas
-from grader.lms.harmless import harmless
+from grader.lms.formula_sanitizer import COMMANDS, NO_WIDTH, harmless_formulas
+from grader.lms.sanitizer import harmless
 from tests import browser
-from tests.attacks.attacking import tried
-from tests.demands import MATHJAX
+from tests.attacks.attack import tried
+from tests.prerequisites import MATHJAX
 
 # What each would make a page ask for, or lead to.
 EVIL = "evil.example"

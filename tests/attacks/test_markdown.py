@@ -12,11 +12,11 @@ from nbconvert.filters import markdown2html
 
 from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
+from grader.intake.submission import HandedIn
 from grader.lms.autograded import build_copy
-from grader.lms.harmless import NO_WIDTH, harmless
-from tests.attacks.attacking import tried
+from grader.lms.sanitizer import NO_WIDTH, harmless
+from tests.attacks.attack import tried
 
 # What Markdown makes of plain text.
 FINE = {

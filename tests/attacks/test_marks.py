@@ -13,11 +13,11 @@ import pytest
 from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.course.paths import PROJECT
 from grader.course.variants import fill_in, variants_of
-from grader.judging.asking import run_tests
 from grader.judging.judge import judge
+from grader.judging.runner import run_tests
 from grader.sandbox import Limits
 from grader.sandbox.boundary import SHOWN
-from tests.attacks.attacking import SEED, SHORT, WALLS, tried
+from tests.attacks.attack import SEED, SHORT, WALLS, tried
 from utils.notebooks import slicing
 
 MOST = 0.1  # of the points that nothing earns which does not look at its task

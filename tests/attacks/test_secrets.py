@@ -16,7 +16,7 @@ from grader.course.lessons import load_reference
 from grader.course.paths import Course
 from grader.course.seed import ShortSeed, course_seed
 from grader.judging import samples
-from grader.judging.asking import run_tests
+from grader.judging.runner import run_tests
 from tests.students import student_with
 
 WORD, PCG = 2**32, 2**128

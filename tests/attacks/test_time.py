@@ -11,11 +11,11 @@ from grader.judging import judge, repair
 from grader.sandbox import Limits
 from grader.sandbox import student as students
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.patience import Budget
 from grader.sandbox.student import ONCE_MORE
-from tests.attacks.attacking import WALLS, attack, function, outcome_of, tried
-from tests.attacks.test_harm import HOLD
-from tests.demands import PATIENCE
+from grader.sandbox.time_budget import Budget
+from tests.attacks.attack import WALLS, attack, function, outcome_of, tried
+from tests.attacks.test_resources import HOLD
+from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
 # Of the limits, a quarter: so is what an exercise may cost at most, of its 15 seconds.

@@ -17,8 +17,8 @@ from grader.classroom.grade import judge_one
 from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
-from grader.intake.handed_in import read_handed_in
-from grader.lms.entering import enter
+from grader.intake.submission import read_handed_in
+from grader.lms.gradebook_writer import enter
 from grader.lms.standings import class_results
 from grader.sandbox import choose_sandbox
 from tests.postgresql import NotInstalled, server

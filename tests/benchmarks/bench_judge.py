@@ -37,9 +37,9 @@ from grader.classroom.grade import judge_class
 from grader.classroom.submissions import Submission
 from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
-from grader.lms.entering import enter
 from grader.lms.gradebook import open_gradebook
-from grader.lms.registering import register
+from grader.lms.gradebook_writer import enter
+from grader.lms.registration import register
 from grader.sandbox import choose_sandbox
 from tests.benchmarks.racing import write_down
 

@@ -7,7 +7,7 @@ import nbformat
 import numpy as np
 import pytest
 
-from grader.course import minutes
+from grader.course import durations
 from grader.course.lessons import find_lesson
 from tests.lessons.taught import tell
 from utils.scenes import simple_highway
@@ -26,7 +26,7 @@ def test_the_first_line_to_write_comes_within_five_minutes():
     notebook = nbformat.read(find_lesson("01_point_clouds").solved, as_version=4)
     first = next(i for i, cell in enumerate(notebook.cells) if cell.source.startswith("mine = "))
     before = nbformat.v4.new_notebook(cells=notebook.cells[:first])
-    assert sum(minutes.sections(before).values()) < 5
+    assert sum(durations.sections(before).values()) < 5
 
 
 def test_tiny_cases_come_out_as_expected(told):

@@ -9,9 +9,9 @@ from scipy.spatial import cKDTree
 
 from grader.course.lessons import find_lesson, load_reference
 from grader.course.variants import variants_of
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
-from grader.judging.asking import _own_time
+from grader.intake.submission import HandedIn
+from grader.judging.runner import _own_time
 from grader.lms.autograded import build_copy
 from utils import load_cloud
 from utils.checks.core import notes_of, run_check

@@ -7,14 +7,14 @@ import nbformat
 import numpy as np
 import pytest
 
-from grader.course import minutes
+from grader.course import durations
 from grader.course.lessons import find_lesson
 from grader.course.variants import variants_of
 from utils import load_my_functions, scenes, scoring
 from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _holds_obstacle
 from utils.checks.failures import NotYet
-from utils.checks.remembering import one_run
+from utils.checks.run_cache import one_run
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 
@@ -480,9 +480,9 @@ def test_the_untouched_notebook_names_what_it_may_borrow():
 
 def test_the_minutes_are_those_of_four_sittings():
     """What the head of the lesson says of them, and that the reports are most of the last."""
-    sittings = minutes.sittings(nbformat.read(LESSON.solved, as_version=4))
+    sittings = durations.sittings(nbformat.read(LESSON.solved, as_version=4))
     assert len(sittings) == 4 and max(sittings) < 60
-    assert sum(sittings[:3]) < 140 and sittings[3] > 2 * minutes.MINUTES_A_REPORT
+    assert sum(sittings[:3]) < 140 and sittings[3] > 2 * durations.MINUTES_A_REPORT
 
 
 def test_no_row_waits_for_one_that_is_green():

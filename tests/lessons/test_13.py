@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
 
-from grader.course import minutes
+from grader.course import durations
 from grader.course.lessons import (
     all_lessons,
     find_lesson,
@@ -15,7 +15,7 @@ from grader.course.lessons import (
     optional_lessons,
     stages,
 )
-from tests.demands import NUMBA
+from tests.prerequisites import NUMBA
 from utils import load_cloud
 
 NAME = "13_compiled_loops"
@@ -59,8 +59,8 @@ def test_it_belongs_to_no_stage_and_gives_no_points():
 
 
 def test_it_is_two_evenings():
-    sittings = minutes.sittings(nbformat.read(LESSON.solved, as_version=4))
-    assert len(sittings) == 2 and max(sittings) <= minutes.WITHOUT_A_STOP
+    sittings = durations.sittings(nbformat.read(LESSON.solved, as_version=4))
+    assert len(sittings) == 2 and max(sittings) <= durations.WITHOUT_A_STOP
 
 
 def test_what_is_expected_is_what_comes(plain):

@@ -9,12 +9,12 @@ import pytest
 
 from grader.course.lessons import load_reference, optional_lessons
 from grader.course.variants import variants_of
-from tests.demands import NUMBA
+from tests.prerequisites import NUMBA
 from utils.checks import check, checks_of, core
 from utils.checks.compiled import as_python
 from utils.checks.core import ChecksFailed, notes_of, run_check
 from utils.checks.diagnosis import diagnose, known_mistakes
-from utils.checks.ready import ready
+from utils.checks.waiting_cells import ready
 
 (LESSON,) = (lesson for lesson in optional_lessons() if lesson.number == "13")
 ANSWERS = [(name, variant) for name in LESSON.steps for variant in variants_of(f"steps/{name}")]

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from utils.breaking.puzzles import PUZZLES, Puzzle
 from utils.checks.limits import TimeUp, limited
+from utils.display import show
 from utils.lent import is_written, own
-from utils.showing import show
 
 MOST_ROWS = 50
 SECONDS = 10

@@ -11,8 +11,7 @@ import numpy as np
 
 import utils
 from utils.boxes import distance_outside
-from utils.checks.failures import fixed
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     TOLERANCE,
     CheckFailed,
     WrongForm,
@@ -20,6 +19,7 @@ from utils.checks.vocabulary import (
     brief,
     point_text,
 )
+from utils.checks.failures import fixed
 
 # A point may stick out this far (m): less than any scanner measures, more than rounding does.
 _SLACK = 2 * TOLERANCE

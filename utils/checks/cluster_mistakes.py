@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from utils.checks.assertions import CheckFailed, as_array, frozen, overlaps
 from utils.checks.clusters import in_order
 from utils.checks.diagnosis import Mistake
-from utils.checks.vocabulary import CheckFailed, as_array, frozen, overlaps
 
 # Along this line distances in the plane, or along the axes, are others than in space.
 _WAY = frozen(np.array([2.0, 1.0, 2.0]) / 3)

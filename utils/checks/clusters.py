@@ -5,9 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.checks.failures import fixed
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     CheckFailed,
     as_array,
     as_labels,
@@ -17,6 +15,8 @@ from utils.checks.vocabulary import (
     needs,
     point_text,
 )
+from utils.checks.failures import fixed
+from utils.checks.run_cache import once
 
 # In larger clouds nobody looks for the pair of points that shows what is wrong.
 _MOST_COMPARED = 1000

@@ -12,8 +12,8 @@ import sys
 from collections.abc import Callable
 from types import FunctionType
 
+from utils.checks.assertions import brief
 from utils.checks.failures import CheckFailed
-from utils.checks.vocabulary import brief
 
 
 def as_python(function: Callable) -> Callable:

@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Refused, Stopped
+from utils.checks.import_guard import Refusing
 from utils.checks.limits import TimeUp, limited
-from utils.checks.one_change import place_to_change
+from utils.checks.line_hint import place_to_change
 from utils.checks.outcomes import Check, Outcome
-from utils.checks.ready import remember
-from utils.checks.refusing import Refusing
-from utils.checks.remembering import one_run
-from utils.checks.standing import loops_around, told_of
-from utils.checks.story import resolve
+from utils.checks.run_cache import one_run
+from utils.checks.static_analysis import forbidden_in, functions_used, refused_modules
+from utils.checks.summary import resolve
+from utils.checks.timeouts import loops_around, told_of
 from utils.checks.tips import place_in, tip_for
-from utils.checks.using import forbidden_in, functions_used, refused_modules
-from utils.lent.hearing import hear
+from utils.checks.waiting_cells import remember
+from utils.lent.events import hear
 from utils.lent.stubs import own
 
 if TYPE_CHECKING:

@@ -10,11 +10,11 @@ import numpy as np
 
 import utils
 from utils.boxes import Box, distance_outside
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, needs, point_text
 from utils.checks.boxes import footprint
 from utils.checks.failures import fixed
-from utils.checks.remembering import answer_to, once
+from utils.checks.run_cache import answer_to, once
 from utils.checks.scans import OWN_CAR, clear_cars, clear_people
-from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs, point_text
 
 if TYPE_CHECKING:
     from utils.simulator.frames import Frame

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from utils.checks.vocabulary import CheckFailed, as_array
+from utils.checks.assertions import CheckFailed, as_array
 
 _TELLING_CASES = 2
 

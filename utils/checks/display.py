@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from utils.checks.outcomes import Check, Outcome
-from utils.checks.story import Story, details
-from utils.showing import shell
+from utils.checks.summary import Story, details
+from utils.display import shell
 
 # White on these holds 4.5:1 whatever the page behind; the word says the same as the colour.
 _STATES = {
@@ -72,7 +72,7 @@ def as_text(story: Story) -> str:
 
     Parameters
     ----------
-    story : utils.checks.story.Story
+    story : utils.checks.summary.Story
 
     Returns
     -------
@@ -101,7 +101,7 @@ def as_html(story: Story) -> str:
 
     Parameters
     ----------
-    story : utils.checks.story.Story
+    story : utils.checks.summary.Story
 
     Returns
     -------

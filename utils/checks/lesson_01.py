@@ -5,12 +5,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import promises, row_promises
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks, common_row_checks
+from utils.checks.assertions import (
     TOLERANCE,
     CheckFailed,
     as_array,
@@ -23,6 +19,10 @@ from utils.checks.vocabulary import (
     needs,
     point_text,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.run_cache import once
 
 # ---- horizontal_distance -----------------------------------------------------------------------
 
@@ -125,19 +125,19 @@ _FAR = Case(
     look=assert_distances,
     basic=assert_measures,
 )
-promises.three_columns(
+common_checks.three_columns(
     _FAR,
     "takes_three_columns",
     hint="Take x and y by their numbers, cloud[:, 0] and cloud[:, 1]: it does not matter then how "
     "many columns follow.",
 )
-promises.few_points(
+common_checks.few_points(
     _FAR,
     "takes_few_points",
     title="Takes one point and none",
     why="After a filter nothing may be left.",
 )
-promises.untouched(
+common_checks.untouched(
     _FAR,
     "leaves_its_input",
     why="The next step of the pipeline still needs the cloud.",
@@ -491,7 +491,7 @@ def takes_an_empty_scan(drop_invalid: Callable) -> None:
 
 
 _SCAN, _GOOD_OF_SCAN = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
-row_promises.untouched(
+common_row_checks.untouched(
     Case(__name__, "drop_invalid", {"cloud": _SCAN}, _GOOD_OF_SCAN, assert_places, assert_works),
     "leaves_the_scan",
     why="Whoever looks for a broken beam needs the lost returns.",

@@ -6,13 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
-from utils.checks import promises
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
-from utils.checks.failures import NotYet, fixed
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks
+from utils.checks.assertions import (
     TOLERANCE,
     CheckFailed,
     WrongForm,
@@ -24,6 +19,11 @@ from utils.checks.vocabulary import (
     needs,
     point_text,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.failures import NotYet, fixed
+from utils.checks.run_cache import once
 
 # ---- lines -------------------------------------------------------------------------------------
 
@@ -223,7 +223,7 @@ def takes_close_points(line_through: Callable) -> None:
 
 
 _P, _Q = frozen((np.array(_PAIRS[0][0]), np.array(_PAIRS[0][1])))
-promises.untouched(
+common_checks.untouched(
     Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, assert_makes_lines),
     "leaves_the_points",
     why="p and q are rows of the points that the next round needs.",
@@ -465,7 +465,7 @@ _MEASURED = Case(
     look=assert_line_distances,
     basic=assert_measures,
 )
-promises.few_points(
+common_checks.few_points(
     _MEASURED,
     "takes_few_points",
     title="Takes one point and no point at all",
@@ -494,7 +494,7 @@ def returns_an_array(point_line_distance: Callable) -> None:
         )
 
 
-promises.untouched(
+common_checks.untouched(
     _MEASURED,
     "leaves_points_and_line",
     why="The next round of RANSAC needs the points as they were.",
@@ -883,7 +883,7 @@ _CROWD = Case(
     look=lambda answer, points, *_: as_result(answer, len(points)),
     basic=assert_works,
 )
-promises.untouched(
+common_checks.untouched(
     _CROWD,
     "leaves_its_input",
     why="The next wall is searched among the same points.",
@@ -1285,7 +1285,7 @@ def takes_a_seed(ransac_line: Callable) -> None:
         )
 
 
-promises.names(
+common_checks.names(
     _CROWD,
     "keeps_the_names",
     why="Whoever reads ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1) knows "

@@ -9,7 +9,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import cluster_promises, promises
+from utils.checks import common_checks, common_cluster_checks
+from utils.checks.assertions import (
+    CheckFailed,
+    as_labels,
+    brief,
+    frozen,
+)
 from utils.checks.cluster_mistakes import (
     by_steps,
     frozen_cases,
@@ -35,12 +41,6 @@ from utils.checks.clusters import (
 )
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.vocabulary import (
-    CheckFailed,
-    as_labels,
-    brief,
-    frozen,
-)
 
 # A step and a threshold at which each point of a row has one neighbour on either side, also for
 # whoever squares one of the two.
@@ -136,13 +136,13 @@ def follows_the_threshold(euclidean_clustering: Callable) -> None:
         assert_clusters(answer, np.array(labels), cloud, threshold)
 
 
-_CASE = cluster_promises.case_of(__name__, "euclidean_clustering")
-cluster_promises.default(
+_CASE = common_cluster_checks.case_of(__name__, "euclidean_clustering")
+common_cluster_checks.default(
     _CASE,
     "keeps_the_default",
     why="Later cells call euclidean_clustering(obstacles) and rely on it.",
 )
-promises.names(
+common_checks.names(
     _CASE, "keeps_the_names", why="Somebody may call euclidean_clustering(cloud, threshold=0.3)."
 )
 
@@ -179,14 +179,14 @@ def _text(way: np.ndarray) -> str:
     return f"{'xyz'[np.argmax(way)]}" if abs(signs).sum() == 1 else f"{tuple(signs.tolist())}"
 
 
-cluster_promises.intensity(
+common_cluster_checks.intensity(
     _CASE,
     "ignores_intensity",
     why="A white stripe on a black bumper is bright, not far away. Many recordings count "
     "intensity from 0 to 255.",
     weight=7,
 )
-cluster_promises.few_points(
+common_cluster_checks.few_points(
     _CASE,
     "takes_the_smallest",
     why="After filtering nothing may be left.",
@@ -194,12 +194,12 @@ cluster_promises.few_points(
     "the answer.",
     weight=2,
 )
-cluster_promises.equal_points(
+common_cluster_checks.equal_points(
     _CASE,
     "joins_equal_points",
     hint="Equal points are at distance 0, which is below every threshold.",
 )
-cluster_promises.untouched(_CASE, "leaves_its_input")
+common_cluster_checks.untouched(_CASE, "leaves_its_input")
 
 
 @visible(

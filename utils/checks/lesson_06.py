@@ -7,13 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import promises, row_promises
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
-from utils.checks.failures import fixed
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks, common_row_checks
+from utils.checks.assertions import (
     TOLERANCE,
     CheckFailed,
     WrongForm,
@@ -24,6 +19,11 @@ from utils.checks.vocabulary import (
     needs,
     points_text,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.failures import fixed
+from utils.checks.run_cache import once
 
 # Road at -1.73 m, a kerb, a bumper, a car roof and a sign; then a column of intensity.
 _HEIGHTS = frozen(
@@ -111,7 +111,7 @@ _ROAD = Case(
 )
 
 
-@promises.default(
+@common_checks.default(
     _ROAD,
     "ground_level=-1.2",
     title="The ground level is -1.2 m unless another one is given",
@@ -125,23 +125,23 @@ def keeps_the_default(filter_ground: Callable) -> None:
     assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights)
 
 
-promises.names(
+common_checks.names(
     _ROAD, "keeps_the_names", why="Later lessons call filter_ground(cloud, ground_level=-1.5)."
 )
-row_promises.all_columns(_ROAD, "keeps_the_columns", weight=2)
-row_promises.order(_ROAD, "keeps_the_order", weight=2)
-promises.three_columns(
+common_row_checks.all_columns(_ROAD, "keeps_the_columns", weight=2)
+common_row_checks.order(_ROAD, "keeps_the_order", weight=2)
+common_checks.three_columns(
     _ROAD,
     "takes_three_columns",
     hint="Name the column that you compare, cloud[:, 2], and let the others be.",
 )
-row_promises.nothing_left(
+common_row_checks.nothing_left(
     _ROAD,
     "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
     weight=2,
 )
-row_promises.untouched(_ROAD, "leaves_its_input", weight=2)
+common_row_checks.untouched(_ROAD, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -155,7 +155,7 @@ def keeps_the_tie(filter_ground: Callable) -> None:
     assert_standing(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
 
 
-row_promises.array(_ROAD, "returns_an_array")
+common_row_checks.array(_ROAD, "returns_an_array")
 
 
 def _higher(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
@@ -496,7 +496,7 @@ _GRID = Case(
 )
 
 
-@promises.default(
+@common_checks.default(
     _GRID,
     "voxel_size=0.2",
     title="Cells are 0.2 m wide unless another size is given",
@@ -514,10 +514,10 @@ def keeps_the_size(voxel_grid: Callable) -> None:
         raise
 
 
-promises.names(
+common_checks.names(
     _GRID, "names_its_parameters", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
 )
-promises.three_columns(
+common_checks.three_columns(
     _GRID,
     "thins_three_columns",
     hint="Take the number of columns from the cloud: cloud.shape[1].",
@@ -551,7 +551,7 @@ def thins_the_smallest(voxel_grid: Callable) -> None:
         assert_cells(voxel_grid(one.copy(), 0.2), one, 1, 0.2)
 
 
-promises.untouched(
+common_checks.untouched(
     _GRID,
     "leaves_the_cloud",
     why="The next step may need the full cloud again.",
@@ -560,7 +560,7 @@ promises.untouched(
 )
 
 
-row_promises.array(_GRID, "gives_an_array")
+common_row_checks.array(_GRID, "gives_an_array")
 
 
 @noted(

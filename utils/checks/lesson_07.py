@@ -11,12 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from utils.checks import promises, row_promises
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks, common_row_checks
+from utils.checks.assertions import (
     CheckFailed,
     as_array,
     assert_places,
@@ -25,6 +21,10 @@ from utils.checks.vocabulary import (
     needs,
     points_text,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.run_cache import once
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -335,7 +335,7 @@ _NEARBY = Case(
 )
 
 
-@promises.default(
+@common_checks.default(
     _NEARBY,
     "distance=10.0",
     title="The distance is 10 m unless another one is given",
@@ -349,23 +349,23 @@ def keeps_the_default(filter_by_distance: Callable) -> None:
     assert_places(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
 
 
-promises.names(
+common_checks.names(
     _NEARBY, "keeps_the_names", why="Others may call filter_by_distance(cloud, distance=25)."
 )
-row_promises.all_columns(_NEARBY, "keeps_the_columns", weight=2)
-row_promises.order(_NEARBY, "keeps_the_order", weight=2)
-promises.three_columns(
+common_row_checks.all_columns(_NEARBY, "keeps_the_columns", weight=2)
+common_row_checks.order(_NEARBY, "keeps_the_order", weight=2)
+common_checks.three_columns(
     _NEARBY,
     "takes_three_columns",
     hint="Name the columns that you need, cloud[:, 0] and cloud[:, 1], and let the others be.",
 )
-row_promises.nothing_left(
+common_row_checks.nothing_left(
     _NEARBY,
     "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
     weight=2,
 )
-row_promises.untouched(_NEARBY, "leaves_its_input", weight=2)
+common_row_checks.untouched(_NEARBY, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -380,7 +380,7 @@ def keeps_the_tie(filter_by_distance: Callable) -> None:
     assert_near(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
-row_promises.array(_NEARBY, "returns_an_array")
+common_row_checks.array(_NEARBY, "returns_an_array")
 
 
 @visible(
@@ -496,19 +496,19 @@ _CROP = Case(
     look=assert_boxed,
     basic=assert_crops,
 )
-promises.names(
+common_checks.names(
     _CROP,
     "names_the_corners",
     why="Others may call crop_region(cloud, minimum=..., maximum=...).",
 )
-row_promises.all_columns(
+common_row_checks.all_columns(
     _CROP, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-row_promises.order(_CROP, "crops_in_order")
-promises.three_columns(_CROP, "crops_three_columns", hint="cloud[:, :3] is there in both.")
-row_promises.nothing_left(_CROP, "crops_the_smallest", weight=2)
-row_promises.untouched(_CROP, "crops_a_copy")
-row_promises.array(_CROP, "gives_an_array")
+common_row_checks.order(_CROP, "crops_in_order")
+common_checks.three_columns(_CROP, "crops_three_columns", hint="cloud[:, :3] is there in both.")
+common_row_checks.nothing_left(_CROP, "crops_the_smallest", weight=2)
+common_row_checks.untouched(_CROP, "crops_a_copy")
+common_row_checks.array(_CROP, "gives_an_array")
 
 
 @visible(
@@ -618,19 +618,19 @@ _FREE = Case(
     look=assert_boxed,
     basic=assert_frees,
 )
-promises.names(
+common_checks.names(
     _FREE,
     "names_the_ego_box",
     why="Others may call remove_ego_returns(cloud, minimum=..., maximum=...).",
 )
-row_promises.all_columns(
+common_row_checks.all_columns(
     _FREE, "leaves_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-row_promises.order(_FREE, "leaves_the_order")
-promises.three_columns(_FREE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
-row_promises.nothing_left(_FREE, "frees_the_smallest", weight=2)
-row_promises.untouched(_FREE, "frees_a_copy")
-row_promises.array(_FREE, "leaves_an_array")
+common_row_checks.order(_FREE, "leaves_the_order")
+common_checks.three_columns(_FREE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
+common_row_checks.nothing_left(_FREE, "frees_the_smallest", weight=2)
+common_row_checks.untouched(_FREE, "frees_a_copy")
+common_row_checks.array(_FREE, "leaves_an_array")
 
 
 def _at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:

@@ -4,17 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import box_promises, promises
+from utils.checks import common_box_checks, common_checks
+from utils.checks.assertions import CheckFailed, as_array, brief, frozen, needs
 from utils.checks.boxes import (
     assert_box_corners,
     corners_between,
     same_corners,
 )
+from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import CheckFailed, as_array, brief, frozen, needs
+from utils.checks.run_cache import once
 
 # A cluster that surrounds the origin; its first point is neither the smallest nor the largest on
 # any axis. So it matters to it neither where a search starts nor which point comes first: those
@@ -131,7 +131,7 @@ _THREE = Case(
     look=lambda answer, cloud, labels, boxes: assert_box_corners(answer, boxes, cloud, labels),
     basic=assert_works,
 )
-box_promises.gaps(
+common_box_checks.gaps(
     _THREE,
     "allows_gaps",
     [2, 5, 9],
@@ -139,8 +139,8 @@ box_promises.gaps(
     "that do not.",
     weight=2,
 )
-box_promises.ascending(_THREE, "follows_the_labels", [2, 3, 1], weight=2)
-box_promises.noise(_THREE, "leaves_noise_alone", weight=2)
+common_box_checks.ascending(_THREE, "follows_the_labels", [2, 3, 1], weight=2)
+common_box_checks.noise(_THREE, "leaves_noise_alone", weight=2)
 
 
 @visible(
@@ -161,20 +161,20 @@ def takes_few_points(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, np.stack([pair, post, pair, post]), cloud, labels)
 
 
-box_promises.fourth_column(_THREE, "ignores_intensity", weight=2)
-box_promises.no_boxes(
+common_box_checks.fourth_column(_THREE, "ignores_intensity", weight=2)
+common_box_checks.no_boxes(
     _THREE,
     "takes_nothing",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
     weight=2,
 )
-promises.names(
+common_checks.names(
     _THREE,
     "keeps_the_names",
     why="Whoever reads the docstring may call get_bounding_boxes(cloud=..., cluster_labels=...).",
 )
-box_promises.untouched(
+common_box_checks.untouched(
     _THREE, "leaves_its_input", hint="Write the corners into an array of their own."
 )
 

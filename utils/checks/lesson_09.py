@@ -5,13 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 import utils
-from utils.checks import promises
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.failures import NotYet, fixed
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks
+from utils.checks.assertions import (
     CheckFailed,
     as_array,
     as_labels,
@@ -20,6 +15,11 @@ from utils.checks.vocabulary import (
     frozen,
     needs,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import NotYet, fixed
+from utils.checks.run_cache import once
 
 # Clusters of 5, 1, 2, 4, 4 and 2 points, neither sorted nor in one piece. None has exactly 3, the
 # minimum that goes with them: what happens then is a check of its own.
@@ -261,7 +261,7 @@ _FILTERED = Case(
 )
 
 
-@promises.default(
+@common_checks.default(
     _FILTERED,
     "min_num_points=100",
     title="The minimum is 100 unless another one is given",
@@ -283,7 +283,7 @@ def keeps_the_default(filter_clusters: Callable) -> None:
         )
 
 
-promises.names(
+common_checks.names(
     _FILTERED,
     "keeps_the_names",
     why="Later lessons call filter_clusters(labels, min_num_points=10).",
@@ -343,7 +343,7 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
         assert_kept(filter_clusters(labels.copy(), minimum), labels, np.array(expected), minimum)
 
 
-promises.untouched(
+common_checks.untouched(
     _FILTERED,
     "leaves_its_input",
     why="The next step may want to try another minimum on the same labels.",

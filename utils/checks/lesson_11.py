@@ -7,7 +7,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from utils.checks import box_promises, promises
+from utils.checks import common_box_checks, common_checks
+from utils.checks.assertions import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    brief,
+    frozen,
+    needs,
+)
 from utils.checks.boxes import (
     assert_headings,
     assert_heights,
@@ -16,19 +24,11 @@ from utils.checks.boxes import (
     assert_upright,
     same_corners,
 )
+from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
-    CheckFailed,
-    WrongForm,
-    as_array,
-    brief,
-    frozen,
-    needs,
-)
+from utils.checks.run_cache import once
 
 _NAMES = ("longest", "middle", "shortest")
 _CLOSE = np.cos(np.radians(1.0))
@@ -405,7 +405,7 @@ _BLOCK = Case(
     look=lambda answer, points, axes: assert_directions(answer, axes),
     basic=assert_finds_axes,
 )
-promises.fourth_column(
+common_checks.fourth_column(
     _BLOCK,
     "ignores_intensity",
     np.linspace(0, 90, len(_TURNED)),
@@ -433,13 +433,13 @@ def takes_few_points(principal_axes: Callable) -> None:
     assert_right_handed(principal_axes(pair[:0].copy()))
 
 
-promises.names(
+common_checks.names(
     _BLOCK.by_itself,
     "keeps_the_name",
     title="The parameter keeps its name",
     why="Whoever reads the docstring may call principal_axes(points=...).",
 )
-promises.untouched(
+common_checks.untouched(
     _BLOCK.of(frozen(_TURNED + [9.0, -4.0, -0.9])),
     "leaves_its_input",
     why="The next step turns the same points.",
@@ -685,11 +685,11 @@ _BOTH = Case(
     look=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
     basic=assert_boxes,
 )
-box_promises.gaps(
+common_box_checks.gaps(
     _BOTH, "allows_gaps", [3, 8], hint="Loop over np.unique(cluster_labels[cluster_labels > 0])."
 )
-box_promises.ascending(_BOTH, "follows_the_labels", [2, 1])
-box_promises.noise(_BOTH, "leaves_noise_alone", weight=6)
+common_box_checks.ascending(_BOTH, "follows_the_labels", [2, 1])
+common_box_checks.noise(_BOTH, "leaves_noise_alone", weight=6)
 
 
 @visible(
@@ -708,20 +708,20 @@ def takes_small_clusters(get_oriented_boxes: Callable) -> None:
     assert_holds(get_oriented_boxes(few.copy(), labels.copy()), few, labels)
 
 
-box_promises.no_boxes(
+common_box_checks.no_boxes(
     _BOTH,
     "takes_nothing",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
     weight=2,
 )
-box_promises.fourth_column(_BOTH, "boxes_no_intensity")
-promises.names(
+common_box_checks.fourth_column(_BOTH, "boxes_no_intensity")
+common_checks.names(
     _BOTH.by_itself,
     "keeps_the_names",
     why="Whoever reads the docstring may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,
 )
-box_promises.untouched(
+common_box_checks.untouched(
     _BOTH,
     "leaves_cloud_and_labels",
     hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 changes the old one.",

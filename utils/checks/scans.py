@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from utils.boxes import Box
-from utils.checks.vocabulary import frozen
+from utils.checks.assertions import frozen
 
 if TYPE_CHECKING:
     from utils.simulator import Sensor

@@ -10,7 +10,7 @@ are; `driving` is the loop. `truth`, `reasons` and `measuring` judge a drive; `f
 """
 
 from utils.drive.clock import on_time
-from utils.drive.naive import occupied_squares
+from utils.drive.naive_detector import occupied_squares
 from utils.drive.steps import askew, chain
 from utils.drive.streets import STREETS, Street
 from utils.drive.trip import Trip, drive_street

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from utils.drive.driving import Drive, Moment
-from utils.drive.measuring import Report
+from utils.drive.loop import Drive, Moment
+from utils.drive.metrics import Report
 from utils.drive.rules import BUMPER, CORRIDOR, HALF_WIDTH, STANDSTILL, TAIL, stopping_distance
-from utils.films.filming import SIZE, camera_team
+from utils.films.film import SIZE, camera_team
 from utils.films.writers import Film, write_film
 from utils.plots.style import GREEN, INK, PAPER, VERMILION
 from utils.progress import progress

@@ -1,6 +1,7 @@
 """How others did in the twenty streets: the true boxes, the course's detector, the naive one.
 
-`standards.json` holds their results, and no code; `python -m grader.course.driving` drives them.
+`standards.json` holds their results, and no code. `python -m grader.course.drive_standards` drives
+them again.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from utils.drive.measuring import Report
+from utils.drive.metrics import Report
 
 STORED = Path(__file__).with_name("standards.json")
 

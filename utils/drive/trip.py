@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from utils.drive.driving import Drive, drive
-from utils.drive.measuring import Report, measure
+from utils.drive.loop import Drive, drive
+from utils.drive.metrics import Report, measure
 from utils.drive.streets import STREETS, Street
 from utils.tracking import Tracker
 
@@ -39,7 +39,7 @@ class Trip:
             The path has another ending.
         """
         if Path(path).suffix == ".html":
-            from utils.drive.strip import write_page
+            from utils.drive.timeline import write_page
 
             write_page(self.drive, self.report, path)
             return "speed over time, and the frame of each braking."
@@ -70,7 +70,7 @@ class Trip:
     def _repr_html_(self) -> str:
         import html
 
-        from utils.drive.strip import fragment
+        from utils.drive.timeline import fragment
 
         street = self.drive.street
         lines = [f"<b>Street {street.number} · {html.escape(street.title)}</b>"]

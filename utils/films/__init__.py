@@ -5,7 +5,7 @@
 >>> film                    # in a notebook: the film, and in words what it shows
 """
 
-from utils.films.filming import SIZE, Sight, record, scene_of, watch
+from utils.films.film import SIZE, Sight, record, scene_of, watch
 from utils.films.writers import WRITERS, Film
 
 __all__ = ["SIZE", "WRITERS", "Film", "Sight", "record", "scene_of", "watch"]

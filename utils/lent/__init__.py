@@ -3,8 +3,8 @@
 ``lesson_NN.json`` holds what the functions of a lesson answered in its solved notebook: labels,
 boxes, numbers, and no code. Who is stuck can go on: a function that is still a stub answers the
 calls that the notebook makes, and says whose answer it is.
-`grader.course.lending` records the answers. Who has written one that does not pass its check gets
-them where a cell fails for its sake; see `utils.lent.going_on`.
+`grader.course.recorded_answers` records the answers. A function that does not pass its check is
+replaced by them in cells that fail because of it; see `utils.lent.continuation`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from utils.lent.hearing import HEARERS, hear
-from utils.lent.lender import Lender
+from utils.display import shell
+from utils.lent.events import HEARERS, hear
 from utils.lent.recorder import Recorder, record_answers
+from utils.lent.stand_ins import Lender
 from utils.lent.stubs import is_written, own
-from utils.showing import shell
 
 __all__ = ["Lender", "Recorder", "hear", "is_written", "lend_answers", "own", "record_answers"]
 
@@ -39,7 +39,7 @@ def lend_answers(number: str) -> None:
     path = _HERE / f"lesson_{number}.json"
     if shell() is None or not path.exists() or number in _LENDING:
         return
-    from utils.lent.going_on import GoingOn
+    from utils.lent.continuation import GoingOn
 
     lender = Lender(json.loads(path.read_text("utf-8")), shell().user_ns)
     cells = json.loads(CELLS.read_text("utf-8")).get(number, [])

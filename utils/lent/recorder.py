@@ -8,10 +8,10 @@ import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from utils.display import shell
 from utils.lent.encoding import encode, key_of, rng_states
-from utils.lent.lender import Lender
+from utils.lent.stand_ins import Lender
 from utils.lent.stubs import ASKING, own
-from utils.showing import shell
 
 
 class Recorder(Lender):

@@ -9,14 +9,14 @@ keep their view, so that figures can be laid over each other. Nothing here solve
 >>> plots.boxes(corners, axes=axes)
 """
 
+from utils.plots.annotations import ring
 from utils.plots.clouds import from_above, from_side, kept_and_removed
-from utils.plots.comparing import difference, label_confusion, worst
+from utils.plots.clusters import clusters, graph, growth
+from utils.plots.comparison import difference, label_confusion, worst
 from utils.plots.corners import boxes, corner_numbers
 from utils.plots.curves import compare, curves, histogram
-from utils.plots.grouping import clusters, graph, growth
 from utils.plots.models import line_model, plane_model
 from utils.plots.regions import kd_search, kd_splits
-from utils.plots.rings import ring
 from utils.plots.timings import timing
 from utils.plots.trees import kd_tree
 

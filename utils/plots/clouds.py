@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from numpy.typing import ArrayLike
 
-from utils.plots.data import as_cloud, as_mask, as_values, drawn_rows, marker_size, project
+from utils.plots.arguments import as_cloud, as_mask, as_values, drawn_rows, marker_size, project
 from utils.plots.style import (
     BLUE,
     COLOURS,

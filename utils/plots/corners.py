@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
+from utils.plots.arguments import as_cloud, as_names, drawn_rows, marker_size, project
 from utils.plots.clouds import dots, mark_sensor
-from utils.plots.data import as_cloud, as_names, drawn_rows, marker_size, project
-from utils.plots.grouping import write
+from utils.plots.clusters import write
 from utils.plots.style import (
     BLUE,
     INK,

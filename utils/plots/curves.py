@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from utils.plots.data import as_values
+from utils.plots.arguments import as_values
 from utils.plots.style import (
     BLUE,
     INK,

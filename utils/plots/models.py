@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
+from utils.plots.arguments import as_cloud, as_mask, as_points
 from utils.plots.clouds import Group, draw_groups
-from utils.plots.data import as_cloud, as_mask, as_points
 from utils.plots.style import BLUE, GREEN, INK, PALE, VERMILION, finish, note, number, styled
 
 FACE_ON = 0.5

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
+from utils.checks.assertions import brief
 from utils.checks.tips import place_in
-from utils.checks.vocabulary import brief
-from utils.replays.tracing import Ending
+from utils.replays.tracer import Ending
 
 
 def how_it_ended(ending: Ending, function: Callable) -> str:
@@ -12,7 +12,7 @@ def how_it_ended(ending: Ending, function: Callable) -> str:
 
     Parameters
     ----------
-    ending : utils.replays.tracing.Ending
+    ending : utils.replays.tracer.Ending
     function : callable
         The student's.
     """

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from utils.showing import show
+from utils.display import show
 
 if TYPE_CHECKING:
     from ipywidgets import Widget

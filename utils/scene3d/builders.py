@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.plots.data import as_cloud, as_labels, as_names, as_values
+from utils.plots.arguments import as_cloud, as_labels, as_names, as_values
 from utils.plots.style import (
     BLUE,
     COLOURS,

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from utils.display import shell
 from utils.scene3d import opengl
 from utils.scene3d.cameras import Camera, as_camera
 from utils.scene3d.parts import Drawable
-from utils.showing import shell
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -16,8 +16,8 @@ from grader.classroom.collect.canvas import canvas
 from grader.classroom.collect.folder import folder
 from grader.classroom.collect.github import github
 from grader.classroom.collect.moodle import moodle
-from grader.classroom.collect.opening import open_archive
 from grader.classroom.collect.protocol import CollectTrouble, Handed, Kind
+from grader.classroom.collect.sources import open_archive
 
 __all__ = ["KINDS", "CollectTrouble", "Handed", "open_all"]
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.classroom.collect.protocol import CollectTrouble
+from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster
-from grader.course.writing import write_atomically
 
 NOBODY = "-"
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from grader.course.writing import write_atomically
+from grader.course.atomic_files import write_atomically
 
 NAME = ".collected.json"
 

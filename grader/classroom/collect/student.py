@@ -7,14 +7,25 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect import looking
+from grader.classroom.collect import inspection
 from grader.classroom.collect.answers import Answers
-from grader.classroom.collect.choosing import File, newest
-from grader.classroom.collect.looking import MODULE, NOTEBOOK, OTHER, TOO_MUCH_OF_A_STUDENT, look_at
+from grader.classroom.collect.identification import (
+    Contradiction,
+    Unrecognised,
+    is_lesson,
+    lesson_of,
+)
+from grader.classroom.collect.inspection import (
+    MODULE,
+    NOTEBOOK,
+    OTHER,
+    TOO_MUCH_OF_A_STUDENT,
+    look_at,
+)
 from grader.classroom.collect.outcome import ASKED, Outcome, Question
-from grader.classroom.collect.placing import KEPT, StageFolder, Unsure
 from grader.classroom.collect.protocol import Handed
-from grader.classroom.collect.recognising import Contradiction, Unrecognised, is_lesson, lesson_of
+from grader.classroom.collect.selection import File, newest
+from grader.classroom.collect.storage import KEPT, StageFolder, Unsure
 from grader.classroom.collect.worksheet import Row
 from grader.classroom.contents import lesson_by_name
 from grader.classroom.submissions import Submission
@@ -84,7 +95,7 @@ class Student:
                 continue
             pieces = look_at(one.entry, one.path[-1])
             size += sum(len(piece.data) for piece in pieces)
-            if size > looking.MOST_BYTES_OF_A_STUDENT:
+            if size > inspection.MOST_BYTES_OF_A_STUDENT:
                 text = f"with what they handed in beside it is {TOO_MUCH_OF_A_STUDENT}"
                 self._doubt(one.name, text, lesson_by_name(one.path[-1]))
                 continue

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.league.driving import (
+from grader.classroom.league.drives import (
     LIMITS,
     MOST_BOXES,
     MOST_FAILURES,
@@ -24,11 +24,11 @@ from grader.classroom.league.ranking import NEEDLESS, Standing, standings
 from grader.classroom.league.season import Season
 from grader.classroom.league.streets import SPEED
 from grader.classroom.pages import render
+from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.course.tables import harmless_cell
-from grader.course.writing import write_atomically
 from utils.drive.film import film
-from utils.drive.measuring import CLOSE, FAST
+from utils.drive.metrics import CLOSE, FAST
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
 from utils.films.writers import suffix_of_films

@@ -8,14 +8,14 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grader.classroom.league.driving import DETECTOR, Driven, drive_one, from_json, key_of
+from grader.classroom.league.drives import DETECTOR, Driven, drive_one, from_json, key_of
 from grader.classroom.league.streets import streets_of
 from grader.classroom.protocol import ExecutorLost, room
 from grader.classroom.submissions import find_submissions
+from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.writing import write_atomically
-from grader.intake.handed_in import HandedIn, read_handed_in
+from grader.intake.submission import HandedIn, read_handed_in
 from grader.sandbox import Sandbox, SandboxUnavailable
 from utils.drive.streets import Street
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from grader.classroom.similarity.normal_form import Step, steps_of
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.variants import ANOTHER_CELL, variants_of
-from grader.intake.apart import apart
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare
+from grader.intake.reader_process import apart
+from grader.intake.submission import HandedIn
 from utils.notebooks import slicing
 
 # What somebody writes is far below both; what is above is no answer that a person compares.
@@ -72,13 +72,13 @@ def work_in(handed_in: HandedIn, lesson: Lesson) -> Work:
 
     Parameters
     ----------
-    handed_in : grader.intake.handed_in.HandedIn
+    handed_in : grader.intake.submission.HandedIn
     lesson : grader.course.lessons.Lesson
 
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook
-    grader.intake.apart.ReadingFailed
+    grader.intake.reader_process.ReadingFailed
     """
     _released_statements(lesson)  # is read here, once, and not in each of the processes
 

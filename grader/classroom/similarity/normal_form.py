@@ -5,7 +5,7 @@ all names but those of the function's parameters, of modules and what is theirs,
 functions. The same are ``x += 1`` and ``x = x + 1``, ``a > b`` and ``b < a``, ``a + b`` and
 ``b + a``, ``a, b = 1, 2`` and two lines, a `for` loop and a `while` loop that counts.
 
-Text of strangers is read here, which is done in a process of its own: `grader.intake.apart`.
+The text is untrusted, so this runs in a process of its own: see `grader.intake.reader_process`.
 """
 
 from __future__ import annotations

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from grader.classroom.pages import render
 from grader.classroom.similarity.answers import Answer
-from grader.classroom.similarity.comparing import Pair
+from grader.classroom.similarity.comparison import Pair
 from grader.classroom.similarity.stage import StageComparison
+from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.writing import write_atomically
 
 MOST_PAIRS = 50
 

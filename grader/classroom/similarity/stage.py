@@ -14,11 +14,11 @@ from grader.classroom.similarity.answers import (
     taught_answers,
     work_in,
 )
-from grader.classroom.similarity.comparing import Comparison, Pair, compare
+from grader.classroom.similarity.comparison import Comparison, Pair, compare
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import all_lessons
 from grader.course.paths import Course
-from grader.intake.apart import ReadingFailed
+from grader.intake.reader_process import ReadingFailed
 from utils.notebooks.reading import UnreadableNotebook
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from grader.judging.verdict import write_atomically
 from grader.lms.autograder import jails
-from grader.lms.autograder.closing import NotClosed, close, walls_here
+from grader.lms.autograder.isolation import NotClosed, close, walls_here
 from grader.lms.autograder.judging import JudgeFailed, judge_submission
 from grader.lms.autograder.results import results_of
 from grader.sandbox import SandboxUnavailable

@@ -16,9 +16,9 @@ from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.seed import course_seed
-from grader.intake.apart import ReadingFailed
-from grader.intake.handed_in import HandedIn
 from grader.intake.preflight import prepare_to_judge
+from grader.intake.reader_process import ReadingFailed
+from grader.intake.submission import HandedIn
 from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import UnreadableNotebook

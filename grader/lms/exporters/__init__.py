@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from grader.lms.exporters.canvas import canvas
-from grader.lms.exporters.exported import Exported, ExportTrouble, Order
 from grader.lms.exporters.gradescope import gradescope
 from grader.lms.exporters.moodle import moodle
+from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
 from grader.lms.exporters.scores_csv import scores_csv
 
 __all__ = ["EXPORTERS", "ExportTrouble", "Exported", "Exporter", "Order"]

@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from grader.lms.exporters.exported import Exported, ExportTrouble, Order
-from grader.lms.exporters.filling import Column, Place, factor, fill, guess
-from grader.lms.exporters.joining import Row
-from grader.lms.exporters.marks import marks_of
+from grader.lms.exporters.assignment_marks import marks_of
+from grader.lms.exporters.column_writer import Column, Place, factor, fill, guess
+from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
+from grader.lms.exporters.row_matching import Row
 from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet
 
 NAMES = (("Student",), ("LastName", "FirstName"))

@@ -16,9 +16,9 @@ from grader.classroom.submissions import Replaced, Submission, find_submissions
 from grader.course.archives import zipped
 from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
-from grader.lms.exporters.exported import Exported, Order
+from grader.lms.exporters.assignment_marks import Mark, marks_of
 from grader.lms.exporters.inside_gradescope import digest, files_of
-from grader.lms.exporters.marks import Mark, marks_of
+from grader.lms.exporters.protocol import Exported, Order
 from grader.lms.results import MISSING, NotebookResult, write_number
 
 SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"

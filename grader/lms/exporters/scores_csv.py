@@ -9,8 +9,8 @@ from datetime import UTC, timedelta
 
 from grader.course.roster import Person
 from grader.course.tables import harmless_cell
-from grader.lms.exporters.exported import Exported, ExportTrouble, Order
-from grader.lms.notes import not_on_the_roster
+from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
+from grader.lms.instructor_notes import not_on_the_roster
 from grader.lms.results import (
     EXCUSED,
     MISSING,

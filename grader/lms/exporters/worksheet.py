@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.tables import separated
-from grader.lms.exporters.exported import ExportTrouble
+from grader.lms.exporters.protocol import ExportTrouble
 
 NUMBER = re.compile(r"-?[0-9][0-9.,]*")
 FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")

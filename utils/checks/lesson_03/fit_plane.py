@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import common_checks
+from utils.checks.assertions import CheckFailed, assert_untouched, frozen, needs, point_text
+from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.planes import (
@@ -20,10 +22,8 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     scattered_plane,
 )
-from utils.checks.promises import Case
-from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs, point_text
 from utils.geometry import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
-from utils.remote import Remote
+from utils.remote_objects import Remote
 
 # The rough floor of the notebook: 4 m by 2 m, its corners 10 cm too high or too low.
 _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
@@ -243,7 +243,7 @@ def leaves_the_points_where_they_are(fit_plane: Callable) -> None:
     assert_untouched(fit_plane, points)
 
 
-promises.names(
+common_checks.names(
     Case(
         __name__,
         "fit_plane",

@@ -6,11 +6,11 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import common_checks
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, needs
+from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.promises import Case
-from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, needs
 
 
 def assert_number(answer: object) -> np.ndarray:
@@ -209,7 +209,7 @@ def none_is_enough(iterations_needed: Callable) -> None:
         assert_never(answer)
 
 
-promises.names(
+common_checks.names(
     Case(
         __name__,
         "iterations_needed",

@@ -5,7 +5,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import common_checks
+from utils.checks.assertions import (
+    CheckFailed,
+    as_array,
+    brief,
+    frozen,
+    needs,
+    point_text,
+)
+from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
@@ -18,15 +27,6 @@ from utils.checks.lesson_03.planes import (
     plane_text,
     same_plane,
     triangle_text,
-)
-from utils.checks.promises import Case
-from utils.checks.vocabulary import (
-    CheckFailed,
-    as_array,
-    brief,
-    frozen,
-    needs,
-    point_text,
 )
 from utils.geometry import best_plane, gaps_from, plane_at
 
@@ -241,14 +241,14 @@ _SLOPE = Case(
     look=lambda answer, p, q, r, triangle: assert_upright(answer, triangle),
     basic=assert_fits_triangles,
 )
-promises.untouched(
+common_checks.untouched(
     _SLOPE,
     "leaves_its_points",
     title="Leaves its points untouched",
     why="The sample is part of the cloud: a point that moves is a wrong point for ever.",
     hint="Give q - p and r - p names of their own; q -= p would move q.",
 )
-promises.names(
+common_checks.names(
     _SLOPE,
     "keeps_p_q_r",
     title="The parameters keep their names: p, q and r",

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, frozen, point_text
 from utils.checks.diagnosis import same_array
 from utils.checks.failures import fixed
-from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, frozen, point_text
 from utils.geometry import with_unit_normal
 
 if TYPE_CHECKING:

@@ -6,12 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.checks import promises
-from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks
+from utils.checks.assertions import (
     CheckFailed,
     as_array,
     assert_untouched,
@@ -21,6 +17,10 @@ from utils.checks.vocabulary import (
     needs,
     point_text,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.run_cache import once
 
 # A unit normal in no special direction, and points in front of the plane through the sensor.
 _NORMAL = (0.6, 0.0, 0.8)
@@ -247,7 +247,7 @@ def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:
     assert_untouched(point_plane_distance, _BEHIND[:, :3], np.array([*_NORMAL, 2.0]))
 
 
-promises.names(
+common_checks.names(
     Case(
         __name__,
         "point_plane_distance",

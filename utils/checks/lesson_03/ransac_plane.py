@@ -4,7 +4,16 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from utils.checks import promises
+from utils.checks import common_checks
+from utils.checks.assertions import (
+    CheckFailed,
+    assert_untouched,
+    call_each,
+    frozen,
+    needs,
+    point_text,
+)
+from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
 from utils.checks.failures import NotYet, fixed
 from utils.checks.lesson_03.planes import (
@@ -23,16 +32,7 @@ from utils.checks.lesson_03.results import (
     model_of,
     pair_of,
 )
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
-    CheckFailed,
-    assert_untouched,
-    call_each,
-    frozen,
-    needs,
-    point_text,
-)
+from utils.checks.run_cache import once
 from utils.geometry import gaps_from
 
 # The small case of the notebook: five points on a floor, two above it.
@@ -555,7 +555,7 @@ def takes_a_seed(ransac_plane: Callable) -> None:
 
 
 _CROWD, _BELONGS = frozen(scattered_plane(1, 60, 30, noise=0.02))
-promises.names(
+common_checks.names(
     Case(
         __name__,
         "ransac_plane",

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, in_shape
 from utils.checks.lesson_03.planes import as_plane, draw_on_edge
-from utils.checks.vocabulary import CheckFailed, WrongForm, as_array, brief, in_shape
 from utils.geometry import best_plane, gaps_from
 
 

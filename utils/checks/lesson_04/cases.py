@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.checks.vocabulary import frozen
+from utils.checks.assertions import frozen
 from utils.geometry import Node, grown
 
 # The eleven points of the lesson.

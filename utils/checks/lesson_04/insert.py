@@ -6,6 +6,16 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from utils.checks.assertions import (
+    CheckFailed,
+    assert_left_alone,
+    brief,
+    call_each,
+    frozen,
+    needs,
+    observe,
+    reach,
+)
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
@@ -17,17 +27,7 @@ from utils.checks.lesson_04.trees import (
     error_names,
     planted,
 )
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
-    CheckFailed,
-    assert_left_alone,
-    brief,
-    call_each,
-    frozen,
-    needs,
-    observe,
-    reach,
-)
+from utils.checks.run_cache import once
 from utils.geometry import grown, places_of
 
 # Where x decides at the root, and y would decide otherwise.

@@ -5,15 +5,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 import utils
-from utils.checks import promises
-from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.failures import fixed
-from utils.checks.lesson_04.cases import QUIZ, distinct
-from utils.checks.lesson_04.trees import few_points
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
@@ -21,6 +14,13 @@ from utils.checks.vocabulary import (
     frozen,
     needs,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
+from utils.checks.lesson_04.cases import QUIZ, distinct
+from utils.checks.lesson_04.trees import few_points
+from utils.checks.run_cache import once
 from utils.geometry import grown, in_turn, places_of
 
 _IS_SHORT = (
@@ -327,7 +327,7 @@ def takes_equal_points(median_order: Callable) -> None:
         as_order(median_order(points.copy()), len(points))
 
 
-promises.untouched(
+common_checks.untouched(
     Case(
         __name__,
         "median_order",

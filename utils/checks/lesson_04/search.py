@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from utils.checks.assertions import CheckFailed, assert_untouched, frozen, needs
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_04.cases import (
@@ -18,10 +19,14 @@ from utils.checks.lesson_04.cases import (
     off_the_corners,
     off_the_rim,
 )
-from utils.checks.lesson_04.finding import as_indices, assert_found, assert_pruned, assert_same_tree
+from utils.checks.lesson_04.search_results import (
+    as_indices,
+    assert_found,
+    assert_pruned,
+    assert_same_tree,
+)
 from utils.checks.lesson_04.trees import planted
-from utils.checks.remembering import once
-from utils.checks.vocabulary import CheckFailed, assert_untouched, frozen, needs
+from utils.checks.run_cache import once
 from utils.geometry import SIDES, Node, grown, in_turn, places_of
 
 # How far from the target each node cuts: from a tree far larger than the circle down to a tenth.

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
-from utils.checks.claims import MOST_OF_A_POINT
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
@@ -19,8 +17,10 @@ from utils.checks.vocabulary import (
     needs,
     reach,
 )
+from utils.checks.run_cache import once
+from utils.checks.size_limits import MOST_OF_A_POINT
 from utils.geometry import SIDES, Node, grown, places_of, table_of
-from utils.remote import Remote, RemoteError, RemoteStopped
+from utils.remote_objects import Remote, RemoteError, RemoteStopped
 
 # Nodes of a wrong tree that are looked through; it may have no end.
 MOST_NODES = 200

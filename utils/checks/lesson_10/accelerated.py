@@ -11,7 +11,16 @@ from time import thread_time
 
 import numpy as np
 
-from utils.checks import cluster_promises, promises
+from utils.checks import common_checks, common_cluster_checks
+from utils.checks.assertions import (
+    CheckFailed,
+    as_labels,
+    assert_partition,
+    brief,
+    frozen,
+    needs,
+    timed,
+)
 from utils.checks.cluster_mistakes import (
     frozen_cases,
     length,
@@ -39,15 +48,6 @@ from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_10.steps import SEVEN, WIDE
-from utils.checks.vocabulary import (
-    CheckFailed,
-    as_labels,
-    assert_partition,
-    brief,
-    frozen,
-    needs,
-    timed,
-)
 
 _NAME = "euclidean_clustering_accelerated"
 # Of a cell whose diagonal is the threshold, in thresholds.
@@ -245,13 +245,13 @@ def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(answer, np.arange(len(cloud)), cloud, 2.0)
 
 
-_CASE = cluster_promises.case_of(__name__, _NAME)
-cluster_promises.default(
+_CASE = common_cluster_checks.case_of(__name__, _NAME)
+common_cluster_checks.default(
     _CASE,
     "keeps_the_default",
     why="Later cells call euclidean_clustering_accelerated(obstacles) and rely on it.",
 )
-promises.names(
+common_checks.names(
     _CASE,
     "keeps_the_names",
     why="Other programs may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
@@ -273,13 +273,13 @@ def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
         assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
 
 
-cluster_promises.intensity(
+common_cluster_checks.intensity(
     _CASE,
     "ignores_intensity",
     why="A number plate is bright, not far away. Many recordings count intensity from 0 to 255.",
     weight=8,
 )
-cluster_promises.few_points(
+common_cluster_checks.few_points(
     _CASE,
     "takes_the_smallest",
     why="Filters leave nothing now and then.",
@@ -287,12 +287,12 @@ cluster_promises.few_points(
     "empty, too.",
     weight=2,
 )
-cluster_promises.equal_points(
+common_cluster_checks.equal_points(
     _CASE,
     "joins_equal_points",
     hint="Equal points share a cell, so that there is nothing to measure.",
 )
-cluster_promises.untouched(_CASE, "leaves_its_input")
+common_cluster_checks.untouched(_CASE, "leaves_its_input")
 
 
 # ---- in time -----------------------------------------------------------------------------------

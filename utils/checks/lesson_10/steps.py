@@ -8,9 +8,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from utils.checks.core import visible
-from utils.checks.failures import fixed
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
@@ -23,6 +21,8 @@ from utils.checks.vocabulary import (
     observe,
     overlaps,
 )
+from utils.checks.core import visible
+from utils.checks.failures import fixed
 
 # At this threshold a cell is 1 m wide.
 WIDE = float(np.sqrt(3))

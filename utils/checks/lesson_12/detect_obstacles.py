@@ -7,6 +7,12 @@ from types import CodeType, SimpleNamespace
 
 import numpy as np
 
+from utils.checks.assertions import (
+    CheckFailed,
+    assert_left_alone,
+    brief,
+    observe,
+)
 from utils.checks.core import noted, visible
 from utils.checks.detections import (
     as_boxes,
@@ -35,13 +41,7 @@ from utils.checks.scans import (
     walk,
     with_invalid,
 )
-from utils.checks.using import functions_used
-from utils.checks.vocabulary import (
-    CheckFailed,
-    assert_left_alone,
-    brief,
-    observe,
-)
+from utils.checks.static_analysis import functions_used
 
 SQUARE, WALK = 25, 7
 

@@ -9,13 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
-from utils.checks import promises
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.failures import fixed
-from utils.checks.promises import Case
-from utils.checks.remembering import once
-from utils.checks.vocabulary import (
+from utils.checks import common_checks
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
@@ -23,6 +18,11 @@ from utils.checks.vocabulary import (
     frozen,
     needs,
 )
+from utils.checks.common_checks import Case
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
+from utils.checks.run_cache import once
 
 
 def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
@@ -388,12 +388,12 @@ _MOVED = Case(
     ),
     basic=assert_finds_again,
 )
-promises.names(
+common_checks.names(
     _MOVED,
     "keeps_the_names",
     why="Whoever writes match_boxes(before, after, max_distance=1.5) relies on them.",
 )
-promises.untouched(
+common_checks.untouched(
     _MOVED,
     "leaves_the_boxes",
     why="The boxes of this frame are the previous ones of the next.",

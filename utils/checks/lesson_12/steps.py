@@ -9,11 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
-from utils.checks.failures import fixed
-from utils.checks.lesson_12.match_boxes import cubes
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
@@ -23,6 +19,10 @@ from utils.checks.vocabulary import (
     needs,
     observe,
 )
+from utils.checks.core import visible
+from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.failures import fixed
+from utils.checks.lesson_12.match_boxes import cubes
 
 _NONE = frozen(np.empty((0, 8, 3)))
 

@@ -4,12 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.failures import fixed
-from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
@@ -19,6 +14,11 @@ from utils.checks.vocabulary import (
     observe,
     points_text,
 )
+from utils.checks.compiled import assert_compiles
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.failures import fixed
+from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
 
 # Of rows 1 to 3 and 5 to 7 the last two are nearest, 0.51 m; the others of these are 0.9 m apart
 # or more. Rows 0, 4 and 8 belong to neither cell, and are closer to both.

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks.assertions import CheckFailed, assert_left_alone, brief, frozen, needs, observe
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
-from utils.checks.vocabulary import CheckFailed, assert_left_alone, brief, frozen, needs, observe
 
 # A plane that leans, and two directions in it.
 _PLANE = frozen(np.array([0.36, 0.48, 0.8, -0.2]))

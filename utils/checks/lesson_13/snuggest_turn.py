@@ -4,12 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
-from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
-from utils.checks.vocabulary import (
+from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     assert_left_alone,
@@ -18,6 +13,11 @@ from utils.checks.vocabulary import (
     needs,
     observe,
 )
+from utils.checks.compiled import assert_compiles
+from utils.checks.core import noted, visible
+from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.lesson_03.iterations_needed import assert_number
+from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
 
 _TURNS = frozen(np.arange(90))
 

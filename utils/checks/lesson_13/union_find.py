@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from utils.checks.assertions import CheckFailed, brief, frozen, needs
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
-from utils.checks.vocabulary import CheckFailed, brief, frozen, needs
 
 # Two pieces and a cell that is alone: 9 -> 4 -> 7 -> 1 and 8 -> 7, 2 -> 1; 6 -> 3 -> 0; 5.
 _PARENT = frozen(np.array([0, 1, 1, 0, 7, 5, 3, 1, 7, 4]))

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
+from utils.replays.clustering.faults import first_wrong
 from utils.replays.clustering.frames import Frame, frames_of, written
-from utils.replays.clustering.judging import first_wrong
+from utils.replays.clustering.observer import Watch, as_labels, groups_in, labels_among, queue_among
 from utils.replays.clustering.points import GROUP_OF, POINTS, THRESHOLD
-from utils.replays.clustering.seeing import Watch, as_labels, groups_in, labels_among, queue_among
 from utils.replays.endings import how_it_ended
 from utils.replays.player import Run, Step, Wrong
-from utils.replays.tracing import Ending, record
+from utils.replays.tracer import Ending, record
 
 MOST_STEPS = 200
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from utils.replays.clustering.observer import Track, groups_in
 from utils.replays.clustering.points import ABOVE, NEAR, POINTS, ROWS, THRESHOLD
-from utils.replays.clustering.seeing import Track, groups_in
 
 
 @dataclass

@@ -9,10 +9,10 @@ import numpy as np
 from utils.lent import own
 from utils.replays.endings import how_it_ended
 from utils.replays.player import Run, Step, Wrong
-from utils.replays.ransac.judging import Answer, Outcome
-from utils.replays.ransac.seeing import Round, Watch
+from utils.replays.ransac.faults import Answer, Outcome
+from utils.replays.ransac.observer import Round, Watch
 from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS, Task
-from utils.replays.tracing import Ending, record
+from utils.replays.tracer import Ending, record
 
 
 def run_of_line(ransac_line: Callable) -> Run:

@@ -1,0 +1,166 @@
+"""What lies in a file that a student handed in: a notebook, a module, or a zip of these.
+
+It is unpacked and read in a process of its own, with a clock and a limit of memory, so that what a
+stranger made costs that stranger's work, and nobody else's.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import PurePath
+
+from grader.classroom import contents
+from grader.classroom.collect.protocol import Entry, Unreadable
+from grader.classroom.collect.zips import (
+    MOST_BYTES_OF_A_STUDENT,
+    MOST_FILES_OF_A_STUDENT,
+    is_hidden,
+    open_zip,
+)
+from grader.classroom.contents import Content, lesson_by_name
+from grader.intake.reader_process import ReadingFailed, TooMuch, apart
+from grader.intake.submission import LARGEST_MODULE
+from utils.notebooks.reading import UnreadableNotebook
+
+DEEPEST = 3  # zips in zips
+TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
+NOTEBOOK, MODULE, WORK, OTHER = "notebook", "module", "work", "other"
+
+# What students hand in where they mean a notebook.
+_WORK = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One file of a student.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Behind that of what was handed in; a zip is a folder.
+    kind : {"notebook", "module", "work", "other"}
+        "work" is what somebody handed in for a notebook, and is none.
+    data : bytes
+        Only of notebooks and modules.
+    saved : datetime or None
+        As the zip around it says.
+    content : grader.classroom.contents.Content
+        Of a notebook.
+    complaint : str
+        Why nothing can be read in it; a sentence without the file's name.
+    """
+
+    path: tuple[str, ...]
+    kind: str
+    data: bytes = b""
+    saved: datetime | None = None
+    content: Content = Content()
+    complaint: str = ""
+
+
+def look_at(entry: Entry, name: str) -> list[Piece]:
+    """Open one file that somebody handed in under a name."""
+    if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
+        return [Piece((), OTHER)]
+    contents.remember_what_was_released()
+    try:
+        data = entry.read()
+        found = apart(name, lambda: [_plain(piece) for piece in _look(data, name)])
+    except Unreadable as error:
+        return [Piece((), WORK, complaint=str(error))]
+    except TooMuch:
+        return [Piece((), WORK, complaint="takes too long, or too much memory, to be opened")]
+    except ReadingFailed:  # a fault of ours, which costs nobody else's work
+        return [Piece((), WORK, complaint="cannot be opened: look at it, and ask for it unpacked")]
+    return [_piece(*parts) for parts in found]
+
+
+def kind_of(name: str) -> str:
+    """What a file is by its name."""
+    path = PurePath(name.lower())
+    lesson = lesson_by_name(name)
+    if ".ipynb" in path.suffixes or (lesson and path.suffix in ("", ".json", ".txt")):
+        return NOTEBOOK
+    if path.suffix == ".py" and lesson is None and PurePath(name).stem.isidentifier():
+        return MODULE
+    return WORK if lesson or path.suffix in _WORK else OTHER
+
+
+def _look(
+    data: bytes,
+    name: str,
+    path: tuple[str, ...] = (),
+    saved: datetime | None = None,
+    depth: int = 0,
+) -> list[Piece]:
+    """See `look_at`; in the other process."""
+    kind = kind_of(name)
+    if name.lower().endswith(".zip"):
+        return _look_in_zip(data, path, depth + 1)
+    if kind == NOTEBOOK:
+        try:
+            return [Piece(path, kind, data, saved, contents.look_into(data, name))]
+        except UnreadableNotebook as error:
+            complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
+            # A text that is called like a lesson may be anything.
+            kind = NOTEBOOK if ".ipynb" in name.lower() else WORK
+            return [Piece(path, kind, data, saved, complaint=complaint)]
+    if kind == MODULE and len(data) <= LARGEST_MODULE:
+        return [Piece(path, kind, data, saved)]
+    return [Piece(path, WORK if kind == WORK else OTHER)]
+
+
+def _look_in_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Piece]:
+    if depth > DEEPEST:
+        return [Piece(path, WORK, complaint=f"lies {DEEPEST} zips deep, and is not opened")]
+    try:
+        entries = open_zip(io.BytesIO(data), MOST_FILES_OF_A_STUDENT)
+    except Unreadable as error:
+        return [Piece(path, WORK, complaint=str(error))]
+    found, size = [], 0
+    for parts, entry in entries:
+        inner = (*path, *parts)
+        if is_hidden(parts):
+            continue
+        if kind_of(parts[-1]) == OTHER:
+            found.append(Piece(inner, OTHER))
+            continue
+        try:
+            content = entry.read()
+        except Unreadable as error:
+            found.append(Piece(inner, WORK, complaint=str(error)))
+            continue
+        inside = _look(content, parts[-1], inner, entry.moment, depth)
+        size += sum(len(piece.data) for piece in inside)
+        if size > MOST_BYTES_OF_A_STUDENT:
+            return [Piece(path, WORK, complaint=f"unpacks to {TOO_MUCH_OF_A_STUDENT}")]
+        found += inside
+    return found
+
+
+def _plain(piece: Piece) -> tuple:
+    """A piece as JSON can hold it."""
+    return (
+        piece.path,
+        piece.kind,
+        base64.b64encode(piece.data).decode(),
+        piece.saved.isoformat() if piece.saved else "",
+        (piece.content.lesson, piece.content.untouched),
+        piece.complaint,
+    )
+
+
+def _piece(
+    path: list[str], kind: str, data: str, saved: str, content: tuple[str, bool], complaint: str
+) -> Piece:
+    return Piece(
+        tuple(path),
+        kind,
+        base64.b64decode(data),
+        datetime.fromisoformat(saved) if saved else None,
+        Content(*content),
+        complaint,
+    )

@@ -1,0 +1,44 @@
+"""Drive the twenty streets as others would: ``python -m grader.course.drive_standards``.
+
+What comes of it stands beside a student's own drive; see `utils.drive.standards`.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from grader.course.lessons import all_lessons
+from utils.drive import STREETS, drive_street, occupied_squares, on_time
+from utils.drive.standards import DRIVERS, Result, result_of, store
+from utils.notebooks.my_functions import load_my_functions
+from utils.tracking import tracker_of
+
+
+def drive_all(name: str) -> dict[int, Result]:
+    """What one of `DRIVERS` does in each street.
+
+    The detectors are asked without a clock, so that every machine gets the same: all of them are
+    quicker than the scanner.
+    """
+    detect = tracker = None
+    if name == DRIVERS[1]:
+        lesson = next(lesson for lesson in all_lessons() if lesson.number == "12")
+        course = load_my_functions(lesson.solved)
+        detect, tracker = course.detect_obstacles, tracker_of(course)
+    elif name == DRIVERS[2]:
+        detect = occupied_squares
+    results = {}
+    for street in STREETS:
+        trip = drive_street(street, detect, tracker, clock=on_time)
+        print(trip, flush=True)
+        results[street.number] = result_of(trip.report)
+    return results
+
+
+def main() -> None:
+    """Drive all and store the results."""
+    store({name: drive_all(name) for name in DRIVERS})
+
+
+if __name__ == "__main__":
+    sys.exit(main())

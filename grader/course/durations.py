@@ -1,0 +1,110 @@
+"""How long a lesson takes, section by section, from what there is to read, run and write.
+
+The rates were fitted to the minutes that readers named who wrote every answer of all twelve lessons
+from the stubs: reading slowly, at midnight, with a look at each picture. They miss those by eight
+minutes a lesson on average; where little is to be thought (07) by 15 too many, and where much is
+(10) by 26 too few. What is for who wants more is in no sum.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from grader.course import earlier_lessons
+
+if TYPE_CHECKING:
+    from nbformat import NotebookNode
+
+PLACE = "(time)"
+WORDS_A_MINUTE = 100
+LINES_A_MINUTE = 8  # of code that is there to be read
+MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that is to be written
+MINUTES_A_NOTEBOOK = 0.5  # to see that its functions are ready; all are printed to be pasted
+MINUTES_A_REPORT = 15  # to write what a person reads
+WITHOUT_A_STOP = 90  # minutes
+# Hints are for who opens them; nobody reads what a picture shows, and where a link goes.
+UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
+STOP = "**A good place to stop.**"
+OPTIONAL = "If you want more"
+
+
+def sections(notebook: NotebookNode) -> dict[str, float]:
+    """Minutes of each section of a solved notebook, by its title.
+
+    Returns
+    -------
+    dict of str to float
+        What stands before the first heading belongs to "Before you start".
+    """
+    minutes, title = {}, "Before you start"
+    for cell in notebook.cells:
+        if cell.metadata.get("nbgrader", {}).get("grade") and cell.cell_type == "markdown":
+            # What stands there is the model answer, which students do not get.
+            minutes[title] = minutes.get(title, 0) + MINUTES_A_REPORT
+        elif cell.cell_type == "markdown":
+            text = UNREAD.sub("", cell.source)
+            for part in re.split(r"^(?=## )", text, flags=re.M):
+                if part.startswith("## "):
+                    title = part.partition("\n")[0].removeprefix("## ").strip()
+                words = len(re.findall(r"\w+", part))
+                minutes[title] = minutes.get(title, 0) + words / WORDS_A_MINUTE
+        else:
+            minutes[title] = minutes.get(title, 0) + _minutes_of_code(cell)
+    return minutes
+
+
+def _minutes_of_code(cell: NotebookNode) -> float:
+    if {"setup", "folded"} & set(cell.metadata.get("tags", ())):
+        return 0
+    text = re.sub(r"### BEGIN SOLUTION.*?### END SOLUTION", "", cell.source, flags=re.S)
+    lines = sum(1 for line in text.splitlines() if line.strip())
+    own = re.search(r"# roughly (\d+) lines?", text)
+    writing = MINUTES_AN_EXERCISE + MINUTES_A_LINE * int(own[1]) if own else 0
+    pasting = MINUTES_A_NOTEBOOK * len(earlier_lessons.LINE.findall(cell.source))
+    return lines / LINES_A_MINUTE + writing + pasting
+
+
+def tell(notebook: NotebookNode) -> None:
+    """Say how long a lesson takes, where it has the place for it, and unfolded by section below.
+
+    Parameters
+    ----------
+    notebook : nbformat.NotebookNode
+        Is changed.
+    """
+    in_short, by_section = f"about {in_all(notebook)} minutes", _table(notebook)
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown" and PLACE in cell.source:
+            cell.source = f"{cell.source.replace(PLACE, in_short)}\n\n{by_section}"
+
+
+def _table(notebook: NotebookNode) -> str:
+    minutes = sections(notebook)
+    rows = "".join(
+        f"<tr><td>{title}</td><td>{round(part)}{' on top' * (title == OPTIONAL)}</td></tr>"
+        for title, part in minutes.items()
+        if round(part) > 0
+    )
+    return f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>"
+
+
+def in_all(notebook: NotebookNode) -> int:
+    """Minutes of what a lesson asks for, to five."""
+    return 5 * round(_asked_for(sections(notebook)) / 5)
+
+
+def _asked_for(minutes: dict[str, float]) -> float:
+    return sum(part for title, part in minutes.items() if title != OPTIONAL)
+
+
+def sittings(notebook: NotebookNode) -> list[float]:
+    """Minutes between the marked places to stop of a solved notebook."""
+    from nbformat.v4 import new_notebook
+
+    parts: list[list] = [[]]
+    for cell in notebook.cells:
+        parts[-1].append(cell)
+        if cell.cell_type == "markdown" and STOP in cell.source:
+            parts.append([])
+    return [_asked_for(sections(new_notebook(cells=cells))) for cells in parts]

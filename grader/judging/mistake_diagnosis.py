@@ -1,0 +1,99 @@
+"""Whether a named mistake explains all that an exercise lost.
+
+Two proofs are wanted. A function that makes this mistake and no other, made of the lesson's own
+solution, loses the very same checks. And the student's function answers as that one does, whatever
+the checks ask, shown and hidden, on the course's own scenes and on those drawn from its seed.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+
+from grader.course.lessons import Lesson
+from grader.intake.notebook import read_notebook
+from grader.judging.program_run import Setting
+from grader.judging.runner import run_tests
+from grader.sandbox.program import Program
+from grader.sandbox.student import Student
+from utils.checks import Check
+from utils.checks.diagnosis import Mistake, player_of
+from utils.notebooks import slicing
+
+
+@functools.cache
+def _solution(lesson: Lesson, exercise: str) -> Callable:
+    """The lesson's own function, as its rehearsal has judged it."""
+    statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
+    space = {"__name__": lesson.name}
+    for statement in slicing.slice_for((exercise,), statements):
+        exec(slicing.compile_statement(statement, str(lesson.solved)), space)
+    return space[exercise]
+
+
+class _Beside:
+    """A student whose answers to one exercise are compared with others.
+
+    Parameters
+    ----------
+    student : object
+    exercise : str
+    function : callable
+        Answers in the place of the student's.
+    """
+
+    def __init__(self, student: object, exercise: str, function: Callable) -> None:
+        self._student, self._exercise, self._function = student, exercise, function
+        self.exercise = exercise
+
+    def __getattr__(self, name: str) -> object:
+        return self._function if name == self._exercise else getattr(self._student, name)
+
+    def close(self) -> None:
+        """Nothing: whoever made the student ends it."""
+
+
+def explains(
+    setting: Setting, program: Program, exercise: str, mistake: Mistake, lost: frozenset[Check]
+) -> bool:
+    """Whether one mistake alone is what an exercise lost its checks for.
+
+    Parameters
+    ----------
+    setting : grader.judging.program_run.Setting
+    program : grader.sandbox.program.Program
+        The notebook.
+    exercise : str
+    mistake : utils.checks.diagnosis.Mistake
+    lost : frozenset of utils.checks.Check
+    """
+    player = player_of(exercise, mistake, _solution(setting.lesson, exercise))
+    if player is None:
+        return False
+    with Student(program, setting.sandbox, setting.limits, setting.budget) as student:
+        alone = _lost_by(setting, student, exercise, player.plays)
+        if alone != lost:
+            return False
+        student.exercise = exercise
+        theirs, asked, alike = getattr(student, exercise), [], []
+
+        def compared(*arguments: object, **keywords: object) -> object:
+            asked.append(True)
+            answer = theirs(*arguments, **keywords)
+            if player.same(answer, player.plays(*arguments, **keywords)):
+                alike.append(True)
+            return answer
+
+        again = _lost_by(setting, student, exercise, compared)
+        return again == lost and len(alike) == len(asked)
+
+
+def _lost_by(
+    setting: Setting, student: Student, exercise: str, function: Callable
+) -> frozenset[Check]:
+    """The checks that a function loses in the place of a student's."""
+    beside = _Beside(student, exercise, function)
+    outcomes = run_tests(
+        setting.lesson, beside, setting.seed, lambda check: check.exercise == exercise
+    )
+    return frozenset(outcome.check for outcome in outcomes if outcome.failure)

@@ -1,0 +1,47 @@
+"""The zip that is uploaded: the course as it judges, its seed, and how a container is set up."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from grader.course.archives import zipped
+from grader.course.paths import PROJECT
+from grader.course.portable_files import files_to_judge_with
+from grader.course.release import required_for
+
+HERE = Path(__file__).parent
+PROGRAMS = ("setup.sh", "run_autograder")
+
+
+def packed_autograder(assignment: str, seed: int) -> bytes:
+    """The bytes of the zip; the same course, assignment and seed give the same.
+
+    Parameters
+    ----------
+    assignment : str
+        A stage or a lesson.
+    seed : int
+        The course's secret.
+    """
+    needed = required_for("What a notebook needs") + required_for("Grading")
+    return zipped(
+        {
+            **{name: (HERE / name).read_bytes() for name in PROGRAMS},
+            "assignment": f"{assignment}\n".encode(),
+            "requirements.txt": f"-c constraints.txt\n\n{needed}".encode(),
+            "constraints.txt": (PROJECT / "constraints.txt").read_bytes(),
+            "course/.course_seed": f"{seed}\n".encode(),
+            **{f"course/{name}": content for name, content in files_to_judge_with().items()},
+        },
+        PROGRAMS,
+    )
+
+
+def write_secret(content: bytes, path: Path) -> None:
+    """Write a file that nobody else on this machine may read: the seed is in it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    with open(descriptor, "wb") as file:
+        os.fchmod(descriptor, 0o600)
+        file.write(content)

@@ -1,0 +1,190 @@
+"""Fill one column of a platform's file with marks, and account for each mark and each row.
+
+What Canvas and Moodle have in common. Rows of people without a mark are left out: whatever the
+platform holds for them by the time of the import stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from grader.course.roster import letters
+from grader.lms.exporters.assignment_marks import Marks, listed
+from grader.lms.exporters.protocol import ExportTrouble
+from grader.lms.exporters.row_matching import Row, join
+from grader.lms.exporters.worksheet import read_number
+from grader.lms.results import EXCUSED, write_number
+
+CLOSE = 0.005  # points are written with two digits
+
+
+@dataclass(frozen=True)
+class Place:
+    """A row of the file, and what it says about whose it is."""
+
+    row: tuple[str, ...]
+    who: Row
+
+
+@dataclass(frozen=True)
+class Filled:
+    """What became of marks and rows; `lost` and `notes` as in `Exported`."""
+
+    rows: tuple[tuple[str, ...], ...]
+    placed: int
+    lost: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Column:
+    """Where marks go, and how this site writes them.
+
+    Attributes
+    ----------
+    place : int
+    times : float
+        What our points are multiplied with.
+    decimal_mark : str
+    excused : str
+        What is written for who is excused; empty where the platform knows nothing of the kind.
+        Like a mark, it is refused or named where it replaces another.
+    """
+
+    place: int
+    times: float
+    decimal_mark: str
+    excused: str = ""
+
+
+def fill(
+    marks: Marks,
+    places: Sequence[Place],
+    column: Column,
+    refusal: Callable[[tuple[str, ...], float], str],
+) -> Filled:
+    """Write each mark into the row of its owner.
+
+    Parameters
+    ----------
+    marks : Marks
+    places : list of Place
+    column : Column
+    refusal : callable
+        Given a row and the points for it, why the platform would not take them; or empty.
+    """
+    joined = join([place.who for place in places], marks.people)
+    rows: dict[int, tuple[str, ...]] = {}
+    lost, replaced = [], []
+    for mark in marks.marks:
+        points = mark.points * column.times
+        place = joined.rows.get(mark.person.id)
+        why = (
+            joined.doubts.get(mark.person.id, "no row in the file is theirs")
+            if place is None
+            else refusal(places[place].row, points)
+        )
+        if why:
+            lost.append(f"{mark.person.called}, {write_number(points)} points: {why}.")
+        else:
+            row, cell = places[place].row, write_number(points, column.decimal_mark)
+            rows[place] = _written(row, column, cell)
+            if not _same(row[column.place], points):
+                replaced.append(f"{mark.person.called} {row[column.place].strip()} by {cell}")
+    placed = len(rows)
+    unexcused = []
+    for person in marks.without[EXCUSED] if column.excused else ():
+        place = joined.rows.get(person.id)
+        if place is None:
+            continue
+        row = places[place].row
+        if why := refusal(row, 0.0):
+            unexcused.append(f"{person.called}: {why}")
+            continue
+        rows[place] = _written(row, column, column.excused)
+        before = row[column.place].strip()
+        if before not in ("", column.excused):
+            replaced.append(f"{person.called} {before} by {column.excused}")
+    absent = {
+        person.id: person.called
+        for people in marks.without.values()
+        for person in people
+        if person.id not in joined.rows
+    }
+    notes = (
+        *marks.notes,
+        listed("Marks that the file had, and that are replaced", replaced),
+        listed("Excused, and not written", unexcused),
+        listed("Found by their name alone", joined.by_name),
+        listed("Under another name in the file", joined.renamed),
+        listed("In the file, and not on the roster", joined.strangers),
+        listed(
+            "On the roster, and not in the file",
+            [name for id, name in absent.items() if id not in joined.doubts],
+        ),
+        *(f"{name}: {joined.doubts[id]}." for id, name in absent.items() if id in joined.doubts),
+    )
+    in_order = tuple(rows[place] for place in sorted(rows))
+    return Filled(in_order, placed, (*marks.lost, *lost), tuple(filter(None, notes)))
+
+
+def factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
+    """What our points are multiplied with to be the platform's.
+
+    Raises
+    ------
+    ExportTrouble
+        Where the platform gives other points, and nobody said to convert.
+    """
+    if not most:
+        raise ExportTrouble(
+            f"The platform says no points for {title!r}. Give the assignment "
+            f"{write_number(marks.most)} points there, and download the file again."
+        )
+    if abs(most - marks.most) < CLOSE:
+        return 1.0
+    if scale:
+        return most / marks.most
+    worth = ", ".join(f"{name} {write_number(points)}" for name, points in marks.worth.items())
+    raise ExportTrouble(
+        f"{marks.assignment} is worth {write_number(marks.most)} points here ({worth}), and "
+        f"{title!r} is worth {write_number(most)} there. Change the points there and download the "
+        "file again, or let --scale convert each mark."
+    )
+
+
+def guess(
+    titles: dict[int, str], assignment: str, wanted: str | None, file: str, plain: Callable
+) -> int:
+    """The column of an assignment, by its title; `plain` takes the platform's own part off it.
+
+    Raises
+    ------
+    ExportTrouble
+        Where none or several fit, with the titles that there are.
+    """
+    if wanted is not None:
+        found = [place for place, title in titles.items() if wanted in (title, plain(title))]
+        what = f"column {wanted!r}"
+    else:
+        name = letters(assignment)
+        found = [place for place, title in titles.items() if name in letters(plain(title))]
+        what = f"column whose title names {assignment}"
+    if len(found) == 1:
+        return found[0]
+    there = ", ".join(repr(title) for title in titles.values()) or "none for marks"
+    raise ExportTrouble(
+        f"{file} has {'no' if not found else 'more than one'} {what}. Name the one that is meant "
+        f"with --column; there is: {there}."
+    )
+
+
+def _same(before: str, points: float) -> bool:
+    """Whether nothing that somebody has entered is replaced by other points."""
+    number = read_number(before)
+    return not before.strip() or (number is not None and abs(number - points) < CLOSE)
+
+
+def _written(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:
+    return (*row[: column.place], cell, *row[column.place + 1 :])

@@ -1,0 +1,191 @@
+"""Enter verdicts into nbgrader's gradebook: all of a submission or nothing.
+
+What the gradebook should hold is compared with what it holds, before and after. Whatever differs
+is entered again, so a run that was broken off, a deleted gradebook, a new due date and changed
+points need no care of their own. One process writes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import nbformat
+from nbgrader.api import Gradebook, SubmittedNotebook
+from nbgrader.preprocessors import AssignLatePenalties
+from nbgrader.utils import compute_checksum, determine_grade
+from sqlalchemy.orm import Session
+
+from grader.classroom.folders import strangers
+from grader.classroom.submissions import Replaced, Submission
+from grader.course.deadlines import Deadlines, read_deadlines
+from grader.course.paths import Course
+from grader.course.roster import read_roster
+from grader.judging.verdict import Verdict
+from grader.lms.answers import fingerprints, read_known, regrade, write_known
+from grader.lms.autograded import graded_cells, judged_copy
+from grader.lms.copies import put_in_place, write_files
+from grader.lms.dates import enter_due_dates, extend
+from grader.lms.differences import differences
+from grader.lms.entries import Entry, entries_of
+from grader.lms.gradebook import open_gradebook
+from grader.lms.history import note_changes
+from grader.lms.penalties import late_penalties, penalty_of
+from grader.lms.people import enrol
+from grader.lms.registration import register
+from grader.lms.submission_times import known_time
+from grader.lms.withdrawal import withdraw
+
+
+class GradebookTrouble(Exception):
+    """The gradebook does not hold what it should; `str()` is the sentence to show."""
+
+
+def enter(
+    course: Course,
+    judged: Sequence[tuple[Submission, Verdict]],
+    stages: Iterable[str],
+    progress: Callable[[int, int, object], None],
+    student: str | None = None,
+) -> None:
+    """Make the gradebook say what the verdicts say, and note which marks have changed.
+
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    judged : list of (Submission, Verdict)
+    stages : iterable of str
+        What was graded; there nobody else has a submission.
+    progress : callable
+        Called with (done, total, student) after each student's stage.
+    student : str, optional
+        Who alone was graded; the others stay as they are.
+
+    Raises
+    ------
+    GradebookTrouble
+        After everybody else has been entered.
+    grader.course.roster.RosterTrouble, grader.course.deadlines.DeadlinesTrouble
+    """
+    roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
+    unknown = strangers(course, roster) if roster else {}
+    entries, trouble = entries_of(course, judged, unknown)
+    with open_gradebook(course) as book:
+        note_changes(course, book)  # what was graded by hand since
+        late = late_penalties(course)
+        trouble += register(course, book, dict.fromkeys(stages))
+        if roster:
+            enrol(book, roster)
+        enter_due_dates(course, book, deadlines)
+        known = {(submission.student, submission.lesson.stage) for submission, _ in judged}
+        trouble += withdraw(course, book, stages, known, student)
+        for done, entry in enumerate(entries, start=1):
+            if differences(course, book, entry, late, deadlines):
+                trouble += _enter_or_say_why_not(course, book, entry, late, deadlines)
+            progress(done, len(entries), entry.student)
+        keys = {(one.student, one.lesson.name): verdict.key for one, verdict in judged}
+        note_changes(course, book, keys)
+    if trouble:
+        raise GradebookTrouble(
+            "The gradebook does not hold everything:\n" + "\n".join(dict.fromkeys(trouble))
+        )
+
+
+def _enter_or_say_why_not(
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
+) -> list[str]:
+    """Write one submission; a sentence on each thing that is not as it should be then."""
+    try:
+        trouble = _enter_one(course, book, entry, late, deadlines)
+    except Replaced as replaced:  # what is there stays, until somebody judges again
+        return [str(replaced)]
+    except Exception as error:  # one student must not stop the others
+        trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
+    return trouble + differences(course, book, entry, late, deadlines)
+
+
+def _enter_one(
+    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
+) -> list[str]:
+    """Write one submission: files beside their place, the gradebook, then the files' place.
+
+    Returns
+    -------
+    list of str
+        A sentence on each copy in which nothing of the student's could be shown.
+    """
+    copies, modules, trouble = {}, {}, []
+    for submission, verdict in entry.judged:
+        handed_in = submission.read_again(course, verdict.fingerprint)
+        copy, complaint = judged_copy(handed_in, submission.lesson, verdict)
+        copies[submission.lesson.name] = copy
+        if complaint:
+            trouble.append(
+                f"{entry.name}: its points are entered, and its copy in autograded/ shows nothing "
+                f"of the student's. {complaint}"
+            )
+        for name, source in handed_in.modules.items():
+            path = submission.path.with_name(f"{name}.py").relative_to(submission.place(course))
+            modules[path] = source.encode()
+    folder = course.autograded / entry.student / entry.stage
+    draft = folder.with_name(f".{folder.name}.part")
+    write_files(course, entry, copies, modules, draft)
+    known = read_known(course, entry.student, entry.stage)
+    answers = {name: fingerprints(copy) for name, copy in copies.items()}
+    with _one_transaction(book):
+        book.update_or_create_student(entry.student)
+        submission = book.update_or_create_submission(
+            entry.stage, entry.student, timestamp=known_time(entry.places(course))
+        )
+        extend(course, submission, deadlines)
+        for notebook in submission.notebooks:
+            copy = copies.get(notebook.name)
+            if copy is None:
+                _nothing_handed_in(notebook)
+            else:
+                same = known.get(notebook.name, {})
+                _save(notebook, copy, same, answers[notebook.name])
+        book.db.flush()
+        book.db.expire_all()  # sums are made by the database
+        for notebook in submission.notebooks:
+            notebook.late_submission_penalty = penalty_of(submission, notebook, late)
+    put_in_place(draft, folder)
+    write_known(course, entry.student, entry.stage, answers)
+    return trouble
+
+
+def _save(
+    notebook: SubmittedNotebook,
+    copy: nbformat.NotebookNode,
+    before: dict[str, str],
+    now: dict[str, str],
+) -> None:
+    """Take scores from the cells of a copy, as nbgrader's SaveAutoGrades does."""
+    cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
+    for grade in notebook.grades:
+        score, _ = determine_grade(cells[grade.name])
+        regrade(grade, score, before.get(grade.name) == now.get(grade.name))
+    for comment in notebook.comments:
+        cell = cells[comment.name]
+        untouched = cell.metadata.nbgrader.get("checksum") == compute_checksum(cell)
+        comment.auto_comment = "No response." if untouched else None
+
+
+def _nothing_handed_in(notebook: SubmittedNotebook) -> None:
+    for grade in notebook.grades:
+        grade.auto_score, grade.needs_manual_grade = 0.0, False
+
+
+@contextlib.contextmanager
+def _one_transaction(book: Gradebook) -> Iterator[None]:
+    """Keep what nbgrader would commit step by step until all of it is there."""
+    session: Session = book.db()
+    commit, session.commit = session.commit, session.flush
+    try:
+        yield
+        commit()
+    except BaseException:
+        session.rollback()
+        raise
+    finally:
+        del session.commit

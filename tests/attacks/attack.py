@@ -1,0 +1,67 @@
+"""What attacks share: a hostile notebook, and what it can tell of its success.
+
+Every attack runs for real, in the sandbox. A student's function reports what it managed to do; the
+tests read that report, and look at the grader's side of it.
+"""
+
+import os
+import textwrap
+import time
+
+import numpy as np
+import pytest
+
+from grader.sandbox import SANDBOXES, Limits
+from grader.sandbox.failures import StudentStopped
+from grader.sandbox.program import PACKAGES, Program
+from grader.sandbox.student import Student
+from tests.prerequisites import PATIENCE
+
+WALLS = SANDBOXES[os.environ.get("ATTACKED", "bubblewrap")]
+MEBIBYTE = 2**20
+SHORT = {"start_seconds": 8.0, "call_seconds": 1.0, "total_seconds": 20.0, "restarts": 0}
+CLOUD = np.arange(12.0).reshape(3, 4)
+SEED = 20_170_405
+
+in_namespaces = pytest.mark.skipif(
+    WALLS.name != "bubblewrap", reason="/proc, sockets and a disk of one's own: leave out ATTACKED"
+)
+
+
+def tried(names, attacks):
+    """Run a test once for each attack of {what it tries: values}."""
+    attacks = {
+        what: values if isinstance(values, tuple) else (values,) for what, values in attacks.items()
+    }
+    return pytest.mark.parametrize(
+        names, [pytest.param(*values, id=what) for what, values in attacks.items()]
+    )
+
+
+def function(body, name="f", parameters="*arguments"):
+    """Source of a function."""
+    return f"def {name}({parameters}):\n" + textwrap.indent(body.strip("\n"), "    ") + "\n"
+
+
+def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
+    """A student whose notebook is one cell that defines `f`."""
+    program = Program(
+        (source,), ("f",), modules=modules or {}, forbidden=tuple(forbidden), packages=packages
+    )
+    return Student(program, WALLS, Limits(**{**SHORT, **limits}))
+
+
+def outcome_of(source, *arguments, **options):
+    """What `f` returns to the judge."""
+    with attack(source, **options) as student:
+        return student.f(*arguments)
+
+
+def stopped_by(source, *arguments, calls=3, **limits):
+    """The sentence with which a student is stopped."""
+    begin = time.monotonic()
+    with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
+        for _ in range(calls):
+            student.f(*arguments)
+    assert time.monotonic() - begin < PATIENCE
+    return str(stopped.value)

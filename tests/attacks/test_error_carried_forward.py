@@ -1,0 +1,118 @@
+"""What may be stolen where a right helper stands in the place of a wrong one."""
+
+import ast
+
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in, variants_of
+from grader.judging.judge import judge
+from tests.attacks.attack import WALLS
+
+pytestmark = pytest.mark.slow
+
+LINE = find_lesson("02_ransac_line")
+SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
+WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
+# Wrong on purpose, in one check.
+ONE_WRONG = (
+    "def line_through(first, second):\n"
+    "    (x, y), (u, v) = first[:2], second[:2]\n"
+    "    length = np.hypot(u - x, v - y)\n"
+    "    if length == 0: return 1.0, 0.0, 0.0\n"
+    "    a, b = (y - v) / length, (u - x) / length\n"
+    "    return a, b, -(a * x + b * y)\n"
+)
+
+RANSAC = (
+    SIGNATURE
+    + """\
+    rng, best = np.random.default_rng(rng), (None, np.zeros(len(points), dtype=bool))
+    for _ in range(max_iterations if len(points) >= 2 else 0):
+        first, second = rng.choice(len(points), 2, replace=False)
+        line = line_through(points[first], points[second])
+        if line is not None:
+            inside = point_line_distance(points, line) <= distance_tolerance
+            if inside.sum() > best[1].sum():
+                best = line, inside
+    return best
+"""
+)
+
+
+def judged(lesson, tmp_path, **answers):
+    path = tmp_path / f"{lesson.name}.ipynb"
+    path.write_text(fill_in(lesson, answers), "utf-8")
+    verdict = judge(path, 3, WALLS)
+    return {one.name: one for one in verdict.exercises}, verdict
+
+
+def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
+    """Mostly right, it returns the code of its helper where a visible check would show it."""
+    thief = RANSAC.replace("def ransac_line", "def honest") + (
+        "\n" + SIGNATURE + "    if isinstance(rng, int):\n"
+        "        code = line_through.__code__\n"
+        "        return ' '.join(['stolen', *code.co_names, *code.co_varnames])\n"
+        "    return honest(points, max_iterations, distance_tolerance, rng)\n"
+    )
+    results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=thief)
+    mine = results["ransac_line"]
+    assert 0.5 * mine.max_score < mine.score < mine.max_score, "it was judged with a right one"
+    said = "\n".join(test.message for test in mine.tests)
+    assert "must return two things" in said
+    assert "stolen" not in "\n".join([said, mine.cause, *verdict.problems])
+
+
+def test_a_right_helper_answers_no_question_of_its_own(tmp_path):
+    """The wrong helper earns nothing by being called."""
+    results, _ = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=RANSAC)
+    assert results["ransac_line"].score == results["ransac_line"].max_score
+    assert results["line_through"].score < results["line_through"].max_score / 2
+
+
+def test_what_comes_later_helps_nobody_who_comes_before(tmp_path):
+    """An early exercise calls a late one, of which a right version might know the answer."""
+    early = "def line_through(first, second):\n    return ransac_line([first, second])[0]\n"
+    results, _ = judged(LINE, tmp_path, line_through=early, ransac_line=SIGNATURE + "    return 1")
+    assert results["line_through"].score < results["line_through"].max_score / 5
+
+
+def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
+    answers = {"ransac_line": RANSAC}
+    results, verdict = judged(LINE, tmp_path, **answers)
+    assert results["line_through"].score == 0 == results["point_line_distance"].score
+    assert results["ransac_line"].score == results["ransac_line"].max_score
+    assert any("Judged with right ones instead" in one for one in verdict.problems)
+
+
+def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
+    """A text that breaks parsers breaks them behind the wall, where the rest is found out, too."""
+    parsed, parse = [], ast.parse
+    monkeypatch.setattr(
+        ast,
+        "parse",
+        lambda text, *more, **options: [parsed.append(str(text)), parse(text, *more, **options)][1],
+    )
+    marked = RANSAC + "    # a text of the student\n"
+    results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=marked)
+    assert any("which ransac_line calls" in one for one in verdict.problems)
+    assert parsed, "the lesson's own source is read here"
+    assert not [text for text in parsed if "a text of the student" in text]
+
+
+def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
+    """It gives up where its helper was asked before: so it fails once, and has another throw."""
+    counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)
+    turn = (
+        "\n" + SIGNATURE + "    if ASKED and not MINE: return None\n"
+        "    MINE.append(1)\n"
+        "    return honest(points, max_iterations, distance_tolerance, rng)\n"
+    )
+    two_throws = "ASKED, MINE = [], []\n" + RANSAC.replace("def ransac_line", "def honest") + turn
+    answers = {"line_through": counts, "ransac_line": two_throws}
+    right = next(one.source for one in variants_of("point_line_distance") if one.right)
+    results, _ = judged(LINE, tmp_path, point_line_distance=right, **answers)
+    assert results["line_through"].score < results["line_through"].max_score
+    mine = results["ransac_line"]
+    assert mine.score < mine.max_score / 4
+    assert "Judged with a right one instead" not in mine.cause

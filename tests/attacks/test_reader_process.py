@@ -1,0 +1,183 @@
+"""Files that are too much to read: they cost their own student a sentence, and nobody else."""
+
+import itertools
+import json
+import os
+
+import nbformat
+import pytest
+
+from grader import commands
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.course.variants import fill_in, variants_of
+from grader.intake import preflight, reader_process
+from grader.intake.submission import HandedIn
+from grader.judging.judge import judge_handed_in
+from grader.judging.verdict import FAILED, JUDGED, read_verdict
+from grader.lms import autograded
+from grader.lms.autograded import graded_cells
+from grader.lms.results import WAITING
+from grader.lms.standings import class_results
+from tests.test_faults import Inline, rehearsed
+
+SEED = 20_170_405
+LESSON = find_lesson("12_streaming_obstacles")
+HOSTILE = "This holds the class up."
+RIGHT = {
+    exercise.name: next(one.source for one in variants_of(exercise.name) if one.right)
+    for exercise in LESSON.machine_graded
+}
+
+
+def notebook(text="", **answers):
+    content = json.loads(fill_in(LESSON, {**RIGHT, **answers}))
+    content["cells"].append({"cell_type": "markdown", "metadata": {}, "source": text})
+    return json.dumps(content).encode()
+
+
+def handed_in(text="", **answers):
+    return HandedIn(f"{LESSON.name}.ipynb", notebook(text, **answers))
+
+
+def for_ever():
+    for _ in itertools.count():
+        pass
+
+
+def fail():
+    raise RuntimeError("a fault of ours")
+
+
+@pytest.fixture
+def soon(monkeypatch):
+    """Small limits."""
+    monkeypatch.setattr(reader_process, "SECONDS", 1)
+    monkeypatch.setattr(reader_process, "MEGABYTES", 128)
+    monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
+
+
+def test_the_judge_reads_what_is_shown():
+    given = handed_in("$a$ \udcff \U0001f697")
+    here, there = preflight.prepare(given, LESSON), preflight.prepare_to_judge(given, LESSON)
+    assert (there.code, there.notes, there.versions) == (here.code, here.notes, here.versions)
+    copy, complaint = autograded.copy_apart(given, LESSON)
+    assert (copy, complaint) == (autograded.build_copy(here), "")
+
+
+def hold_up(monkeypatch, module, name, work=for_ever):
+    """Let a function of ours have a hole that one text finds."""
+    right = getattr(module, name)
+
+    def holed(given, *others):
+        if HOSTILE in str(given):
+            return work()
+        return right(given, *others)
+
+    monkeypatch.setattr(module, name, holed)
+
+
+def test_who_holds_preflight_up_gets_a_verdict(soon, sandbox, monkeypatch):
+    hold_up(monkeypatch, preflight, "_defines")
+    verdict = judge_handed_in(handed_in(HOSTILE), SEED, sandbox)
+    assert (verdict.status, verdict.score) == (JUDGED, 0.0)
+    assert [*verdict.problems] == [said for said in verdict.problems if "more than 1 sec" in said]
+    assert len(verdict.problems) == 1
+
+
+def test_who_is_held_up_by_us_loses_nothing(soon, sandbox, monkeypatch):
+    hold_up(monkeypatch, preflight, "_defines", fail)
+    verdict = judge_handed_in(handed_in(HOSTILE), SEED, sandbox)
+    assert verdict.status == FAILED
+    assert "a fault of ours" in verdict.faults[0]
+
+
+@pytest.mark.slow
+def test_what_no_page_could_be_made_of_is_not_shown(soon):
+    """The Markdown of feedback and Formgrader looks at this for minutes."""
+    given = handed_in("\\\\( \\) " * 60_000)
+    assert preflight.prepare_to_judge(given, LESSON).code
+    copy, complaint = autograded.copy_apart(given, LESSON)
+    assert "takes more than 1 seconds" in complaint
+    assert len(str(copy)) < 100_000
+
+
+@pytest.mark.slow
+def test_a_long_text_is_shown():
+    essay = "I looked at $a_n$, and at `b`.\n\n" * 3000
+    copy, complaint = autograded.copy_apart(handed_in(essay), LESSON)
+    assert not complaint
+    assert essay in [cell.source for cell in copy.cells]
+
+
+@pytest.fixture
+def course(tmp_path):
+    """A class of two, of whom the first holds it up."""
+    made = Course(tmp_path / "course")
+    for student in ("mallory", "zoe"):
+        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path.parent.mkdir(parents=True)
+        hostile = HOSTILE if student == "mallory" else ""
+        path.write_bytes(notebook(hostile, write_up="It runs in real time." + hostile))
+    return made
+
+
+def grade(course, sandbox, monkeypatch):
+    monkeypatch.setitem(commands.__dict__, "stages", lambda: [LESSON.stage])
+    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": Inline})
+    rehearsed(course, LESSON, SEED)
+    return commands.grade_course(course, [LESSON.stage], SEED, sandbox, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("module", "name", "score"), [(preflight, "_defines", 0.0), (autograded, "harmless", 25.0)]
+)
+def test_the_class_goes_on(module, name, score, soon, course, sandbox, monkeypatch, capsys):
+    """In preflight it costs the points; where the copy is made, what people are shown."""
+    hold_up(monkeypatch, module, name)
+    status = grade(course, sandbox, monkeypatch)
+    said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
+    results = {result.student: result for result in class_results(course).notebooks}
+    assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
+    assert results["mallory"].standing == WAITING, "a person looks for what was written"
+    path = course.autograded / "mallory" / LESSON.stage / f"{LESSON.name}.ipynb"
+    copy = nbformat.read(path, as_version=4)
+    nbformat.validate(copy)
+    assert HOSTILE not in str(copy)
+    assert "Reading 12_streaming_obstacles.ipynb takes more than 1 seconds" in copy.cells[0].source
+    written = next(c for c in graded_cells(copy) if c.metadata.nbgrader.grade_id == "write_up")
+    assert "Look for the answer in the file itself" in written.source
+    verdict = read_verdict(course.verdicts / "mallory" / LESSON.stage / f"{LESSON.name}.json")
+    assert (verdict.status, verdict.score) == (JUDGED, score)
+    if score:
+        assert status == commands.FAULT
+        assert "mallory, stage4_realtime: its points are entered, and its copy" in said
+    else:
+        assert status == commands.GOOD
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "fill",
+    [
+        lambda size: b"{" + b",".join(b'"%07x":1' % n for n in range(size // 11)) + b"}",
+        lambda size: b'"' + "\U0001f697".encode() + b"abcd" * (size // 4) + b'"',
+    ],
+)
+def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
+    data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
+    data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
+    given = HandedIn(f"{LESSON.name}.ipynb", data)
+    before = resident()
+    try:
+        assert preflight.prepare_to_judge(given, LESSON).code == ("x = 1",)
+    except reader_process.TooMuch as error:
+        assert "memory" in str(error)
+    assert resident() - before < 2**23, "what reading takes is gone afterwards"
+
+
+def resident():
+    """Bytes of memory that this process has."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")

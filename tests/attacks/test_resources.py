@@ -1,0 +1,426 @@
+"""What a student's code may try to break: memory, disks, processes, the kernel."""
+
+import contextlib
+import os
+import secrets
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from grader.course.paths import PROJECT
+from grader.sandbox import Limits, launcher
+from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.inside import syscalls
+from tests.attacks.attack import (
+    MEBIBYTE,
+    SHORT,
+    attack,
+    function,
+    in_namespaces,
+    outcome_of,
+    stopped_by,
+    tried,
+)
+from tests.prerequisites import PATIENCE, not_here
+
+TOO_MUCH = "too much memory"
+
+
+# ---- Files --------------------------------------------------------------------------------
+
+
+def test_writes_everywhere():
+    source = """
+import os
+def f(paths):
+    written = []
+    for path in paths:
+        try:
+            with open(os.path.join(path, "x"), "w") as file:
+                file.write("x")
+            written.append(path)
+        except OSError:
+            pass
+    return written
+"""
+    everywhere = [
+        *("/", "/usr", "/usr/bin", "/etc", "/dev", "/proc", "/proc/sys/kernel", "/tmp", "/dev/shm"),
+        sys.prefix,
+        sys.base_prefix,
+        str(PROJECT),
+        str(PROJECT / "utils" / "clouds"),
+        str(PROJECT / "grader" / "sandbox" / "inside"),
+    ]
+    written = outcome_of(source, everywhere)
+    # A project below /tmp stands on the sandbox's own; what is shown of it is below this.
+    own = {str(PROJECT), sys.prefix} if PROJECT.is_relative_to("/tmp") else set()
+    assert {"/tmp", "/dev/shm"} <= set(written) <= {"/tmp", "/dev/shm"} | own
+    assert not (PROJECT / "utils" / "clouds" / "x").exists()
+
+
+@in_namespaces
+@tried(
+    "folder, body",
+    {
+        "fills /tmp with large files": ("/tmp", "size += file.write(bytes(2**20)); file.flush()"),
+        "fills /dev/shm with large files": (
+            "/dev/shm",
+            "size += file.write(bytes(2**20)); file.flush()",
+        ),
+        "fills /dev/shm with blocks that are reserved and not written": (
+            "/dev/shm",
+            "os.posix_fallocate(file.fileno(), 0, 31 * 2**20); size += 2**20",
+        ),
+    },
+)
+def test_fills_disk_and_memory_with_files(folder, body):
+    source = f"""
+import os
+def f(folder):
+    size = 0
+    try:
+        for number in range(100):
+            with open(f"{{folder}}/{{number}}", "wb") as file:
+                for _ in range(31):
+                    {body}
+    except OSError:
+        pass
+    return size
+"""
+    assert 0 < outcome_of(source, folder, call_seconds=5.0) <= Limits().temporary_space
+
+
+EMPTY_FILES = """
+import ctypes, os, time
+def f(folder, hide):
+    if hide:
+        ctypes.CDLL(None).prctl(4, 0)  # no longer dumpable: its folders cannot be looked into
+    with __import__("contextlib").suppress(OSError):
+        for number in range(300_000):
+            os.close(os.open(f"{folder}/{number}", os.O_CREAT | os.O_WRONLY))
+    time.sleep(5)
+"""
+
+
+@in_namespaces
+@pytest.mark.slow
+@tried(
+    "folder, hide",
+    {
+        "300,000 empty files in /tmp": ("/tmp", False),
+        "300,000 empty files in /dev/shm": ("/dev/shm", False),
+        "300,000 empty files, by a process that hides": ("/tmp", True),
+    },
+)
+def test_fills_the_kernels_memory_with_empty_files(folder, hide):
+    limits = {"total_memory": 350 * MEBIBYTE, "call_seconds": 10.0}
+    with attack("def f(): return 1", **limits) as student:
+        assert student.f() == 1, "an idle worker has room"
+    assert TOO_MUCH in stopped_by(EMPTY_FILES, folder, hide, **limits)
+
+
+# ---- Memory -------------------------------------------------------------------------------
+
+
+def test_allocates_more_than_its_limit():
+    with (
+        attack("import numpy as np\ndef f(): return len(np.ones(2**30))") as student,
+        pytest.raises(StudentError, match="MemoryError"),
+    ):
+        student.f()
+
+
+HOLD = """
+import ctypes, mmap, os, threading, time
+def hold(megabytes):
+    block = mmap.mmap(-1, megabytes * 2**20)
+    for page in range(0, len(block), 4096):
+        block[page] = 1
+    return block
+def children(number, megabytes, then=lambda block: time.sleep(60)):
+    for _ in range(number):
+        if os.fork() == 0:
+            then(hold(megabytes))
+            os._exit(0)
+"""
+
+
+@pytest.mark.slow
+@tried(
+    "body",
+    {
+        "in twelve processes": "children(12, 256)",
+        "in processes that take it out of their page tables": """
+children(12, 256, lambda block: (block.madvise(mmap.MADV_DONTNEED), time.sleep(60)))
+""",
+        "in processes whose first thread has ended": """
+for _ in range(12):
+    if os.fork() == 0:
+        threading.Thread(target=lambda: (hold(256), time.sleep(60))).start()
+        ctypes.CDLL(None).pthread_exit(None)
+""",
+        "behind threads that come and go while one looks": """
+children(12, 256)
+while True:
+    threads = [threading.Thread(target=int) for _ in range(30)]
+    for thread in threads: thread.start()
+    for thread in threads: thread.join()
+""",
+        "in grandchildren whose parents have ended": """
+for _ in range(12):
+    if os.fork() == 0:
+        if os.fork() == 0:
+            hold(256)
+            time.sleep(60)
+        os._exit(0)
+""",
+        "in processes with a session of their own": """
+children(12, 256, lambda block: (os.setsid(), time.sleep(60)))
+""",
+        "in processes with half a name": """
+ctypes.CDLL(None).prctl(15, b"x) R 1 (")
+children(12, 256)
+""",
+    },
+)
+def test_takes_more_memory_than_all_may_have_together(body):
+    source = HOLD + function(body + "\ntime.sleep(600)")
+    begin = time.monotonic()
+    sentence = stopped_by(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE)
+    assert TOO_MUCH in sentence
+    assert time.monotonic() - begin < PATIENCE
+
+
+def test_takes_memory_between_two_calls():
+    source = HOLD + function("children(12, 256)\nreturn 0")
+    with (
+        attack(source, total_memory=1500 * MEBIBYTE) as student,
+        pytest.raises(StudentStopped, match=TOO_MUCH),
+    ):
+        assert student.f() == 0
+        deadline = time.monotonic() + PATIENCE
+        while time.monotonic() < deadline:
+            time.sleep(0.5)
+            student.f()
+
+
+def test_refuses_to_be_the_one_that_linux_ends(monkeypatch):
+    """It sets `oom_score_adj` back; when the machine runs out it is ended all the same."""
+    refuse = """
+try:
+    open("/proc/self/oom_score_adj", "w").write("0")
+except OSError:
+    pass
+"""
+    source = HOLD + function(refuse + "held = hold(1500)\ntime.sleep(60)")
+    monkeypatch.setattr(launcher, "memory_left", lambda: 0.01)
+    assert TOO_MUCH in stopped_by(source, call_seconds=20.0)
+    with attack("def f(): return 1") as student:
+        time.sleep(0.5)
+        assert student.f() == 1, "who takes little is left alone"
+
+
+# ---- Processes ----------------------------------------------------------------------------
+
+
+def test_starts_a_thousand_processes():
+    source = """
+import os, time
+def f():
+    started = 0
+    try:
+        for _ in range(1000):
+            if os.fork() == 0:
+                time.sleep(60)
+                os._exit(0)
+            started += 1
+    except OSError:
+        pass
+    return started
+"""
+    assert 0 < outcome_of(source, call_seconds=5.0, processes=20) <= 20
+
+
+def test_leaves_a_process_behind():
+    """Twice forked, in a session of its own; found by its name from outside."""
+    source = """
+import ctypes, os, time
+def f(name):
+    ctypes.CDLL(None).prctl(15, name.encode())
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            time.sleep(600)
+    return 1
+"""
+    name = secrets.token_hex(6)
+    with attack(source) as student:
+        assert student.f(name) == 1
+        assert processes_called(name), "they can be seen while they live"
+    deadline = time.monotonic() + PATIENCE
+    while processes_called(name) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert processes_called(name) == []
+
+
+def processes_called(name):
+    found = []
+    for path in Path("/proc").glob("[0-9]*/comm"):
+        with contextlib.suppress(OSError):
+            found += [path] if path.read_text().strip() == name else []
+    return found
+
+
+def test_raises_its_own_limits():
+    source = """
+import resource
+def f(names):
+    raised = []
+    for name in names:
+        which = getattr(resource, name)
+        soft, hard = resource.getrlimit(which)
+        try:
+            resource.setrlimit(which, (hard + 1, hard + 1))
+            raised.append(name)
+        except (OSError, ValueError):
+            pass
+        if resource.getrlimit(which)[1] in (-1, resource.RLIM_INFINITY):
+            raised.append(name + " is without end")
+    return raised
+"""
+    names = [*Limits().resources(), "RLIMIT_NPROC"]
+    assert outcome_of(source, names) == []
+
+
+@tried(
+    "body",
+    {
+        "becomes root": "os.setuid(0)",
+        "joins root's group": "os.setgid(0)",
+        "joins more groups": "os.setgroups([0])",
+        "changes its root folder": "os.chroot('/tmp')",
+        "asks for more of the processor": "os.nice(-5)",
+        "makes a disk of its own": "os.mknod('/tmp/d', 0o60600, 2048)",
+        "writes to the memory of process 1, which has no limits": "os.open('/proc/1/mem', 2)",
+        "writes to the memory of a thread of process 1": "os.open('/proc/1/task/1/mem', 2)",
+        "reads where things are in process 1": "open('/proc/1/maps').read()",
+        "looks through the root folder of process 1": "os.listdir('/proc/1/root')",
+        "takes a descriptor of process 1": "os.listdir('/proc/1/fd')",
+    },
+)
+def test_gains_a_right(body):
+    source = "import os\n" + function(body)
+    with attack(source) as student, pytest.raises(StudentError, match="Error"):
+        student.f()
+
+
+@in_namespaces
+def test_has_a_privilege_left():
+    source = """
+import os, subprocess
+def f():
+    status = dict(line.split(":\\t") for line in open("/proc/self/status").read().splitlines()
+                  if ":\\t" in line)
+    who = subprocess.run(["/usr/bin/su", "-c", "id -u"], capture_output=True, text=True).stdout
+    names = ("CapEff", "CapPrm", "CapAmb", "NoNewPrivs", "Seccomp")
+    return *(int(status[name], 16) for name in names), status["Uid"].split(), who
+"""
+    *capabilities, sealed, filtered, users, became = outcome_of(source, call_seconds=3.0)
+    assert capabilities == [0, 0, 0] and sealed == 1
+    assert filtered == (2 if os.uname().machine in syscalls.MACHINES else 0)
+    assert "0" not in users and became.strip() != "0"
+    if os.geteuid():
+        assert set(users) == {str(os.geteuid())}, "an ordinary user stays who that is"
+    else:
+        assert int(users[0]) >= 2**15, "root becomes a user that nobody else is"
+
+
+@pytest.fixture(scope="module")
+def numbers():
+    """Numbers of this machine's system calls."""
+    machine = os.uname().machine
+    if machine not in syscalls.MACHINES:
+        not_here(f"an x86-64 or arm64 processor, not {machine}: another machine")
+    return syscalls.MACHINES[machine][1]
+
+
+CALLS = [
+    *(name for name in syscalls.MACHINES["x86_64"][1] if name not in syscalls.LIMITED),
+    "clone with a user namespace",
+    "socket of a rare family",
+    "madvise to merge pages",
+    "madvise to take a page out of memory",
+    "prctl to merge pages",
+    "ioctl of a file system",
+    "a futex that requeues",
+    "the x32 form of getpid",
+]
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_uses_a_part_of_the_kernel_that_no_exercise_needs(name, numbers, kernel):
+    assert kernel[name] == "no such call"
+
+
+@pytest.fixture(scope="module")
+def kernel(numbers):
+    """What came of each call."""
+    source = """
+import ctypes, errno
+def f(calls):
+    syscall = ctypes.CDLL(None, use_errno=True).syscall
+    said = {}
+    for name, arguments in calls.items():
+        ctypes.set_errno(0)
+        syscall(*map(ctypes.c_long, arguments))
+        said[name] = "no such call" if ctypes.get_errno() == errno.ENOSYS else "done"
+    return said
+"""
+    calls = {name: [number, 0, 0, 0] for name, number in numbers.items()}
+    for name in syscalls.LIMITED:
+        del calls[name]
+    calls["madvise to merge pages"] = [numbers["madvise"], 0, 0, syscalls.MERGEABLE]
+    calls["madvise to take a page out of memory"] = [numbers["madvise"], 0, 0, syscalls.PAGE_OUT]
+    calls["prctl to merge pages"] = [numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
+    calls["ioctl of a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # where its blocks lie
+    calls["a futex that requeues"] = [numbers["futex"], 0, 3, 0]
+    calls["clone with a user namespace"] = [
+        numbers["clone"],
+        syscalls.NEW_USER_NAMESPACE | 17,
+        0,
+        0,
+    ]
+    calls["socket of a rare family"] = [numbers["socket"], 40, 1, 0]
+    calls["unshare"] = [numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
+    calls["shmget"] = [numbers["shmget"], 0, MEBIBYTE, 0o1777]
+    calls["the x32 form of getpid"] = [0x40000000 + 39]
+    said = outcome_of(source, calls)
+    allowed = outcome_of(source, {"getpid": [39 if os.uname().machine == "x86_64" else 172]})
+    assert allowed == {"getpid": "done"}, "not everything is denied"
+    return said
+
+
+@tried(
+    "body",
+    {
+        "asks for a real-time priority": "os.sched_setscheduler(0, 1, os.sched_param(1))",
+        "sets the clock": "time.clock_settime(time.CLOCK_REALTIME, 0)",
+        "names the machine": "socket.sethostname('owned')",
+        "mounts a file system": "assert not ctypes.CDLL(None).mount(b'a', b'/tmp', b'tmpfs', 0, 0)",
+        "writes to the kernel's settings": "open('/proc/sys/kernel/core_pattern', 'w')",
+        "asks the kernel to restart": "open('/proc/sysrq-trigger', 'w').write('b')",
+        "opens the disk": "open('/dev/sda', 'rb') if os.path.exists('/dev/sda') else os.stat('/x')",
+        "opens a terminal": "open('/dev/tty', 'w')",
+    },
+)
+def test_reaches_for_the_machine(body):
+    source = "import ctypes, os, socket, time\n" + function(body)
+    with attack(source) as student, pytest.raises(StudentError, match="Error"):
+        student.f()
+
+
+def test_limits_of_the_tests_are_shorter_than_the_real_ones():
+    real = Limits()
+    assert all(value <= getattr(real, name) for name, value in SHORT.items())

@@ -1,0 +1,458 @@
+"""What a student's code may try to see: tests, solutions, other people, other sandboxes."""
+
+import os
+import re
+import secrets
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.course.lessons import all_lessons, find_lesson
+from grader.course.paths import PROJECT
+from grader.sandbox import Limits, bubblewrap, users
+from grader.sandbox.boundary import SHOWN
+from grader.sandbox.failures import StudentError
+from grader.sandbox.program import PACKAGES
+from grader.sandbox.usage import tree
+from tests.attacks.attack import WALLS, attack, function, in_namespaces, outcome_of, tried
+
+SPY = """
+import os
+def f(paths, installed):
+    found = []
+    for path in paths:
+        for folder, folders, files in os.walk(path):
+            folders[:] = [name for name in folders if os.path.join(folder, name) not in installed]
+            for name in files:
+                try:
+                    with open(os.path.join(folder, name), "rb") as file:
+                        file.read(1)
+                    found.append(os.path.join(folder, name))
+                except OSError:
+                    pass
+    return found
+"""
+
+
+@pytest.mark.slow
+def test_walks_the_project_and_every_home():
+    """For tests, solutions, the course's secret and other students."""
+    places = [str(PROJECT), str(Path.home()), "/home", "/root", "/srv", "/mnt", "/var", "/etc"]
+    # What is installed may lie in the project, and Python itself in a home.
+    installed = [sys.prefix, sys.base_prefix]
+    seen = [Path(path) for path in outcome_of(SPY, places, installed, call_seconds=8.0)]
+    ours = [path for path in seen if path.is_relative_to(PROJECT)]
+    assert ours, "what is shown is there"
+    assert [path for path in ours if not any(map(path.is_relative_to, SHOWN))] == []
+    places = {path.relative_to(PROJECT).parts[:3] for path in SHOWN if path.is_dir()}
+    assert places == {("grader", "sandbox", "inside"), ("utils", "clouds"), ("utils", "notebooks")}
+    assert {path.suffix for path in SHOWN if path.is_relative_to(PROJECT / "data")} == {".txt"}
+    system = ("/etc/ld.so.cache", "/etc/alternatives")
+    others = [path for path in seen if path not in ours]
+    assert [path for path in others if not str(path).startswith(system)] == []
+
+
+@tried(
+    "path",
+    {
+        "reads the hidden tests": "grader/tests/test_06_filter_ground.py",
+        "reads the visible checks": "utils/checks/lesson_04/search.py",
+        "reads the judge": "grader/judging/judge.py",
+        "reads the samples": "grader/judging/samples.py",
+        "reads the simulator": "utils/simulator/scenes.py",
+        "reads the geometry of boxes": "utils/boxes/containment.py",
+        "reads the geometry of planes": "utils/geometry/planes.py",
+        "reads the geometry of trees": "utils/geometry/trees.py",
+        "reads a solution": "solutions/stage2_clustering/04_kd_tree.py",
+        "reads a solved notebook": "solutions/stage2_clustering/04_kd_tree.ipynb",
+        "reads a released notebook": "notebooks/stage2_clustering/04_kd_tree.ipynb",
+        "reads a right variant": "grader/variants/insert.py",
+        "reads what is true of the course's cloud": "data/cloud_truth.npz",
+        "reads the course's history": ".git",
+    },
+)
+def test_opens_a_file_by_its_name(path):
+    assert (PROJECT / path).exists()
+    body = "try:\n    os.stat(path)\n    return True\nexcept OSError:\n    return False"
+    source = "import os\n" + function(body, parameters="path")
+    with attack(source) as student:
+        assert student.f(str(PROJECT / "utils" / "clouds"))
+        assert not student.f(str(PROJECT / path))
+
+
+# Runs in the sandbox: everything that can be imported, and from where.
+WALK = """
+import importlib, importlib.util, os, pkgutil, sys
+def f():
+    import utils
+    found = {}
+    for module in pkgutil.iter_modules(None):
+        found[module.name] = getattr(module.module_finder, "path", "")
+    inner = [m.name for m in pkgutil.walk_packages(utils.__path__, "utils.")]
+    return found, inner
+"""
+
+
+@tried(
+    "lesson_name",
+    {
+        "in a lesson with the usual packages": "04_kd_tree",
+        "in a lesson with scikit-learn": "05_euclidean_clustering",
+    },
+)
+def test_lists_everything_that_can_be_imported(lesson_name):
+    lesson = find_lesson(lesson_name)
+    packages = (*PACKAGES, *lesson.header.packages)
+    modules, ours = outcome_of(WALK, packages=packages, call_seconds=8.0)
+    assert {"json", "numpy", "scipy", "matplotlib", "wire"} <= set(modules)
+    assert ("sklearn" in modules) == ("scikit-learn" in packages)
+    outsiders = {"tests", "solutions", *OUTSIDERS} - {"sklearn"}
+    assert outsiders & set(modules) == set()
+    assert {name.split(".")[1] for name in ours} == {"clouds", "notebooks"}
+    here = {path.stem for path in SHOWN[0].glob("*.py")}
+    project = {name for name, path in modules.items() if Path(path).is_relative_to(PROJECT)}
+    project -= {name for name, path in modules.items() if Path(path).is_relative_to(sys.prefix)}
+    assert project == here | {"utils"}
+
+
+OUTSIDERS = ("vtk", "vtkmodules", "pyvista", "shapely", "skimage", "pooch", "rosbags", "sklearn")
+OUTSIDERS += ("nbgrader", "pandas", "pytest", "grader")
+IMPORTER = """
+import glob, importlib, importlib.machinery, importlib.util, os, sys, sysconfig
+def everywhere():
+    roots = {sys.prefix, sys.base_prefix, "/usr", "/usr/local", *sys.path}
+    roots |= {sysconfig.get_path("purelib"), sysconfig.get_path("platlib"), PREFIX}
+    for root in list(roots):
+        for pattern in ("lib*/python*/site-packages", "lib*/python*/dist-packages", "lib*/pypy*"):
+            roots |= set(glob.glob(os.path.join(root, pattern)))
+    return sorted(roots)
+def f(names, how):
+    if how == "removes the importer that refuses":
+        sys.meta_path[:] = [importlib.machinery.PathFinder]
+    if how == "adds every folder of packages":
+        sys.path[:0] = everywhere()
+    found = []
+    for name in names:
+        if how == "loads it from its file":
+            for root in everywhere():
+                places = (f"{root}/{name}/__init__.py", f"{root}/{name}.py")
+                for path in filter(os.path.exists, places):
+                    spec = importlib.util.spec_from_file_location(name, path)
+                    module = importlib.util.module_from_spec(spec)
+                    sys.modules[name] = module
+                    spec.loader.exec_module(module)
+                    found.append(name)
+            continue
+        try:
+            importlib.import_module(name)
+            found.append(name)
+        except ImportError:
+            pass
+    return found
+"""
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        "imports it",
+        "adds every folder of packages",
+        "loads it from its file",
+        "removes the importer that refuses",
+    ],
+)
+def test_imports_what_the_lesson_does_not_name(how):
+    source = f"PREFIX = {sys.prefix!r}\n" + IMPORTER
+    with attack(source, call_seconds=8.0) as student:
+        assert "scipy" in student.f(["scipy"], how if "file" not in how else "imports it")
+        assert student.f(list(OUTSIDERS), how) == []
+
+
+def test_loads_a_shared_library_of_a_package_that_is_not_there():
+    """VTK's clustering, or GEOS, without Python's import."""
+    source = """
+import ctypes, os
+def f(roots):
+    found = []
+    for root in roots:
+        for folder, folders, files in os.walk(root):
+            found += [name for name in files
+                      if ".so" in name and any(w in name.lower() for w in ("vtk", "geos", "pcl"))]
+    return found
+"""
+    assert outcome_of(source, [sys.prefix, sys.base_prefix], call_seconds=8.0) == []
+
+
+def test_a_forbidden_library_is_gone_however_it_is_imported():
+    """Takes the refusing importer away, then looks for the files."""
+    source = """
+import glob, importlib, subprocess, sys
+def f():
+    sys.meta_path[:] = [finder for finder in sys.meta_path
+                        if type(finder).__name__ != "Forbidden"]
+    found = []
+    for folder in glob.glob(f"{sys.base_prefix}/lib/python*/site-packages") + sys.path:
+        found += glob.glob(folder + "/scipy/cluster/*")
+    try:
+        import scipy.cluster.hierarchy
+        found.append("imported")
+    except ImportError:
+        pass
+    return found
+"""
+    with attack(source, forbidden=("scipy.cluster",), call_seconds=5.0) as student:
+        assert student.f() == []
+    with attack(
+        "import scipy.cluster.hierarchy as h\ndef f(): return h", forbidden=("scipy.cluster",)
+    ) as student:
+        with pytest.raises(StudentError, match="not allowed in this lesson"):
+            student.f()
+        assert any("is not allowed" in problem for problem in student.problems)
+
+
+def test_every_lesson_shows_no_more_than_its_header_names():
+    for lesson in all_lessons():
+        assert set(lesson.header.packages) <= {"scikit-learn"}, lesson.name
+
+
+@in_namespaces
+def test_looks_for_processes_descriptors_and_variables_of_the_grader(monkeypatch):
+    monkeypatch.setenv("SECRET_TOKEN", "xyzzy")
+    source = """
+import os
+def f():
+    texts = [str(dict(os.environ))]
+    for number in os.listdir("/proc"):
+        if number.isdigit():
+            for name in ("cmdline", "environ"):
+                try:
+                    texts.append(open(f"/proc/{number}/{name}").read())
+                except OSError:
+                    pass
+    links = [os.readlink(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd")
+             if os.path.lexists(f"/proc/self/fd/{n}")]
+    return texts, links, [int(n) for n in os.listdir("/proc") if n.isdigit()]
+"""
+    with open(__file__):
+        texts, links, processes = outcome_of(source)
+    assert "xyzzy" not in "".join(texts) and "pytest" not in "".join(texts)
+    assert len(processes) == 2 and 1 in processes, "bubblewrap's own and the worker"
+    assert all(link == "/dev/null" or link.startswith("pipe:") for link in links)
+    assert len({link for link in links if link.startswith("pipe:")}) == 2
+
+
+def test_looks_for_files_that_the_grader_has_open():
+    """Through the root of another process, or the memory of its parent."""
+    source = """
+import os
+def f():
+    reached = []
+    for path in ("/proc/1/root/root", "/proc/1/cwd", "/proc/1/mem", "/proc/kcore", "/dev/mem",
+                 "/proc/1/root/home", "/dev/kmsg", "/sys/kernel", "/run", "/boot"):
+        try:
+            os.listdir(path) if os.path.isdir(path) else open(path, "rb").read(1)
+            reached.append(path)
+        except OSError:
+            pass
+    return reached
+"""
+    assert outcome_of(source) == []
+
+
+def test_reaches_no_network():
+    """A server on this machine, one elsewhere, and sockets of rarer kinds."""
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        server.listen()
+        source = f"""
+import socket
+def f():
+    reached = []
+    for address in (("127.0.0.1", {server.getsockname()[1]}), ("1.1.1.1", 53)):
+        try:
+            reached.append(socket.create_connection(address, timeout=0.3) and address)
+        except OSError:
+            pass
+    for family in (16, 38, 40):  # netlink, the kernel's ciphers, the virtual machine's host
+        try:
+            reached.append(socket.socket(family, socket.SOCK_STREAM) and family)
+        except OSError:
+            pass
+    return reached
+"""
+        assert outcome_of(source, call_seconds=4.0) == []
+
+
+# ---- Two sandboxes of one user ------------------------------------------------------------
+
+
+HOST = """
+import os, socket, threading
+KEPT = []
+def f(name):
+    for folder in ("/tmp", "/dev/shm"):
+        with open(f"{folder}/{name}", "w") as file:
+            file.write(name)
+    server = socket.socket(socket.AF_UNIX)
+    server.bind("\\0" + name)
+    server.listen()
+    there = socket.socket()
+    there.bind(("127.0.0.1", 47123))
+    there.listen()
+    KEPT.extend([server, there])
+    return "here"
+"""
+GUEST = """
+import os, socket
+def f(name, processes):
+    met = []
+    for path in (f"/tmp/{name}", f"/dev/shm/{name}"):
+        if os.path.exists(path):
+            met.append(path)
+    for family, address in ((socket.AF_UNIX, "\\0" + name), (socket.AF_INET, ("127.0.0.1", 47123))):
+        try:
+            socket.socket(family).connect(address)
+            met.append(str(family))
+        except OSError:
+            pass
+    for process in processes:
+        if process > 2 and os.path.exists(f"/proc/{process}"):
+            met.append(process)
+        try:
+            process > 2 and os.kill(process, 9)
+            met += [process] if process > 2 else []
+        except OSError:
+            pass
+    return met
+"""
+
+
+@in_namespaces
+def test_two_sandboxes_of_one_user_do_not_meet():
+    """By files, abstract sockets, ports, process numbers or signals."""
+    name = secrets.token_hex(4)
+    with attack(HOST) as one, attack(GUEST) as other:
+        assert one.f(name) == "here"
+        numbers = [number for number in tree(one._worker.process.pid) if number > 2]
+        assert len(numbers) >= 2
+        assert other.f(name, numbers) == []
+        with pytest.raises(StudentError, match="in use|OSError|exists"):
+            one.f(name)  # still there, and still holds its port
+
+
+@in_namespaces
+def test_what_one_submission_leaves_the_next_does_not_find():
+    """One judge process judges both: files, modules, variables, processes."""
+    leave = """
+import builtins, os, sys
+def f():
+    for folder in ("/tmp", "/dev/shm"):
+        open(folder + "/left", "w").close()
+    os.environ["LEFT"] = "1"
+    sys.modules["left"] = builtins.left = os
+    if os.fork() == 0:
+        import time
+        time.sleep(60)
+    return 1
+"""
+    find = """
+import builtins, os, sys
+def f():
+    found = [folder for folder in ("/tmp", "/dev/shm") if "left" in os.listdir(folder)]
+    found += ["LEFT"] * ("LEFT" in os.environ) + ["module"] * ("left" in sys.modules)
+    found += ["builtin"] * hasattr(builtins, "left")
+    return found + [n for n in os.listdir("/proc") if n.isdigit() and int(n) > 2]
+"""
+    assert outcome_of(leave) == 1
+    assert outcome_of(find) == []
+
+
+# ---- Where the project and Python may lie ---------------------------------------------------
+
+
+@pytest.fixture
+def elsewhere(tmp_path, monkeypatch):
+    """A project that lies somewhere below `tmp_path`, with tests, and one package."""
+
+    def put(project, prefix, base, system=()):
+        project, prefix, base = (tmp_path / place for place in (project, prefix, base))
+        for path in ("grader/tests/secret.py", "grader/sandbox/inside/worker.py", ".course_seed"):
+            (project / path).parent.mkdir(parents=True, exist_ok=True)
+            (project / path).write_text("")
+        installed = prefix / "lib" / "python3.11" / "site-packages"
+        for package in ("wanted", "unwanted"):
+            (installed / package).mkdir(parents=True)
+            (installed / package / "module.py").write_text("")
+        (base / "lib" / "standard.py").parent.mkdir(parents=True, exist_ok=True)
+        (base / "lib" / "standard.py").write_text("")
+        for name, value in {
+            "PROJECT": project,
+            "SHOWN": (project / "grader" / "sandbox" / "inside",),
+            "PREFIX": str(prefix),
+            "BASE_PREFIX": str(base),
+            "SYSTEM": (*bubblewrap.SYSTEM, *(str(tmp_path / place) for place in system)),
+            "PYTHON": str(base / "lib" / "standard.py"),
+            "files_of_packages": lambda names: (installed / "wanted",),
+            "folders_of_packages": lambda: (installed,),
+        }.items():
+            monkeypatch.setattr(bubblewrap, name, value)
+        options = bubblewrap._windows((), ())
+        ran = subprocess.run(
+            [*bubblewrap._walls(Limits()), *options, "--", "/usr/bin/find", str(tmp_path)],
+            capture_output=True,
+            text=True,
+        )
+        return {path for path in ran.stdout.split("\n") if path.endswith((".py", "seed"))}, ran
+
+    return put
+
+
+@tried(
+    "project, prefix, base, system",
+    {
+        "an environment made in the project's own folder": ("course", "course", "python", ()),
+        "an environment in the project": ("course", "course/.venv", "python", ()),
+        "a project inside Python's folder": ("python/course", "venv", "python", ()),
+        "a project below the system's folder": ("usr/src/course", "venv", "python", ("usr",)),
+        "packages below the system's folder": ("course", "usr", "usr", ("usr",)),
+        "a project in the environment": ("venv/course", "venv", "python", ()),
+    },
+)
+def test_no_place_of_project_and_python_shows_more(
+    project, prefix, base, system, elsewhere, tmp_path
+):
+    seen, ran = elsewhere(project, prefix, base, system)
+    assert str(tmp_path / project / "grader" / "sandbox" / "inside" / "worker.py") in seen, ran
+    assert any(re.search(r"/wanted/module.py", path) for path in seen), ran
+    assert [path for path in seen if path.endswith(("secret.py", "seed"))] == []
+    assert [path for path in seen if "unwanted" in path] == []
+
+
+def test_the_walls_for_an_ordinary_user_hold_for_root_too(monkeypatch):
+    """Root can also be told to build the walls that everybody else gets."""
+    monkeypatch.setattr(users, "is_root", lambda: False)
+    someone = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+    script = (
+        "cd /tmp && echo x > y && cat y; grep CapEff /proc/self/status; "
+        "unshare --user true && echo gained; echo x > /usr/x && echo gained; "
+        f"test -e '{PROJECT}/grader' && echo gained; ls -A / /root /home; true"
+    )
+    ran = subprocess.run(
+        [*bubblewrap._walls(Limits()), "--remount-ro", "/", "--", "/bin/sh", "-c", script],
+        capture_output=True,
+        text=True,
+        cwd="/",
+        **someone,
+    )
+    assert ran.stdout.startswith("x\nCapEff:\t0000000000000000\n"), ran.stderr
+    assert "gained" not in ran.stdout
+    assert "No such file" in ran.stderr
+
+
+def test_a_worker_starts_behind_these_walls():
+    """So that no test above passes because nothing runs at all."""
+    worker = WALLS.start(Limits())
+    assert worker.stop() in (-9, 137)

@@ -1,0 +1,111 @@
+"""Files are there wholly or not at all, also on a disk that is full."""
+
+import random
+import resource
+import shutil
+
+import pytest
+from nbgrader.exchange.default import ExchangeReleaseAssignment
+
+from grader.course import atomic_files, release, solutions, standalone
+from grader.course.atomic_files import write_atomically
+from grader.course.lessons import find_lesson
+from grader.lms.exchange import ReleaseStandalone
+from grader.lms.exporters.destination import place
+from grader.lms.exporters.protocol import ExportTrouble
+
+LESSON = find_lesson("08_bounding_boxes")
+
+
+@pytest.fixture
+def full_disk():
+    """No file may grow beyond a thousand bytes."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def fill():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+
+    yield fill
+    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_of_a_file_that_could_not_be_written_nothing_stays(tmp_path, monkeypatch, error):
+    path = tmp_path / "marks.csv"
+    path.write_text("before")
+
+    def fail(*about):
+        raise error
+
+    monkeypatch.setattr(atomic_files.os, "replace", fail)
+    with pytest.raises(type(error)):
+        write_atomically("after", path)
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [
+        ("marks.csv", "before")
+    ]
+
+
+@pytest.mark.parametrize(("mask", "mode"), [(0o000, 0o666), (0o026, 0o640), (0o077, 0o600)])
+def test_fellow_graders_may_read_what_is_written(tmp_path, monkeypatch, mask, mode):
+    monkeypatch.setattr(atomic_files, "_UMASK", mask)
+    path = tmp_path / "a" / "b" / "c.json"
+    write_atomically("a \ud800 word", path)  # what is no text does no harm
+    write_atomically("a word", path)
+    assert path.stat().st_mode & 0o777 == mode and path.read_text() == "a word"
+
+
+def write_solutions(folder):
+    content = random.Random(1).randbytes(5000)
+    return list(solutions.write_solutions(folder, {LESSON: content}))
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda folder: list(release.write_zips(folder, [LESSON.stage])),
+        lambda folder: standalone.write_standalone(folder, [LESSON.stage]),
+        write_solutions,
+    ],
+)
+def test_what_is_handed_out_is_whole_or_what_it_was(tmp_path, monkeypatch, full_disk, write):
+    content = random.Random(1).randbytes(5000)  # which no zip makes small
+    monkeypatch.setattr(release, "student_files", lambda stage: {"a": content})
+    monkeypatch.setattr(standalone, "standalone", lambda notebook: content)
+    monkeypatch.setattr(standalone, "refuse_to_give_away", lambda *about: None)
+    monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: notebook)
+    write(tmp_path / "there")
+    before = {path: path.read_bytes() for path in (tmp_path / "there").iterdir()}
+    full_disk()
+    for folder in ("there", "new"):
+        with pytest.raises(OSError, match="too large"):
+            write(tmp_path / folder)
+    assert {path: path.read_bytes() for path in (tmp_path / "there").iterdir()} == before
+    assert list((tmp_path / "new").iterdir()) == []
+
+
+def test_what_nbgrader_releases_is_whole_or_what_it_was(tmp_path, monkeypatch, full_disk):
+    (tmp_path / "from").mkdir()
+    shutil.copy(LESSON.released, tmp_path / "from")
+
+    def copy(self, source, target, log=None):
+        shutil.copytree(source, target)
+        full_disk()
+
+    monkeypatch.setattr(ExchangeReleaseAssignment, "do_copy", copy)
+    with pytest.raises(OSError, match="too large"):
+        ReleaseStandalone.do_copy(ReleaseStandalone(), tmp_path / "from", tmp_path / "to")
+    (path,) = (tmp_path / "to").iterdir()
+    assert path.read_bytes() == LESSON.released.read_bytes()
+
+
+def test_an_export_is_whole_or_what_it_was(tmp_path, full_disk):
+    usual = tmp_path / "scores.csv"
+    place(b"before", None, usual, None)
+    full_disk()
+    with pytest.raises(ExportTrouble, match="cannot be written: File too large"):
+        place(b"now" * 1000, None, usual, None)
+    with pytest.raises(ExportTrouble, match="cannot be written: File too large"):
+        place(b"now" * 1000, tmp_path / "other.csv", usual, None)
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [
+        ("scores.csv", b"before")
+    ]

@@ -1,0 +1,115 @@
+"""What many checks rest on is asked once a run."""
+
+import numpy as np
+import pytest
+
+from utils.checks.failures import CheckFailed
+from utils.checks.run_cache import answer_to, once, one_run
+
+
+def counted(outcomes):
+    """An assertion that ends as it is told, call by call, and whom it was asked about."""
+    asked = []
+
+    @once
+    def assertion(function):
+        asked.append(function)
+        outcome = outcomes[min(len(asked), len(outcomes)) - 1]
+        if outcome:
+            raise outcome
+
+    return assertion, asked
+
+
+def f():
+    pass
+
+
+def g():
+    pass
+
+
+def test_a_run_asks_once():
+    assertion, asked = counted([None])
+    with one_run():
+        assertion(f), assertion(f), assertion(g)
+    assert asked == [f, g]
+
+
+def test_a_failure_is_told_each_time():
+    assertion, asked = counted([CheckFailed("wrong"), None])
+    with one_run():
+        for _ in range(3):
+            with pytest.raises(CheckFailed, match="wrong"):
+                assertion(f)
+    assert asked == [f]
+
+
+def test_the_next_run_asks_anew():
+    assertion, asked = counted([CheckFailed("wrong"), None])
+    with one_run(), pytest.raises(CheckFailed):
+        assertion(f)
+    with one_run():
+        assertion(f)
+        with one_run():
+            assertion(f)
+        assertion(f)
+    assert len(asked) == 3
+
+
+def test_what_is_no_answer_is_asked_again():
+    """A process that was stopped may answer the next time."""
+    assertion, asked = counted([OSError("stopped"), None])
+    with one_run():
+        with pytest.raises(OSError):
+            assertion(f)
+        assertion(f)
+    assert len(asked) == 2
+
+
+def test_without_a_run_nothing_is_remembered():
+    assertion, asked = counted([None])
+    assertion(f), assertion(f)
+    assert len(asked) == 2
+
+
+def test_what_an_assertion_is_about_tells_it_apart():
+    asked = []
+    assertion = once(lambda function, about: asked.append(about))
+    with one_run():
+        assertion(f, 1), assertion(f, 2), assertion(f, 1)
+    assert asked == [1, 2]
+
+
+def test_an_answer_is_remembered_as_it_was():
+    given, mine = [], np.zeros(2)
+
+    def counts(array):
+        array += 1
+        mine[:] += array
+        given.append(array)
+        return mine
+
+    question = np.ones(2)
+    with one_run():
+        first, second = (answer_to(counts, "one", question) for _ in range(2))
+        other = answer_to(counts, "other", question)
+    assert len(given) == 2
+    assert question.tolist() == [1, 1]
+    assert first.tolist() == second.tolist() == [2, 2]
+    assert other.tolist() == [4, 4]
+    answer_to(counts, "one", question), answer_to(counts, "one", question)
+    assert len(given) == 4
+
+
+def test_only_arrays_are_remembered():
+    asked = []
+
+    def lists(array):
+        asked.append(array)
+        return iter(array)
+
+    with one_run():
+        for _ in range(2):
+            assert [*answer_to(lists, "one", np.ones(2))] == [1, 1]
+    assert len(asked) == 2

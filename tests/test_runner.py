@@ -1,0 +1,420 @@
+"""How a lesson's checks are asked, with a lesson and a student made of nothing."""
+
+import dataclasses
+import hashlib
+import os
+import signal
+import threading
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.judging import program_run, runner
+from grader.judging.runner import JudgeFault, JudgeTimeout, run_tests
+from grader.sandbox import SandboxUnavailable
+from grader.sandbox.failures import StudentStopped
+from utils.checks import Check, CheckFailed
+from utils.checks.diagnosis import Mistake
+from utils.checks.failures import FarTooMuch, WrongForm
+from utils.checks.outcomes import Outcome
+
+FILTER = find_lesson("06_filter_ground")
+SEED = 20_170_405
+NO = CheckFailed("no")
+
+HEAD = """
+import os, time
+import pytest
+from grader.judging.hidden_tests import hidden
+from utils.checks.failures import CheckFailed, FarTooMuch
+about = dict(title="It holds", hint="Look at it.")
+"""
+
+
+@pytest.fixture
+def made(tmp_path, monkeypatch):
+    """A function that makes a lesson of two exercises from hidden tests and shown checks."""
+
+    def make(hidden="", shown=()):
+        tests = tmp_path / "test_06_made_here.py"
+        tests.write_text(HEAD + hidden)
+        monkeypatch.setattr(
+            runner, "checks_of", lambda name: [one for one in shown if one.exercise == name]
+        )
+        return SimpleNamespace(
+            number="06", tests=tests, machine_graded=[SimpleNamespace(name=one) for one in "fg"]
+        )
+
+    return make
+
+
+class Nobody(SimpleNamespace):
+    """A student whose functions say what was asked."""
+
+    def __init__(self):
+        super().__init__(exercise="", asked=[], closed=0)
+
+    def __getattr__(self, name):
+        if name not in "fg":
+            raise AttributeError(name)
+        return lambda *arguments: self.asked.append((self.exercise, name, *arguments))
+
+    def close(self):
+        self.closed += 1
+
+
+def shown(name, exercise, run):
+    return Check(name, exercise, "a title", "a hint", run=run)
+
+
+def failures(outcomes):
+    return {one.check.name: type(one.failure) for one in outcomes if one.failure}
+
+
+TWO = """
+@hidden("g", **about)
+def test_second(student):
+    student.g("second")
+
+@hidden("f", weight=2.5, **about)
+def test_first(student):
+    student.f("first")
+    raise CheckFailed("no")
+"""
+
+
+def test_what_is_shown_is_asked_first_and_each_about_its_own_exercise(made):
+    student = Nobody()
+    checks = [
+        shown("holds", "g", lambda function: function("shown")),
+        shown("fails", "f", lambda function: 1 / 0),
+    ]
+    outcomes = run_tests(made(TWO, checks), student, SEED)
+    assert [one.check.name for one in outcomes] == ["fails", "holds", "test_second", "test_first"]
+    assert [one.check.is_shown for one in outcomes] == [True, True, False, False]
+    assert [one.check.weight for one in outcomes] == [1.0, 1.0, 1.0, 2.5]
+    assert failures(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
+    assert student.asked == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
+    assert student.closed == 0
+
+
+def test_nobody_looks_at_what_lies_in_the_folders_above(made, monkeypatch):
+    """A home with many folders would be looked at again for each notebook."""
+    lesson, listed, scandir = made(TWO), [], os.scandir
+
+    def noted(path="."):
+        listed.append(os.fspath(path))
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", noted)
+    assert len(run_tests(lesson, Nobody(), SEED)) == 2
+    above = {str(folder) for folder in lesson.tests.parent.parents}
+    assert above.intersection(listed) == set()
+
+
+def test_what_is_not_asked_for_is_left_out(made):
+    student = Nobody()
+    checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
+    outcomes = run_tests(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
+    assert [one.check.name for one in outcomes] == ["one", "test_first"]
+    assert [exercise for exercise, *_ in student.asked] == ["f", "f"]
+    assert run_tests(made(TWO), student, SEED, lambda check: False) == []
+
+
+def test_where_one_failure_decides_the_rest_is_not_asked(made):
+    """One call of a slow answer may take seconds, and there are many."""
+    student, hidden = Nobody(), TWO.replace('student.g("second")', 'student.g("second"); 1 / 0')
+    checks = [shown("holds", "g", lambda function: function("shown"))]
+    outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
+    assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
+    assert student.asked == [("g", "g", "shown"), ("g", "g", "second")]
+    checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
+    student.asked.clear()
+    outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
+    assert [one.check.name for one in outcomes if not one.failure] == []
+    assert student.asked == []
+
+
+def test_some_checks_are_questions_that_can_be_asked_again(made):
+    student, lesson = Nobody(), made(TWO)
+    checks = [
+        shown("holds", "g", lambda function: function("shown")),
+        *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
+    ]
+    (hidden,) = runner.hidden_questions(lesson, student, SEED, checks)
+    assert student.asked == []  # they are kept, and not asked
+    for _ in range(2):
+        with pytest.raises(CheckFailed):
+            hidden()
+    assert [asked for _, *asked in student.asked] == [["f", "first"]] * 2
+    (question,) = runner.shown_questions(student, checks)
+    question()
+    assert student.asked[-1][1:] == ("g", "shown")
+    assert runner.hidden_questions(None, student, SEED, checks[:1]) == ()  # nothing is collected
+    assert runner.shown_questions(student, checks[1:]) == ()
+
+
+@pytest.mark.parametrize(
+    ("hidden", "says"),
+    [
+        ("", "pytest ran 0 of 0 tests in test_06_made_here.py (exit code 5)"),
+        ("import nothing_of_this_name", "No module named 'nothing_of_this_name'"),
+        (TWO + "\nopen('there is no such file')", "there is no such file"),
+    ],
+)
+def test_a_file_of_tests_that_cannot_be_asked_is_our_fault(made, hidden, says):
+    before = dict(os.environ)
+    with pytest.raises(JudgeFault) as fault:
+        run_tests(made(hidden), Nobody(), SEED)
+    assert says in str(fault.value) and "Run it by hand" in str(fault.value)
+    assert dict(os.environ) == before
+
+
+def test_what_was_collected_and_never_asked_is_our_fault(made, monkeypatch):
+    monkeypatch.setattr(runner, "_OPTIONS", (*runner._OPTIONS, "--maxfail=1"))
+    failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
+    three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
+    with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in test_06_made_here.py"):
+        run_tests(made(three), Nobody(), SEED)
+
+
+def test_a_file_of_tests_that_is_not_there_is_our_fault(made):
+    lesson = made()
+    lesson.tests.unlink()
+    with pytest.raises(JudgeFault, match="pytest ran 0 of 0 tests"):
+        run_tests(lesson, Nobody(), SEED)
+
+
+def test_a_test_that_cannot_be_set_up_has_failed_and_so_has_one_that_is_skipped(made):
+    hidden = """
+@hidden("f", **about)
+def test_one(student, what_nobody_made):
+    pass
+
+@hidden("f", **about)
+def test_other(student):
+    pytest.skip("not today")
+"""
+    outcomes = run_tests(made(hidden), Nobody(), SEED)
+    assert [one.check.name for one in outcomes if one.failure] == ["test_one", "test_other"]
+
+
+@pytest.mark.parametrize("where", ["shown", "hidden"])
+def test_a_sandbox_that_is_lost_is_said_to_be(made, where):
+    class Lost(Nobody):
+        def __getattr__(self, name):
+            def ask(*arguments):
+                raise SandboxUnavailable("it is gone")
+
+            return ask if name in "fg" else super().__getattr__(name)
+
+    if where == "hidden":
+        lesson = made(TWO)
+    else:
+        checks = [shown("one", "f", lambda function: function())]
+        lesson = made('@hidden("g", **about)\ndef test_nothing(student): pass', checks)
+    with pytest.raises(SandboxUnavailable, match="it is gone"):
+        run_tests(lesson, Lost(), SEED)
+
+
+def test_who_presses_stop_is_heard(made):
+    hidden = TWO.replace('student.g("second")', "raise KeyboardInterrupt")
+    with pytest.raises(KeyboardInterrupt):
+        run_tests(made(hidden), Nobody(), SEED)
+
+
+# ---- time and size -------------------------------------------------------------------------------
+
+
+def test_comparing_ends_in_time_and_the_clock_is_left_as_it_was(made, monkeypatch):
+    monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
+    hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # seconds
+    student, before = Nobody(), signal.getsignal(signal.SIGPROF)
+    outcomes = run_tests(made(hidden), student, SEED)
+    assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
+    assert student.closed == 1  # it may have been in the middle of a sentence
+    assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
+    assert signal.getsignal(signal.SIGPROF) is before
+
+
+def test_waiting_for_a_student_is_no_work_of_the_judge(made, monkeypatch):
+    monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.2)
+    hidden = TWO.replace('student.g("second")', "time.sleep(0.4)")
+    assert "test_second" not in failures(run_tests(made(hidden), Nobody(), SEED))
+
+
+def test_a_test_has_seconds_and_not_less():
+    assert 5 <= runner.SECONDS_OF_A_TEST <= 60  # the slowest right one takes two
+
+
+def test_in_another_thread_it_is_asked_without_a_clock(made):
+    found = []
+    lesson = made(TWO)
+    thread = threading.Thread(target=lambda: found.extend(run_tests(lesson, Nobody(), SEED)))
+    thread.start()
+    thread.join()
+    assert failures(found) == {"test_first": CheckFailed}
+
+
+def test_after_five_answers_that_are_far_too_large_an_exercise_is_not_tried_any_more(made):
+    def much(function):
+        function()
+        raise FarTooMuch("a million boxes")
+
+    def wrong(function):
+        raise WrongForm("no box")
+
+    checks = [
+        *(shown(f"wrong {number}", "f", wrong) for number in range(9)),
+        *(shown(f"f{number}", "f", much) for number in range(7)),
+        *(shown(f"g{number}", "g", much) for number in range(4)),
+    ]
+    student = Nobody()
+    found = failures(run_tests(made(TWO, checks), student, SEED))
+    tried = [name for name, failure in found.items() if failure is FarTooMuch]
+    assert tried == ["f0", "f1", "f2", "f3", "f4", "g0", "g1", "g2", "g3"]
+    assert [name for name, failure in found.items() if failure is StudentStopped] == [
+        *("f5", "f6", "test_first"),
+    ]
+    assert "test_second" not in found  # of the other exercise
+    assert len(student.asked) == 9 + 1
+
+
+def test_and_says_how_many_there_were(made):
+    def much(function):
+        raise FarTooMuch("a million boxes")
+
+    checks = [shown(f"f{number}", "f", much) for number in range(6)]
+    *_, last = run_tests(made(TWO, checks), Nobody(), SEED, lambda check: check.is_shown)
+    assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
+
+
+# ---- nothing from outside ------------------------------------------------------------------------
+
+
+def test_each_lesson_has_a_seed_of_its_own_of_120_bits(made):
+    hidden = """
+@hidden("f", **about)
+def test_seed(student, seed):
+    student.f(seed)
+"""
+    student, lesson = Nobody(), made(hidden)
+    run_tests(lesson, student, SEED)
+    run_tests(lesson, student, SEED + 1)
+    run_tests(lesson, student, SEED)
+    seeds = [seed for *_, seed in student.asked]
+    digest = hashlib.sha256(f"{SEED} test_06_made_here.py".encode()).hexdigest()
+    assert seeds[0] == seeds[2] == int(digest[:30], 16) != seeds[1]
+
+
+def test_no_setting_and_no_file_beside_has_a_say(made, monkeypatch):
+    settings = {
+        "PYTEST_ADDOPTS": "-k nothing",
+        "PYTEST_PLUGINS": "no_such_plugin",
+        "PY_COLORS": "1",
+    }
+    for name, value in settings.items():
+        monkeypatch.setenv(name, value)
+    before = dict(os.environ)
+    lesson = made(TWO)
+    (lesson.tests.parent / "conftest.py").write_text("raise SystemError('read')")
+    assert len(run_tests(lesson, Nobody(), SEED)) == 2
+    assert dict(os.environ) == before
+    assert "PYTEST_DISABLE_PLUGIN_AUTOLOAD" not in os.environ
+
+
+# ---- a program is asked --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked_once(monkeypatch):
+    """A function that asks somebody whose checks ended so; and what was looked at and closed."""
+    seen = SimpleNamespace(looked=[], closed=[])
+
+    class Somebody(SimpleNamespace):
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *error):
+            seen.closed.append(error[0])
+
+        def __getattr__(self, name):
+            return f"the student's {name}"
+
+    def ask(ended, explains=None, **how):
+        def run(*about):
+            if isinstance(ended, Exception):
+                raise ended
+            return ended
+
+        def look(exercise, function):
+            seen.looked.append((exercise, function, somebody.exercise))
+            return explains
+
+        somebody = Somebody(problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise="")
+        monkeypatch.setattr(program_run, "Student", lambda *about: somebody)
+        monkeypatch.setattr(program_run, "run_tests", run)
+        monkeypatch.setattr(program_run, "diagnose", look)
+        return program_run.ask(program_run.Setting(FILTER, SEED, None), None, **how)
+
+    return ask, seen
+
+
+ENDED = [
+    Outcome(Check("a", "f", "", ""), None),
+    Outcome(Check("b", "f", "", ""), WrongForm("no")),
+    Outcome(Check("c", "f", "", ""), NO),
+    Outcome(Check("d", "g", "", ""), StudentStopped("It did not answer.")),
+    Outcome(Check("e", "h", "", ""), NO),
+]
+
+
+def test_each_wrong_exercise_is_explained_once(asked_once):
+    ask, seen = asked_once
+    mistake = Mistake("It is upside down.", predicts=np.flip)
+    asked = ask(ENDED, mistake, explain=True)
+    assert asked.outcomes == tuple(ENDED) and asked.mistakes == {"f": mistake, "h": mistake}
+    assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
+    assert (asked.problems, asked.uses, asked.starved) == (("a cell",), {"f": ("g",)}, True)
+    assert asked.fault == "" and seen.closed == [None]
+    assert [one.check.name for one in asked.about("f")] == ["a", "b", "c"]
+    assert [one.check.name for one in asked.about("g")] == ["d"]
+
+
+def test_what_is_said_about_an_exercise_is_found_by_its_name():
+    """Which is one text in the notebook, and another in a test."""
+    outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
+    asked = program_run.Asked(tuple(outcomes))
+    assert asked.about("".join(("voxel", "_grid"))) == outcomes
+    assert not asked.starved and asked.fault == ""
+
+
+def test_what_nothing_explains_is_asked_for_once_and_has_no_mistake(asked_once):
+    ask, seen = asked_once
+    assert ask(ENDED, None, explain=True).mistakes == {}
+    assert [name for name, *_ in seen.looked] == ["f", "h"]
+
+
+def test_nobody_explains_what_was_not_to_be_explained(asked_once):
+    ask, seen = asked_once
+    assert ask(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
+    assert seen.looked == []
+
+
+def test_a_fault_is_noted_and_the_process_ended(asked_once):
+    ask, seen = asked_once
+    asked = ask(JudgeFault("pytest ran 3 of 9 tests"), explain=True)
+    assert (asked.outcomes, asked.fault) == ((), "pytest ran 3 of 9 tests")
+    assert asked.problems == ("a cell",) and seen.closed == [None]
+    with pytest.raises(SandboxUnavailable):
+        ask(SandboxUnavailable("it is gone"))
+    assert seen.closed[1] is SandboxUnavailable
+
+
+def test_what_came_of_asking_stays_as_it_is(asked_once):
+    ask, _ = asked_once
+    for made in (ask(ENDED), program_run.Setting(FILTER, SEED, None)):
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            made.starved = False

@@ -1,0 +1,90 @@
+"""Answers that are off by a little: a wrong tolerance of the judge's own would let them pass."""
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import lesson_of, load_reference
+from grader.judging.runner import run_tests
+from tests.students import student_with
+
+CENTIMETRE = 0.01
+DEGREE = np.radians(1.0)
+
+
+def turned(model):
+    """A line's or a plane's normal by one degree, the rest as it is."""
+    if model is None:
+        return None
+    normal, offset = np.array(model[:-1], dtype=float), model[-1]
+    aside = np.roll(normal, 1) * np.array([-1, 1, 1][: len(normal)])
+    aside -= normal * (aside @ normal)
+    aside /= np.linalg.norm(aside)
+    return (*(np.cos(DEGREE) * normal + np.sin(DEGREE) * aside), offset)
+
+
+def axes_turned(axes):
+    cosine, sine = np.cos(3 * DEGREE), np.sin(3 * DEGREE)
+    return axes @ np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+
+
+def shifted(answer):
+    return np.asarray(answer, dtype=float) + CENTIMETRE
+
+
+def grown(boxes):
+    """Each box by a centimetre on all sides."""
+    boxes = np.array(boxes, dtype=float)
+    return boxes + CENTIMETRE * np.sign(boxes - boxes.mean(axis=1, keepdims=True))
+
+
+def shrunk(boxes):
+    boxes = np.array(boxes, dtype=float)
+    return boxes - CENTIMETRE * np.sign(boxes - boxes.mean(axis=1, keepdims=True))
+
+
+def model_turned(result):
+    """What RANSAC returns, with another model than its inliers belong to."""
+    model, inliers = result
+    return turned(model), inliers
+
+
+OFF = {
+    "horizontal_distance": shifted,
+    "line_through": turned,
+    "point_line_distance": shifted,
+    "ransac_line": model_turned,
+    "plane_through": turned,
+    "point_plane_distance": shifted,
+    "ransac_plane": model_turned,
+    "fit_plane": turned,
+    "voxel_grid": shifted,
+    "get_bounding_boxes": grown,
+    "principal_axes": axes_turned,
+    "get_oriented_boxes": shrunk,
+}
+
+
+# These are asked about more than where things are: what they draw, how many cells there are.
+HOLDS = {"ransac_line": 0.9, "ransac_plane": 0.9, "voxel_grid": 0.7}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", OFF)
+@pytest.mark.parametrize("seed", [3, 44])
+def test_what_is_off_by_a_little_is_wrong(exercise, seed):
+    """In what students see, and in what they do not: of most exercises a third holds at most."""
+    lesson = lesson_of(exercise)
+    reference = load_reference(lesson.name)
+    right, spoil = getattr(reference, exercise), OFF[exercise]
+
+    def nearly(*arguments, **keywords):
+        return spoil(right(*arguments, **keywords))
+
+    answers = {one.name: getattr(reference, one.name) for one in lesson.machine_graded}
+    student = student_with(lesson, answers | {exercise: nearly})
+    outcomes = run_tests(lesson, student, seed, lambda check: check.exercise == exercise)
+    for shown in (True, False):
+        mine = [outcome for outcome in outcomes if outcome.check.is_shown == shown]
+        held = [outcome.check for outcome in mine if outcome.failure is None]
+        share = sum(check.weight for check in held) / sum(one.check.weight for one in mine)
+        assert share <= HOLDS.get(exercise, 1 / 3), [check.name for check in held]

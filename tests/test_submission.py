@@ -1,0 +1,139 @@
+"""What is handed in is read once, and whatever else was handed in has another fingerprint."""
+
+import dataclasses
+import errno
+import itertools
+import os
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader.intake.notebook import read_file, read_notebook
+from grader.intake.submission import LARGEST_MODULE, MOST_MODULES, HandedIn, read_handed_in
+from utils.notebooks.reading import UnreadableNotebook
+
+
+def handed_in(**parts):
+    return HandedIn(**{"name": "06_filter_ground.ipynb", "data": b"{}"} | parts)
+
+
+def test_a_module_is_not_the_end_of_a_notebook():
+    beside = handed_in(modules={"helper": "x = 1"})
+    behind = handed_in(data=b"{}\0helper\0x = 1")
+    assert beside.fingerprint() != behind.fingerprint()
+
+
+# Few letters, so that two ways to part the same text are often tried.
+TEXTS = st.text("a\0 1", max_size=2)
+HANDED_IN = st.builds(
+    HandedIn,
+    TEXTS,
+    TEXTS.map(str.encode),
+    TEXTS,
+    st.dictionaries(TEXTS, TEXTS, max_size=2),
+    st.lists(TEXTS, max_size=2).map(tuple),
+)
+
+
+@given(HANDED_IN, HANDED_IN)
+def test_other_parts_have_another_fingerprint(one, other):
+    assert (one.fingerprint() == other.fingerprint()) == (one == other)
+
+
+@given(TEXTS, TEXTS, TEXTS, TEXTS)
+def test_no_part_can_be_taken_for_one_of_another_kind(a, b, c, d):
+    ways = (
+        handed_in(notes=(a, b, c, d)),
+        handed_in(notes=(a, b), modules={c: d}),
+        handed_in(modules={a: b, c: d}),
+        handed_in(complaint=a, notes=(b, c, d)),
+        handed_in(complaint=a, notes=(b,), modules={c: d}),
+        handed_in(name=a, notes=(b,), modules={c: d}),
+        handed_in(data=a.encode(), notes=(b,), modules={c: d}),
+    )
+    for one, other in itertools.combinations(ways, 2):
+        assert (one.fingerprint() == other.fingerprint()) == (one == other)
+
+
+def test_a_name_that_is_no_text_has_a_fingerprint():
+    names = [os.fsdecode(name) for name in (b"J\xfcrgen", b"J\xe4rgen", b"J?rgen")]
+    assert len({handed_in(notes=(name,)).fingerprint() for name in names}) == 3
+
+
+# ---- reading ------------------------------------------------------------------------------------
+
+
+def test_a_notebook_is_read_with_the_modules_beside_it(tmp_path):
+    path = tmp_path / "06_filter_ground.ipynb"
+    path.write_bytes(b'{"cells": []}')
+    (tmp_path / "zebra.py").write_text("z = 'ö'", "utf-8")
+    (tmp_path / "helper.py").write_bytes(b"x = '\xff'")
+    (tmp_path / "3d.py").write_text("nobody can import it")
+    (tmp_path / "notes.txt").write_text("no module")
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below" / "other.py").write_text("elsewhere")
+    (tmp_path / "link.py").symlink_to(tmp_path / "zebra.py")
+    made = read_handed_in(path)
+    assert made == HandedIn(path.name, b'{"cells": []}', "", made.modules, ())
+    assert made.modules == {"helper": "x = '\ufffd'", "zebra": "z = 'ö'"}
+    assert made.notebook().cells == ()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        made.data = b""
+    missing = read_handed_in(tmp_path / "none.ipynb")
+    assert missing.data == b"" and missing.modules == made.modules
+    assert missing.complaint == "none.ipynb cannot be opened: No such file or directory."
+    with pytest.raises(UnreadableNotebook, match="none.ipynb cannot be opened"):
+        missing.notebook()
+
+
+def test_of_modules_so_many_are_read_and_none_that_is_huge(tmp_path):
+    assert LARGEST_MODULE == 2**20
+    for number in range(MOST_MODULES + 3):
+        (tmp_path / f"module_{number:02}.py").write_bytes(b"")
+    (tmp_path / "module_00.py").write_bytes(b"#" * LARGEST_MODULE)
+    (tmp_path / "module_01.py").write_bytes(b"#" * (LARGEST_MODULE + 1))
+    modules = read_handed_in(tmp_path / "06.ipynb").modules
+    assert MOST_MODULES == 20
+    assert list(modules) == ["module_00", *(f"module_{number:02}" for number in range(2, 20))]
+    assert len(modules["module_00"]) == LARGEST_MODULE
+
+
+def refusal(path):
+    with pytest.raises(UnreadableNotebook) as refused:
+        read_file(path)
+    return str(refused.value)
+
+
+def test_a_file_has_64_megabytes_at_most(tmp_path):
+    path = tmp_path / "06.ipynb"
+    with open(path, "wb") as file:
+        file.truncate(64 * 2**20)
+    assert len(read_file(path)) == 64 * 2**20
+    os.truncate(path, 64 * 2**20 + 1)
+    assert refusal(path).startswith("06.ipynb is larger than 64 MB. Clear its outputs")
+
+
+def test_only_a_file_of_its_own_is_opened(tmp_path):
+    path = tmp_path / "06.ipynb"
+    path.write_bytes(b'{"cells": []}')
+    assert read_notebook(path).cells == ()
+    (tmp_path / "link.ipynb").symlink_to(path)
+    link = "link.ipynb cannot be opened: it is a link to another file."
+    assert refusal(tmp_path / "link.ipynb") == link
+    os.mkfifo(tmp_path / "pipe.ipynb")  # nobody ever writes into it
+    said = "is not an ordinary file. Hand in the .ipynb file itself."
+    assert refusal(tmp_path / "pipe.ipynb") == f"pipe.ipynb {said}"
+    (tmp_path / "folder.ipynb").mkdir()
+    folder = "folder.ipynb cannot be opened: Is a directory."
+    assert refusal(tmp_path / "folder.ipynb") == folder
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.ESTALE])
+def test_why_a_file_cannot_be_opened_is_what_the_system_says(tmp_path, monkeypatch, number):
+    def fail(*about):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "open", fail)
+    said = f"06.ipynb cannot be opened: {os.strerror(number)}."
+    assert refusal(tmp_path / "06.ipynb") == said

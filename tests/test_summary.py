@@ -1,0 +1,504 @@
+"""What `check` makes of many failures, and how it keeps to time, memory and the lesson's rules."""
+
+import builtins
+import contextlib
+import math
+import signal
+import subprocess
+import sys
+import threading
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from grader.course.paths import PROJECT
+from tests.prerequisites import PATIENCE
+from utils.checks import check, core, diagnosis, display
+from utils.checks.assertions import CheckFailed, WrongForm, as_labels, needs
+from utils.checks.core import ChecksFailed, noted, visible
+from utils.checks.diagnosis import Mistake, diagnose, mistakes
+from utils.checks.limits import TimeUp, limited
+from utils.checks.line_hint import Line
+from utils.checks.outcomes import Outcome
+from utils.checks.static_analysis import functions_used, refused_modules
+from utils.checks.summary import resolve
+
+
+@pytest.fixture
+def exercise(monkeypatch):
+    """An exercise `double`, whose checks a test declares, and its lesson's name."""
+    monkeypatch.setattr(core, "_CHECKS", dict(core._CHECKS))
+    monkeypatch.setattr(diagnosis, "_KNOWN", dict(diagnosis._KNOWN))
+    return "double"
+
+
+def declared(title, exercise="double", weight=1, **more):
+    """Declare a check; the decorated function gets the student's function."""
+    return visible(
+        exercise, title=title, why="It matters.", hint=f"Hint of {title}.", weight=weight, **more
+    )
+
+
+def shown_by(function, capsys, **options):
+    """What a failing `check` prints."""
+    with pytest.raises(ChecksFailed):
+        check(function, "double", **options)
+    return capsys.readouterr().out
+
+
+def test_a_stub_is_one_line_and_raises(exercise, capsys):
+    for title in ("one", "two", "three"):
+        declared(title)(lambda double: double(1))
+
+    def double(number):
+        raise NotImplementedError
+
+    shown = shown_by(double, capsys)
+    assert shown.count("\n") == 1 and shown.startswith("[not started] double is not")
+    assert "Hint" not in shown
+
+
+def test_a_stub_that_is_called_is_named_and_not_the_one_who_calls(exercise, capsys):
+    declared("one")(lambda double: double(1))
+    namespace = {}
+    exec(
+        "def half(number):\n    raise NotImplementedError\n"
+        "def double(number):\n    return 4 * half(number)\n",
+        namespace,
+    )
+    assert "double calls half, which is not written yet" in shown_by(namespace["double"], capsys)
+
+
+def test_one_cause_is_told_once_and_without_the_hints_of_the_rows(exercise, capsys):
+    for title in ("one", "two", "three"):
+        declared(title)(lambda double: double(1))
+
+    def double(number):
+        return number.shape
+
+    shown = shown_by(double, capsys)
+    assert shown.count("'int' object has no attribute 'shape'") == 1
+    assert shown.count("for the same reason") == 2
+    assert "return number.shape" in shown, "the student's line"
+    assert "Hint" not in shown
+
+
+def test_what_has_another_cause_is_told_too_but_not_explained(exercise, capsys):
+    @declared("one")
+    def one(double):
+        raise CheckFailed("The first is wrong.")
+
+    @declared("two")
+    def two(double):
+        raise CheckFailed("The second is wrong.")
+
+    declared("three")(lambda double: None)
+    shown = shown_by(lambda number: 0, capsys)
+    assert "Hint of one." in shown and "Hint of two." not in shown
+    assert "The second is wrong." in shown and "[passed] three" in shown
+    assert shown.index("The first") < shown.index("The second") < shown.index("three")
+
+
+def test_what_rests_on_something_wrong_is_grey(exercise, capsys):
+    @declared("doubles")
+    def doubles(double):
+        if double(2) != 4:
+            raise CheckFailed("2 gives no 4.")
+
+    @declared("doubles halves, too")
+    def halves(double):
+        with needs("whole numbers are doubled"):
+            doubles(double)
+        if double(0.5) != 1:
+            raise CheckFailed("A half gives no 1.")
+
+    shown = shown_by(lambda number: 3, capsys)
+    assert "[waiting] doubles halves, too" in shown and "A half" not in shown
+    shown = shown_by(lambda number: int(number) * 2, capsys)
+    assert "A half" in shown and "waiting" not in shown
+
+
+def test_a_wrong_form_is_no_reason_to_wait():
+    with pytest.raises(WrongForm), needs("anything"):
+        as_labels(None, 3)
+
+
+def test_notes_cost_nothing_and_are_shown_when_all_is_right(exercise, capsys):
+    declared("one")(lambda double: None)
+
+    @noted("double", title="Whole numbers stay whole", why="Later cells count with them.")
+    def whole(double):
+        if not isinstance(double(2), int):
+            raise CheckFailed("It is a float.")
+
+    check(lambda number: 2.0 * number, "double")
+    assert "[note] Whole numbers stay whole: It is a float. Later cells" in capsys.readouterr().out
+    check(lambda number: 2 * number, "double")
+    assert "note" not in capsys.readouterr().out
+
+
+CASES = ((np.array([1.0, 2.0]),), (np.array([3.0, 0.0]),), (np.array([0.0, 0.0]),))
+
+
+def test_a_mistake_is_told_only_where_it_explains_every_answer(exercise):
+    mistakes(
+        "double",
+        Mistake("It is squared.", lambda right, x: x**2),
+        Mistake("Nothing is done.", lambda right, x: x),
+        cases=CASES,
+        right=lambda x: 2 * x,
+    )
+    assert diagnose("double", lambda x: x * x).says == "It is squared."
+    assert diagnose("double", lambda x: x).says == "Nothing is done."
+    assert diagnose("double", lambda x: 2 * x) is None, "a right answer has no mistake"
+    assert diagnose("double", lambda x: x * x if x[0] == 1 else 0 * x) is None
+    assert diagnose("double", lambda x: None) is None
+    assert diagnose("double", lambda x: 1 / 0) is None
+    assert diagnose("another", lambda x: x) is None
+
+
+def test_a_mistake_is_not_told_beside_a_rival_or_on_one_case_alone(exercise):
+    squared = Mistake("It is squared.", lambda right, x: x**2)
+    rival = Mistake("It is multiplied by itself.", lambda right, x: x * x)
+    mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
+    assert diagnose("double", lambda x: x * x) is None
+    mistakes("double", squared, cases=CASES[1:], right=lambda x: 2 * x)
+    assert diagnose("double", lambda x: x * x) is None, "one telling case may be chance"
+
+
+def test_a_mistake_explains_no_exception(exercise, capsys):
+    """The answers to the cases are explained; that there is none to no points is not."""
+    mistakes(
+        "double",
+        Mistake("It is squared.", lambda right, x: x**2),
+        cases=CASES,
+        right=lambda x: 2 * x,
+    )
+
+    @declared("nothing")
+    def nothing(double):
+        double(np.array([]))
+
+    @declared("doubles")
+    def doubles(double):
+        raise CheckFailed("1 gives no 2.")
+
+    def double(x):
+        return x**2 if len(x) else x[0]
+
+    assert diagnose("double", double).says == "It is squared."
+    shown = shown_by(double, capsys)
+    assert "IndexError" in shown and "squared" not in shown
+
+
+def test_what_a_function_does_to_its_arguments_changes_no_case(exercise):
+    mistakes("double", Mistake("Zero.", lambda right, x: 0 * x), cases=CASES, right=lambda x: 2 * x)
+
+    def double(x):
+        x *= 0
+        return x
+
+    for _ in range(2):
+        assert diagnose("double", double).says == "Zero."
+
+
+def test_the_claim_stands_where_its_hint_stands(exercise, capsys):
+    mistakes(
+        "double",
+        Mistake("It is squared.", lambda right, x: x**2, "Multiply by 2."),
+        cases=CASES,
+        right=lambda x: 2 * x,
+    )
+
+    @declared("doubles")
+    def doubles(double):
+        if (double(np.array([1.0, 3.0])) != [2, 6]).any():
+            raise CheckFailed("1 and 3 give no 2 and 6.")
+
+    shown = shown_by(lambda x: x**2, capsys)
+    assert "What your code does: It is squared." in shown and "Hint: Multiply by 2." in shown
+    assert "Hint of doubles" not in shown
+
+
+def test_every_known_mistake_is_one(lesson):
+    """Each predicts something else than the right answer, and than the others, on its cases."""
+    for one in lesson.machine_graded:
+        core.checks_of(one.name)  # declares them
+        known = diagnosis._KNOWN.get(one.name)
+        if known is None or known.ask is not diagnosis._called:
+            continue  # what is asked in another way is asked by the variants alone
+        for mistake in known.mistakes:
+
+            def function(*case, mistake=mistake, known=known):
+                return mistake.predicts(known.right(*case), *case)
+
+            assert diagnose(one.name, function) is mistake, (one.name, mistake.says)
+        assert diagnose(one.name, known.right) is None
+
+
+class Hostile:
+    """What a student may return: nothing can be done with it without an error."""
+
+    def _refuse(self, *anything):
+        raise RuntimeError("no")
+
+    __eq__ = __iter__ = __len__ = __getitem__ = __array__ = __float__ = __bool__ = _refuse
+    __hash__ = None
+
+
+STRANGE = (
+    *(Hostile(), [Hostile()], object, "text", {}, {1: 2}, set(), (), [None, 1], [[1], [2, 3]]),
+    *(10**400, [10**30], float("inf"), True, [[[[1]]]], np.zeros((2, 3, 4)), np.full(3, np.nan)),
+)
+
+
+@pytest.mark.parametrize("number", range(len(STRANGE)))
+def test_strange_answers_have_no_known_cause_and_do_no_harm(lesson, number):
+    for one in lesson.machine_graded:
+        core.checks_of(one.name)
+
+        def function(*anything, **more):
+            return STRANGE[number]
+
+        assert diagnose(one.name, function) is None
+
+
+# ---- time and memory -----------------------------------------------------------------------------
+
+
+def endless(x):
+    while True:
+        x = x + 1
+
+
+def deaf(x):
+    while True:
+        try:
+            while True:
+                x = x + 1
+        except:  # noqa: E722
+            if x > 10**9:
+                raise
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("function", [endless, deaf])
+def test_a_loop_without_an_end_is_ended(exercise, capsys, monkeypatch, function):
+    monkeypatch.setattr(core, "SECONDS", 1)
+    declared("one")(lambda double: None)
+    declared("two")(lambda double: double(0) if function is endless else brief_deaf())
+    declared("three")(lambda double: None)
+
+    def brief_deaf():
+        """Catches everything twice, then lets go."""
+        for _ in range(2):
+            with contextlib.suppress(BaseException):
+                endless(0)
+        endless(0)
+
+    begin = time.monotonic()
+    shown = shown_by(function, capsys)
+    assert time.monotonic() - begin < PATIENCE
+    assert "did not come back after 1 s, and was in the loop of line" in shown
+    assert "[passed] one" in shown and "[waiting] three" in shown
+
+
+@pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
+def test_a_process_that_ignores_interrupts_hears_the_clock(handler):
+    """As one that a script has started in the background."""
+
+    def busy():
+        end = time.monotonic() + 600
+        while time.monotonic() < end:
+            pass
+
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        with pytest.raises(TimeUp), limited(0.1):
+            busy()
+        assert signal.getsignal(signal.SIGINT) is handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_check_may_ask_what_takes_so_long(exercise, capsys, monkeypatch):
+    monkeypatch.setattr(core, "SECONDS", 1)
+    declared("one", slow="is everybody asked twice?")(lambda double: double(0))
+    shown = shown_by(endless, capsys)
+    assert "`. Is everybody asked twice? If" in shown and "never ends" not in shown
+
+
+def test_whoever_presses_stop_is_heard():
+    with pytest.raises(KeyboardInterrupt), limited(30):
+        raise KeyboardInterrupt
+
+
+def test_the_clock_rings_nobody_who_is_done():
+    for _ in range(20):
+        try:
+            with limited(0.002):
+                time.sleep(0.002)
+        except TimeUp:
+            pass
+    time.sleep(0.05)
+    assert not [one for one in threading.enumerate() if one.name.endswith("(ring)")]
+
+
+def no_thread(self):
+    raise RuntimeError("can't start new thread")
+
+
+def busy_for(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        pass
+
+
+def test_where_no_thread_can_start_python_looks_at_the_clock(monkeypatch):
+    monkeypatch.setattr(threading.Thread, "start", no_thread)
+    start = time.monotonic()
+    with pytest.raises(TimeUp), limited(0.1):
+        busy_for(600)
+    assert time.monotonic() - start < PATIENCE
+    with limited(20):
+        busy_for(0.01)
+    assert sys.gettrace() is None
+
+
+def test_without_threads_a_check_says_the_same(exercise, capsys, monkeypatch):
+    monkeypatch.setattr(core, "SECONDS", 0.5)
+    monkeypatch.setattr(threading.Thread, "start", no_thread)
+    declared("one")(lambda double: double(0))
+    assert "was in the loop of line" in shown_by(endless, capsys)
+    check(lambda x: x, "double")
+    assert "[passed] one" in capsys.readouterr().out
+
+
+def test_in_another_thread_there_is_no_clock():
+    found = []
+
+    def work():
+        with limited(0.01):
+            time.sleep(0.05)
+            found.append(1)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert found == [1]
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux says what is free")
+def test_a_heap_of_memory_is_an_error_and_not_the_end():
+    script = """
+import numpy as np
+from utils.checks.limits import limited
+try:
+    with limited(20):
+        np.ones(2**50)
+except MemoryError:
+    print("caught")
+kept = np.ones(10**7)
+print(kept.size)
+"""
+    ran = subprocess.run(
+        [sys.executable, "-c", script], cwd=PROJECT, capture_output=True, text=True
+    )
+    assert ran.stdout.split() == ["caught", "10000000"], ran.stderr
+
+
+# ---- the lesson's rules --------------------------------------------------------------------------
+
+USES = {
+    "import inside": "def f(x):\n    import sklearn.cluster\n    return x",
+    "from inside": "def f(x):\n    from sklearn.cluster import DBSCAN\n    return DBSCAN()",
+    "from a package inside": "def f(x):\n    from sklearn import cluster\n    return cluster",
+    "a module": "import sklearn.cluster\ndef f(x):\n    return sklearn.cluster.DBSCAN(0.5)",
+    "a module by another name": "import sklearn.cluster as c\ndef f(x):\n    return c.DBSCAN(0.5)",
+    "a class": "from sklearn.cluster import DBSCAN\ndef f(x):\n    return DBSCAN(0.5)",
+    "a compiled function": "from scipy.sparse.csgraph import connected_components as cc\n"
+    "def f(x):\n    return cc(x)",
+    "a helper": "import scipy.cluster.hierarchy as h\ndef g(x):\n    return h.fclusterdata(x, 1)\n"
+    "def f(x):\n    return g(x)",
+    "a class of one's own": "import sklearn.cluster as c\nclass K:\n    def m(self):\n"
+    "        return c.DBSCAN()\ndef f(x):\n    return K().m()",
+    "a loop inside": "import sklearn.cluster as c\ndef f(x):\n    return [c.DBSCAN() for _ in x]",
+}
+FREE = {
+    "scipy.spatial": "from scipy.spatial import cKDTree\ndef f(x):\n    return cKDTree(x)",
+    "the rest of a package": "import scipy.sparse\ndef f(x):\n    return scipy.sparse.eye(3)",
+    "imported and not used": "import sklearn.cluster\ndef f(x):\n    return x",
+    "a word": "def f(x):\n    cluster = x\n    return cluster",
+    "an attribute with the name of something imported": "from scipy.cluster import vq as tree\n"
+    "def f(x):\n    return x.tree",
+}
+
+
+def function_in(source):
+    namespace = {"__name__": "__main__"}
+    exec(source, namespace)
+    return namespace["f"]
+
+
+@pytest.mark.parametrize("name", USES)
+def test_what_the_lesson_forbids_is_found(name):
+    assert refused_modules(function_in(USES[name]), "lesson_05")
+    assert not refused_modules(function_in(USES[name]), "lesson_06")
+
+
+@pytest.mark.parametrize("name", FREE)
+def test_what_the_lesson_allows_is_free(name):
+    assert not refused_modules(function_in(FREE[name]), "lesson_05")
+
+
+def test_a_refusal_is_all_that_is_said(capsys):
+    function = function_in(USES["a class"])
+    with pytest.raises(ChecksFailed):
+        check(function, "euclidean_clustering")
+    shown = capsys.readouterr().out
+    assert "sklearn.cluster, which is not allowed" in shown and "the judge gives no points" in shown
+    assert "[passed]" not in shown
+
+
+def test_odd_functions_are_looked_through_without_harm():
+    for odd in (len, print, np.sqrt, math.sqrt, dict, SimpleNamespace(), 7, builtins):
+        assert refused_modules(odd, "lesson_05") == []
+        assert functions_used(odd) == {}
+
+
+def test_a_wrong_helper_of_the_same_lesson_is_named(capsys):
+    namespace = {"__name__": "__main__"}
+    exec(
+        "import numpy as np\n"
+        "def line_through(first, second):\n    return 1.0, 2.0, 3.0\n"
+        "def point_line_distance(points, line):\n    return np.zeros(len(points))\n"
+        "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
+        "    return line_through(0, 1), point_line_distance(points, None) < 1\n",
+        namespace,
+    )
+    with pytest.raises(ChecksFailed):
+        check(namespace["ransac_line"])
+    assert "which this calls, does not pass its own checks" in capsys.readouterr().out
+
+
+def test_a_story_in_a_notebook_folds_and_colours():
+    failed = core.Check("first", "double", "one", "hint")
+    same = core.Check("second", "double", "two", "hint")
+    failure = WrongForm("<b>None</b>")
+    html = display.as_html(resolve([Outcome(failed, failure), Outcome(same, failure)]))
+    assert "<details><summary>1 more check fails for the same reason" in html
+    assert "&lt;b&gt;None" in html and "<b>None" not in html
+
+
+def test_what_one_change_mends_has_one_cause():
+    """And so it is told once: the rest is folded under it."""
+    outcomes = [
+        Outcome(core.Check(name, "double", name, "hint", run=print), CheckFailed(f"{name} fails"))
+        for name in ("first", "second", "third")
+    ]
+    assert resolve(outcomes).others == tuple(outcomes[1:])
+    for about in ({"place": Line(3, "return x")}, {"alone": True}):
+        story = resolve(outcomes, **about)
+        assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())

@@ -1,0 +1,402 @@
+"""A verdict's key covers all that decided it, and nothing else."""
+
+import ast
+import contextlib
+import functools
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import all_lessons, find_lesson
+from grader.course.paths import PROJECT
+from grader.course.variants import fill_in, variants_of
+from grader.intake.submission import HandedIn
+from grader.judging import key
+from grader.judging.key import files_that_decide
+
+# Judges notebooks in a process of its own; prints what was opened and started meanwhile.
+LISTENER = """
+import os, sys
+heard = set()
+
+def listen(event, arguments):
+    if event == "open":
+        names = arguments[:1]
+    elif event == "subprocess.Popen":
+        # What is run, and what is shown to it; bubblewrap makes a folder for the latter to lie in.
+        command = arguments[1]
+        names = [name for name, before in zip(command, ["", *command]) if before != "--dir"]
+    else:
+        return
+    for name in names:
+        if isinstance(name, str | bytes | os.PathLike):
+            heard.add(os.path.abspath(os.fsdecode(name)))
+
+sys.addaudithook(listen)
+
+import json
+from pathlib import Path
+from grader.judging import judge
+from grader.sandbox import SANDBOXES
+
+judge.verdict_key = lambda *about: ""  # it reads all that it covers, which says nothing
+sandbox, *notebooks = sys.argv[1:]
+verdicts = [judge.judge(Path(path), 20170405, SANDBOXES[sandbox]) for path in notebooks]
+faults = [fault for verdict in verdicts for fault in verdict.faults]
+print(json.dumps({"heard": sorted(heard), "faults": faults}))
+"""
+
+
+def solved(lesson):
+    """The lesson's own answers, which all tests are asked of to the end."""
+    return lesson.solved.read_text("utf-8")
+
+
+def mistaken(lesson):
+    """A mistake in every answer, told by its name where there is one that is."""
+    answers = {
+        one.name: max(
+            (variant for variant in variants_of(one.name) if not variant.right),
+            key=lambda variant: bool(variant.told),
+        ).source
+        for one in lesson.machine_graded
+    }
+    return fill_in(lesson, answers)
+
+
+def entangled(lesson):
+    """Each answer uses all before it and is wrong: it is judged again with right ones."""
+    names = [one.name for one in lesson.machine_graded]
+    answers = {
+        name: f"def {name}(*arguments, **named):\n    return [{', '.join(names[:number])}]\n"
+        for number, name in enumerate(names)
+    }
+    return fill_in(lesson, answers)
+
+
+def read_while_judging(lesson, notebooks, folder, sandbox):
+    """Files of this project that are opened, run or shown while notebooks are judged."""
+    paths = []
+    for notebook in notebooks:
+        path = folder / notebook.__name__ / f"{lesson.name}.ipynb"
+        path.parent.mkdir()
+        path.write_text(notebook(lesson), "utf-8")
+        paths.append(path)
+    done = subprocess.run(
+        [sys.executable, "-c", LISTENER, sandbox.name, *map(str, paths)],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout.splitlines()[-1])
+    assert said["faults"] == []
+    return {file for name in said["heard"] for file in files_of_project(Path(name))}
+
+
+def files_of_project(path):
+    """What is meant by a path that was heard of: a file, or all files of a folder."""
+    if not path.is_relative_to(PROJECT) or path.is_relative_to(sys.prefix):
+        return
+    within = path.relative_to(PROJECT).parts
+    if not within or within[0].startswith("."):
+        return
+    if path.is_dir():
+        yield from path.rglob("*.py")
+    elif path.suffix == ".pyc":
+        name = path.name.partition(".")[0]
+        yield path.parents[1] / f"{name}.py"
+    elif path.is_file():
+        yield path
+
+
+def assert_covered(lesson, notebooks, folder, sandbox):
+    read = read_while_judging(lesson, notebooks, folder, sandbox)
+    missing = sorted(str(file.relative_to(PROJECT)) for file in read - files_that_decide(lesson))
+    assert not missing, f"{', '.join(missing)}: read while judging, and not in the key"
+    # It does listen, also to where right helpers come from.
+    assert {lesson.source, lesson.released, lesson.tests} <= read
+    assert lesson.solved in read or len(lesson.machine_graded) == 1
+
+
+@pytest.mark.slow
+def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tmp_path):
+    assert_covered(lesson, (solved, mistaken, entangled), tmp_path, sandbox)
+
+
+@pytest.mark.slow
+def test_every_file_that_a_right_helper_comes_from_is_in_the_key(sandbox, tmp_path):
+    """In the lesson that takes least time; the test above tries them all."""
+    assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)
+
+
+@pytest.mark.slow
+def test_what_is_imported_in_the_code_is_in_the_key(lesson):
+    """Also where no notebook of ours gets to; asked of Python's own parser."""
+    covered = files_that_decide(lesson)
+    modules = set().union(*(modules_of(file) for file in covered if file.suffix == ".py"))
+    imported = {file for module in modules for file in files_of(module)}
+    shows = {
+        file for file in imported if re.search("utils/(plots|scene3d|checks/display)", str(file))
+    }
+    assert len(imported) > 40 and imported - shows <= covered
+
+
+@functools.cache
+def modules_of(file):
+    """Dotted names that a file imports something by, or from; a lesson's source is a notebook."""
+    if file.is_relative_to(PROJECT / "solutions"):
+        return frozenset()
+    names = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return frozenset(names)
+
+
+def files_of(module):
+    """Files of this project that are run when a module is imported."""
+    parts = module.split(".")
+    for end in range(1, len(parts) + 1):
+        path = PROJECT.joinpath(*parts[:end])
+        yield from (
+            file for file in (path.with_suffix(".py"), path / "__init__.py") if file.exists()
+        )
+
+
+# ---- a project made of nothing ------------------------------------------------------------------
+
+FILES = {
+    "grader/__init__.py": "",
+    "grader/judging/__init__.py": "",
+    "grader/judging/judge.py": """
+import json, grader.intake.files
+from grader.judging import (
+    points,
+    verdict as kept,
+)
+from utils.checks.core import check  # and what it imports in turn
+from numpy import linalg
+def later():
+    from utils import plots, clouds
+    import utils.scene3d.scene, utils.sliders as sliders
+""",
+    "grader/judging/points.py": "x = 1",
+    "grader/judging/verdict.py": "from grader.judging.points import x",
+    "grader/judging/never.py": "import grader.judging.judge",
+    "grader/intake/__init__.py": "",
+    "grader/intake/files.py": "from grader.judging import judge  # in a circle",
+    "grader/sandbox/fork_server.py": "import os",
+    "utils/__init__.py": "",
+    "utils/clouds.py": "",
+    "utils/sliders/__init__.py": "",
+    "utils/sliders/other.py": "",
+    "utils/plots/__init__.py": "import utils.never",
+    "utils/scene3d/scene.py": "",
+    "utils/never.py": "",
+    "utils/checks/__init__.py": "",
+    "utils/checks/core.py": "from utils.checks.display import Table\nimport utils.plotted",
+    "utils/checks/display.py": "",
+    "utils/checks/lesson_06.py": "",
+    "utils/plotted.py": "",
+    "inside/worker.py": "",
+    "inside/deep/wire.py": "",
+    "inside/notes.txt": "",
+    "data/cloud.txt": "1 2 3",
+    "data/truth.npz": "4",
+    "data/frames.npz": "5",
+    "solutions/06.py": "a",
+    "solutions/06.ipynb": "b",
+    "notebooks/06.ipynb": "c",
+    "tests/test_06.py": "import utils.clouds",
+}
+DECIDE = {
+    *("grader/__init__.py", "grader/judging/__init__.py", "grader/intake/__init__.py"),
+    *("grader/judging/judge.py", "grader/judging/points.py", "grader/judging/verdict.py"),
+    *("grader/intake/files.py", "grader/sandbox/fork_server.py"),
+    *("utils/__init__.py", "utils/clouds.py", "utils/sliders/__init__.py", "utils/plotted.py"),
+    *("utils/checks/__init__.py", "utils/checks/core.py", "utils/checks/lesson_06.py"),
+    *("inside/worker.py", "inside/deep/wire.py", "data/cloud.txt", "data/truth.npz"),
+    *("solutions/06.py", "solutions/06.ipynb", "notebooks/06.ipynb", "tests/test_06.py"),
+}
+
+
+@dataclass(frozen=True)
+class MadeUp:
+    """A lesson of the project made of nothing."""
+
+    root: Path
+    name: str = "06"
+    number = "06"
+    source = property(lambda self: self.root / "solutions" / "06.py")
+    solved = property(lambda self: self.root / "solutions" / "06.ipynb")
+    released = property(lambda self: self.root / "notebooks" / "06.ipynb")
+    tests = property(lambda self: self.root / "tests" / "test_06.py")
+
+
+def forget():
+    for remembered in (key._imported_by, key._file_of, key._digest_of, key.rules_key):
+        remembered.cache_clear()
+
+
+@pytest.fixture
+def made_up(tmp_path, monkeypatch):
+    """The lesson of a project that lies in a folder of its own."""
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    entries = ("grader/judging/judge.py", "grader/sandbox/fork_server.py")
+    monkeypatch.setattr(key, "PROJECT", tmp_path)
+    monkeypatch.setattr(key, "ENTRIES", tuple(tmp_path / name for name in entries))
+    monkeypatch.setattr(key, "TRUTH", tmp_path / "data" / "truth.npz")
+    monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
+    forget()
+    yield MadeUp(tmp_path)
+    forget()
+
+
+def test_what_decides_is_what_is_imported_from_where_judging_begins(made_up):
+    found = key.files_that_decide(made_up)
+    assert {file.relative_to(made_up.root).as_posix() for file in found} == DECIDE
+
+
+def test_the_key_changes_with_each_file_that_decides_and_with_no_other(made_up):
+    right = key.rules_key(made_up)
+    for name, text in FILES.items():
+        (made_up.root / name).write_text(f"{text}\n# A remark.\n")
+        forget()
+        assert (key.rules_key(made_up) != right) == (name in DECIDE), name
+        (made_up.root / name).write_text(text)
+    forget()
+    assert key.rules_key(made_up) == right
+
+
+def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(made_up, monkeypatch):
+    right = key.rules_key(made_up)
+    assert key.rules_key(MadeUp(made_up.root, "07")) != right
+    folder = made_up.root / "inside"
+    (folder / "worker.py").rename(folder / "walker.py")
+    forget()
+    assert key.rules_key(made_up) != right
+    (folder / "walker.py").rename(folder / "worker.py")
+    versions = key.versions()
+    for name in versions:
+        monkeypatch.setattr(key, "versions", lambda name=name: versions | {name: "0.1"})
+        forget()
+        assert key.rules_key(made_up) != right
+    monkeypatch.setattr(key, "versions", lambda: dict(versions))
+    forget()
+    assert key.rules_key(made_up) == right
+
+
+def test_versions_are_those_of_what_decides():
+    versions = key.versions()
+    assert versions["Python"] == f"{sys.version_info.major}.{sys.version_info.minor}"
+    assert versions["numpy"] == np.__version__ and versions["pytest"] == pytest.__version__
+    assert set(versions) == {"Python", "numpy", "scipy", "scikit-learn", "shapely", "pytest"}
+
+
+def test_where_judging_begins_is_here():
+    entries = {path.relative_to(PROJECT).as_posix() for path in key.ENTRIES}
+    assert entries == {"grader/judging/judge.py", "grader/sandbox/fork_server.py"}
+    assert all(path.is_file() for path in key.ENTRIES)
+
+
+def test_a_verdict_depends_on_who_handed_in_what_and_on_the_seed():
+    lesson, notebook = find_lesson("06_filter_ground"), HandedIn("06.ipynb", b"{}")
+    keys = [
+        key.verdict_key(notebook, lesson, 17),
+        key.verdict_key(notebook, lesson, 17, "ada"),
+        key.verdict_key(notebook, lesson, 18, "ada"),
+        key.verdict_key(notebook, find_lesson("07_filter_by_distance"), 17, "ada"),
+        key.verdict_key(HandedIn("06.ipynb", b"{} "), lesson, 17, "ada"),
+    ]
+    assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
+    assert key.verdict_key(notebook, lesson, 17, "") == keys[0]
+    key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))  # no text, and no error
+
+
+KEYS = """
+import json
+from grader.course.lessons import all_lessons
+from grader.judging.key import rules_key
+print(json.dumps({lesson.number: rules_key(lesson) for lesson in all_lessons()}))
+"""
+ALL = tuple(lesson.number for lesson in all_lessons())
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The project, and its keys."""
+    root = tmp_path_factory.mktemp("project") / "lab"
+    for folder in ("grader", "utils", "solutions", "notebooks", "data"):
+        without = shutil.ignore_patterns("__pycache__", "pictures")
+        shutil.copytree(PROJECT / folder, root / folder, ignore=without)
+    return root, keys_in(root)
+
+
+def keys_in(root):
+    """What decides in each lesson, as a fresh process sees it."""
+    done = subprocess.run(
+        [sys.executable, "-c", KEYS], cwd=root, capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
+@contextlib.contextmanager
+def changed(path):
+    """A remark at the end of a file, for a while."""
+    content = path.read_bytes()
+    path.write_bytes(content + b"\n# A remark.\n")
+    yield
+    path.write_bytes(content)
+
+
+@pytest.mark.slow
+def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
+    root, before = copy
+    elsewhere = (
+        "utils/plots/__init__.py",
+        "utils/plots/style.py",
+        "utils/scene3d/scene.py",
+        "utils/checks/display.py",
+        "utils/lent/lesson_06.json",
+        "grader/classroom/grade.py",
+        "grader/course/build.py",
+        "grader/lms/gradebook_writer.py",
+        "solutions/footer_cell.md",
+    )
+    with contextlib.ExitStack() as stack:
+        for name in elsewhere:
+            stack.enter_context(changed(root / name))
+        assert keys_in(root) == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "lessons"),
+    [
+        ("grader/sandbox/inside/worker.py", ALL),
+        ("data/cloud.txt", ALL),
+        ("grader/tests/test_06_filter_ground.py", ("06",)),
+        ("solutions/stage2_clustering/05_euclidean_clustering.py", ("05",)),  # what is forbidden
+        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # right helpers
+        ("utils/checks/clusters.py", ("05", "10")),
+    ],
+)
+def test_a_change_judges_those_again_whom_it_concerns(copy, name, lessons):
+    root, before = copy
+    with changed(root / name):
+        after = keys_in(root)
+    assert tuple(number for number in ALL if after[number] != before[number]) == lessons

@@ -1,0 +1,286 @@
+"""How a verdict is reached, with checks that end as it is said: no notebook is asked."""
+
+import dataclasses
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from grader.course.lessons import find_lesson
+from grader.course.variants import fill_in
+from grader.intake.reader_process import ReadingFailed
+from grader.intake.submission import HandedIn
+from grader.judging import judge as judging
+from grader.judging.error_carried_forward import Followed
+from grader.judging.program_run import Asked, Setting
+from grader.judging.results import result_of
+from grader.judging.runner import JudgeTimeout, everything
+from grader.judging.verdict import (
+    JUDGED,
+    CheckResult,
+    ExerciseResult,
+    Verdict,
+)
+from grader.sandbox import Limits
+from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.program import PACKAGES, Given, Program
+from utils.checks import Check
+from utils.checks.diagnosis import Mistake
+from utils.checks.failures import CheckFailed
+from utils.checks.outcomes import Outcome
+
+FILTER = find_lesson("06_filter_ground")
+NO = CheckFailed("no")
+# An untouched notebook would not be asked at all.
+WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
+PROGRAM = Program(("pass",), ())
+FEW = Limits(total_seconds=20.0)
+
+
+def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
+    """What came of asking lesson 06: how each check of an exercise ended."""
+    about = {"filter_ground": filter_ground, "voxel_grid": voxel_grid}
+    outcomes = [
+        Outcome(Check(f"{name} {number}", name, f"title {number}", "a hint", run=print), failure)
+        for name, failures in about.items()
+        for number, failure in enumerate(failures)
+    ]
+    return Asked(tuple(outcomes), **more)
+
+
+@pytest.fixture
+def judge_made_of(monkeypatch):
+    """A function that judges lesson 06 where asking ends so and so; what was asked."""
+
+    def judge(*tries, complaints=(), better=None, late=False, text=None):
+        waiting, asked = list(tries), []
+
+        def ask(setting, program, wanted=everything, explain=False):
+            asked.append(
+                SimpleNamespace(
+                    setting=setting,
+                    program=program,
+                    explain=explain,
+                    names=[one.check.name for one in tries[0].outcomes if wanted(one.check)],
+                )
+            )
+            again = waiting.pop(0)
+            outcomes = tuple(one for one in again.outcomes if wanted(one.check))
+            return dataclasses.replace(again, outcomes=outcomes)
+
+        monkeypatch.setattr(judging, "ask", ask)
+        monkeypatch.setattr(judging, "_RIGHT", {})  # nothing was right before
+        monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
+        monkeypatch.setattr(judging, "follow_through", lambda *about: (better or {}, late))
+        monkeypatch.setattr(judging, "slips_in", lambda *about: {})
+        data = (text or fill_in(FILTER, WRITTEN)).encode()
+        verdict = judging.judge_handed_in(HandedIn("x.ipynb", data), 7, None, FILTER, "ada", FEW)
+        assert not waiting
+        return verdict, asked
+
+    return judge
+
+
+def scores(verdict):
+    return {one.name: one.score for one in verdict.exercises}
+
+
+def test_what_is_right_is_asked_once_and_earns_everything(judge_made_of, monkeypatch):
+    clock = iter([100.0, 103.25678])
+    monkeypatch.setattr(judging.time, "perf_counter", lambda: next(clock))
+    verdict, (asked,) = judge_made_of(ended(problems=("A cell is broken.",)))
+    assert scores(verdict) == {one.name: one.points for one in FILTER.machine_graded}
+    assert (verdict.score, verdict.max_score, verdict.status) == (30.0, 30.0, JUDGED)
+    assert (verdict.lesson, verdict.student) == (FILTER.name, "ada")
+    assert verdict.problems == ("A cell is broken.",)
+    assert (verdict.faults, verdict.starved, verdict.seconds) == ((), False, 3.257)
+    assert asked.explain
+    assert asked.setting == Setting(FILTER, 7, None, FEW, asked.setting.budget)
+    assert asked.setting.budget.seconds == FEW.total_seconds
+    assert len(asked.names) == 4
+
+
+def test_what_a_notebook_may_use_is_what_its_lesson_says():
+    for lesson in (FILTER, find_lesson("05_euclidean_clustering")):
+        program = judging.program_for(lesson, ("x = 1",), {"helper": "y = 2"})
+        header = lesson.header
+        given = Given(header.given, lesson.source_of(header.given), header.given)
+        assert program == Program(
+            ("x = 1",),
+            lesson.names,
+            {"helper": "y = 2"},
+            given,
+            header.forbidden,
+            (*PACKAGES, *header.packages),
+            lesson.steps,
+        )
+    tree = find_lesson("04_kd_tree")
+    assert "class" in judging.given_code(tree) and judging.given_code(tree) is judging.given_code(
+        tree
+    )
+
+
+ODD = OSError("once")
+
+
+def test_what_is_odd_is_asked_once_more_and_nothing_else(judge_made_of):
+    verdict, asked = judge_made_of(ended((NO, ODD), (None, ODD)), ended())
+    assert [len(one.names) for one in asked] == [4, 2] and not asked[1].explain
+    assert asked[1].names == ["filter_ground 1", "voxel_grid 1"]
+    assert asked[0].program == asked[1].program
+    points = {one.name: one.points for one in FILTER.machine_graded}
+    assert scores(verdict) == points | {"filter_ground": points["filter_ground"] / 2}
+    assert verdict.status == JUDGED and not verdict.starved
+
+
+@pytest.mark.parametrize(
+    "failure", [None, NO, StudentError("f", "KeyError"), StudentStopped("no"), JudgeTimeout()]
+)
+def test_what_a_wrong_answer_may_do_is_not_odd(judge_made_of, failure):
+    verdict, asked = judge_made_of(ended((failure, None)), complaints=("never asked",))
+    assert len(asked) == 1 and verdict.status == JUDGED
+    assert (verdict.score == 30) == (failure is None)
+
+
+@pytest.mark.parametrize(
+    "tries",
+    [
+        (ended((NO, ODD), (None, ODD)), ended((None, ODD), (None, ZeroDivisionError("oracle")))),
+        (ended((NO, ODD), (None, ODD)), Asked((), fault="pytest ran 0 of 2 tests")),
+    ],
+)
+def test_what_stays_odd_is_a_wrong_answer_if_the_solution_passes(judge_made_of, tries):
+    verdict, _ = judge_made_of(*tries)
+    assert (verdict.status, verdict.faults) == (JUDGED, ())
+    points = {one.name: one.points for one in FILTER.machine_graded}
+    assert scores(verdict) == {"filter_ground": 0.0, "voxel_grid": points["voxel_grid"] / 2}
+    verdict, _ = judge_made_of(*tries, complaints=("voxel_grid, x",))
+    assert (verdict.status, verdict.score, verdict.max_score) == ("judge_failed", 0.0, 30.0)
+    assert len(verdict.faults) == 2 and "OSError: once" in verdict.faults[0]
+    assert verdict.problems == (judging.UNFAIR,)
+    assert [(one.score, one.tests) for one in verdict.exercises] == [(0.0, ())] * 2
+
+
+def test_where_not_every_check_could_be_asked_nobody_is_judged(judge_made_of):
+    verdict, asked = judge_made_of(Asked((), fault="pytest ran 3 of 9 tests", starved=True))
+    assert (verdict.status, verdict.faults) == ("judge_failed", ("pytest ran 3 of 9 tests",))
+    assert verdict.starved and len(asked) == 1
+
+
+@pytest.mark.parametrize("first", [False, True])
+@pytest.mark.parametrize("second", [False, True])
+@pytest.mark.parametrize("late", [False, True])
+def test_who_lacked_a_processor_at_any_time_is_called_starved(judge_made_of, first, second, late):
+    tries = (ended((ODD, NO), starved=first), ended(starved=second))
+    verdict, _ = judge_made_of(*tries, late=late)
+    assert verdict.starved == (first or second or late)
+
+
+def test_who_lacked_a_processor_and_lost_nothing_is_not_judged_again(judge_made_of):
+    verdict, _ = judge_made_of(ended((ODD, None), starved=True), ended(starved=True), late=True)
+    assert (verdict.score, verdict.starved) == (30, False)
+
+
+def test_who_writes_an_exercise_twice_is_told_if_it_loses_points(judge_made_of):
+    twice = json.loads(fill_in(FILTER, {}))
+    for name in ("filter_ground", "voxel_grid"):
+        for number in (1, 2):
+            source = f"def {name}(cloud):\n    return {number}"
+            twice["cells"].append({"cell_type": "code", "metadata": {}, "source": source})
+    others = tuple(ended().about("voxel_grid"))
+    better = {"voxel_grid": Followed(others, "A helper is wrong.", PROGRAM)}
+    about = {"text": json.dumps(twice), "better": better}
+    verdict, _ = judge_made_of(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
+    *problems, last = verdict.problems
+    assert problems == ["A cell.", "A helper is wrong."]
+    assert last.startswith("filter_ground is written 3 times")
+
+
+@pytest.fixture
+def reference(monkeypatch):
+    """A function that says what is found wrong with a solution that fares so, time by time."""
+
+    def complaints(*tries):
+        waiting = list(tries)
+        monkeypatch.setattr(judging, "ask", lambda *about: waiting.pop(0))
+        return judging.complaints_about_reference.__wrapped__(FILTER, 7, None), len(waiting)
+
+    return complaints
+
+
+def test_a_fault_of_a_test_is_there_each_time(reference):
+    broken = ended((NO, None), problems=("A cell.",))
+    said = ("filter_ground, filter_ground 0: CheckFailed: no", "A cell.")
+    assert reference(ended()) == ((), 0)
+    assert reference(broken, ended()) == ((), 0)
+    assert reference(broken, broken) == (said, 0)
+    fault = Asked((), fault="pytest ran 3 of 9 tests", problems=("A cell.",))
+    assert reference(broken, fault) == (("pytest ran 3 of 9 tests",), 0)
+
+
+def test_a_notebook_of_no_lesson_is_no_notebook_of_ours():
+    nameless = b'{"cells": [], "metadata": {}}'
+    for data, says in ((nameless, "cannot tell which lesson"), (b"", "is empty")):
+        with pytest.raises(judging.UnknownLesson, match=says):
+            judging.judge_handed_in(HandedIn("my homework.ipynb", data), 7, None)
+    verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b""), 7, None)
+    assert (verdict.status, verdict.score, verdict.max_score) == (JUDGED, 0.0, 30.0)
+    assert "is empty" in verdict.problems[0] and not verdict.starved
+    assert [one.tests for one in verdict.exercises] == [(), ()]
+
+
+def test_who_could_not_be_read_by_a_fault_of_ours_is_not_judged(monkeypatch):
+    def fail(*about):
+        raise ReadingFailed("There was no memory.")
+
+    monkeypatch.setattr(judging, "prepare_to_judge", fail)
+    verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b"{}"), 7, None)
+    assert (verdict.status, verdict.faults) == ("judge_failed", ("There was no memory.",))
+    assert verdict.problems == (judging.UNFAIR,)
+
+
+def test_what_was_decided_stays_as_it_is():
+    for kind in (Followed, judging._Reached, Asked, Setting, Verdict, CheckResult, ExerciseResult):
+        assert kind.__dataclass_params__.frozen
+
+
+# ---- what is said about an exercise -------------------------------------------------------------
+
+
+FLIPPED = Mistake("It is upside down.", predicts=np.flip)
+
+
+def test_a_verdict_says_of_each_check_what_came_of_it():
+    asked = ended((None, NO), mistakes={"filter_ground": FLIPPED})
+    exercise = FILTER.machine_graded[0]
+    result = result_of(exercise, asked, None)
+    half, said = exercise.points / 2, "It is upside down.\nno"
+    more = f"{said}\nThe check in the notebook shows your answer beside the right one."
+    assert result.tests == (
+        CheckResult("filter_ground 0", "title 0", True, half, half, "", True),
+        CheckResult("filter_ground 1", "title 1", False, 0.0, half, more, True),
+    )
+    assert (result.name, result.score, result.max_score) == ("filter_ground", half, 2 * half)
+    assert (result.cause, result.first) == (said, "filter_ground 1")
+    right = result_of(exercise, ended(), None)
+    assert (right.cause, right.first, right.score) == ("", "", 2 * half)
+
+
+def test_of_a_stub_no_check_is_named():
+    stub = StudentError("filter_ground", "NotImplementedError")
+    result = result_of(FILTER.machine_graded[0], ended((stub, stub)), None)
+    assert result.first == "" and "is not started" in result.cause
+
+
+def test_what_was_said_beside_a_right_helper_is_not_told():
+    better = Followed(
+        tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).about("filter_ground")),
+        "A helper is wrong.",
+        PROGRAM,
+    )
+    asked = ended((NO, NO), mistakes={"filter_ground": FLIPPED})
+    result = result_of(FILTER.machine_graded[0], asked, better)
+    assert result.score == FILTER.machine_graded[0].points / 2
+    assert result.cause == "A helper is wrong.\n… of … rows\nHint: a hint"
+    assert result.tests[1].message.startswith("… of … rows\nHint: a hint\n")

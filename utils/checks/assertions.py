@@ -1,0 +1,673 @@
+"""The assertions that checks are written with.
+
+Each compares an answer with what is expected and fails with a sentence about the answer:
+what differs, where, and, where a picture helps, how to draw it. Answers are accepted in any
+reasonable form: lists for arrays, float32, other numbers for the same clusters.
+
+Checks write `utils.plots` in full: it is loaded when the first picture is drawn, as matplotlib
+is slow to import and the judge has no use for it.
+"""
+
+import contextlib
+import copy
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from operator import attrgetter
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import utils
+from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
+from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
+from utils.remote_objects import Observed, Remote
+
+# A right answer in single precision differs by less than this at the range of a LiDAR (m).
+TOLERANCE = 1e-3
+
+
+@contextlib.contextmanager
+def needs(basic: str) -> Iterator[None]:
+    """What a property rests on: where it does not hold, the property cannot be looked at.
+
+    Parameters
+    ----------
+    basic : str
+        What has to hold first, as a clause: "the right points are left".
+    """
+    try:
+        yield
+    except (WrongForm, NotYet):
+        raise
+    except CheckFailed:
+        raise NotYet(basic) from None
+
+
+def frozen(value: object) -> object:
+    """A constant that nobody changes by accident: arrays become read-only copies.
+
+    Parameters
+    ----------
+    value : object
+        An array, or a tuple of them.
+
+    Returns
+    -------
+    object
+        Of the same kind.
+    """
+    if isinstance(value, tuple):
+        return tuple(frozen(item) for item in value)
+    array = np.array(value)
+    array.flags.writeable = False
+    return array
+
+
+def brief(value: object) -> str:
+    """A value in at most 90 characters; a short row of numbers as it is.
+
+    Parameters
+    ----------
+    value : object
+
+    Returns
+    -------
+    str
+    """
+    if isinstance(value, np.generic):
+        value = value.item()  # 2, not np.int64(2)
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
+        return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
+    if isinstance(value, np.ndarray):
+        # Of many dimensions even the corners are many.
+        shown = value if value.ndim <= 3 else value.reshape(-1)
+        text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
+        text = f"shape {value.shape}: {' '.join(text.split())}"
+    else:
+        text = in_few_words(value)  # a list may be long, and hold longer ones
+    return text if len(text) <= 90 else text[:87] + "..."
+
+
+def point_text(point: ArrayLike) -> str:
+    """A point as text, (x, y) or (x, y, z), to the centimetre.
+
+    Parameters
+    ----------
+    point : array_like, shape (2,), (3,) or (4,)
+        A fourth number is left out.
+
+    Returns
+    -------
+    str
+    """
+    return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
+
+
+def points_text(points: np.ndarray) -> str:
+    """Some points as text, (x, y, z), (x, y, z), with as few digits as they need.
+
+    Parameters
+    ----------
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+        A fourth column is left out.
+
+    Returns
+    -------
+    str
+    """
+    rounded = (np.round(np.asarray(points, dtype=float)[:, :3], 2) + 0.0).tolist()
+    return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
+
+
+def as_array(
+    answer: object,
+    columns: int | None = None,
+    what: str = "an array",
+    most: int = MOST_NUMBERS,
+    each: str = "point",
+) -> np.ndarray:
+    """An answer as a numeric array.
+
+    Parameters
+    ----------
+    answer : object
+    columns : int, optional
+        Demand shape (n, columns).
+    what : str
+        The kind of thing that was expected, for the message.
+    most : int
+        As for `utils.checks.size_limits.as_numbers`.
+    each : str
+        What a row stands for.
+
+    Returns
+    -------
+    numpy.ndarray
+
+    Raises
+    ------
+    WrongForm
+    """
+    if answer is None:
+        raise WrongForm(
+            "The function returned None. Does every way through it end with `return`?",
+            yours="None",
+            expected=what,
+        )
+    try:
+        array = as_numbers(answer, most)
+    except TooMuch as error:
+        raise FarTooMuch(str(error), yours=brief(answer), expected=what) from None
+    except NotNumbers:
+        # In the judge an object of another kind arrives as a stand-in that knows its name. The
+        # student chose it, so it is no part of the message.
+        kind = getattr(answer, "type_name", "") or type(answer).__name__
+        raise WrongForm(
+            f"The function returned something else, expected {what}.",
+            yours=f"{kind}: {brief(answer)}",
+            expected=what,
+        ) from None
+    if columns is not None:
+        if array.size == 0 and array.ndim == 1:
+            array = array.reshape(0, columns)
+        if array.ndim != 2 or array.shape[1] != columns:
+            raise WrongForm(
+                _about_rows(array, columns, each),
+                yours=f"{array.dtype} numbers of shape {array.shape}",
+                expected=f"shape (n, {columns})",
+            )
+    return array
+
+
+def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
+    """What an array is that should have been rows of the cloud, or of other things."""
+    of_the_cloud = each == "point"
+    if of_the_cloud and array.dtype.kind == "b" and array.ndim == 1:
+        return "This is a mask, True or False for each point: return the rows, cloud[mask]."
+    if array.ndim == 2 and array.shape[0] == columns:
+        return (
+            f"The answer has {columns} rows, as if each {each} stood in a column: one row per "
+            f"{each}, {columns} columns."
+        )
+    return f"The shape is {array.shape}, expected {columns} columns: one row per {each}" + (
+        ", the columns of the input." if of_the_cloud else "."
+    )
+
+
+def in_shape(
+    yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0
+) -> np.ndarray:
+    """An answer in its shape; where it has another, say which everyday slip gives that one.
+
+    Where there is nothing to answer, no rows of any length will do.
+
+    Parameters
+    ----------
+    yours : numpy.ndarray
+    expected : tuple of int
+    each : str
+        What there must be, as "one distance for each of the 5 points".
+    columns : int
+        Of the cloud that the function was given, if it was given one.
+
+    Returns
+    -------
+    numpy.ndarray, of shape `expected`
+
+    Raises
+    ------
+    WrongForm
+    """
+    if yours.shape == expected or (yours.shape[:1] == (0,) == expected[:1]):
+        return yours.reshape(expected)
+    n, shape = expected[0] if expected else 0, yours.shape
+    words = ""
+    if len(expected) == 1:
+        if shape == () and n > 1:
+            words = " This is one number for all points: an axis= is missing."
+        elif shape == (n, 1):
+            words = fixed(
+                " A column (n, 1) is a table: take [:, 0], or leave out the None in [:, None]."
+            )
+        elif shape == (1, n):
+            words = fixed(" (1, n) is a table of one row: take [0].")
+        elif n > 1 and shape == (n, n):
+            words = fixed(" (n, n) comes from (n, 1) against (n,): both must be (n,).")
+        elif columns and shape == (columns,):
+            words = (
+                f" There are {columns}, one for each column: {fixed('axis=1')} goes along a row."
+            )
+    raise WrongForm(
+        f"There must be {each}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
+    )
+
+
+def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str = "side") -> None:
+    """The answer is exactly the rows ``cloud[keep]``, in order.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    keep : numpy.ndarray of bool, shape (n,)
+        The rows that a right answer keeps.
+    view : {"side", "above"}
+        Where the picture looks from.
+    """
+    yours = as_array(answer, columns=cloud.shape[1], what="an array of rows of the cloud")
+    expected = cloud[keep]
+    if yours.shape == expected.shape and _close(yours, expected):
+        return
+    sides = {"yours": _count(yours), "expected": _count(expected)}
+    if len(yours) > len(cloud):
+        raise CheckFailed("There are more rows than the cloud has.", **sides)
+    mine = _membership(cloud, yours)
+    if mine is None:
+        raise CheckFailed(
+            "Some of the returned rows are not rows of the cloud: values changed.",
+            yours=brief(yours),
+            expected=brief(expected),
+            hint="Rows go, or stay as they are: nothing is written into them.",
+        )
+    if len(yours) == len(expected) and np.array_equal(mine, keep):
+        raise CheckFailed(
+            "These are the right rows in another order.",
+            **sides,
+            hint="A mask keeps the order: cloud[mask].",
+        )
+    missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
+    parts = []
+    if len(missing):
+        parts.append(f"{_count(missing)} missing, for example {point_text(cloud[missing[0]])}")
+    if len(extra):
+        parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
+    message = "; ".join(parts) or "some rows are there more than once"
+    raise CheckFailed(
+        message[0].upper() + message[1:] + ".",
+        **sides,
+        draw=lambda: utils.plots.difference(cloud, mine, keep, view=view),
+    )
+
+
+def assert_places(
+    answer: object,
+    cloud: np.ndarray,
+    keep: np.ndarray,
+    view: str = "side",
+    given: str | None = None,
+    show: Callable[[np.ndarray], str] | None = None,
+) -> None:
+    """The answer holds the places of ``cloud[keep]``; in which order, and what else, is not asked.
+
+    Parameters
+    ----------
+    answer : object
+        Rows of three columns or of as many as the cloud has.
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    keep : numpy.ndarray of bool, shape (n,)
+        The rows that a right answer keeps.
+    view : {"side", "above"}
+        Where the picture looks from.
+    given : str, optional
+        What the function was given, for the message.
+    show : callable, optional
+        Takes some places, shape (m, 3); returns them as a short text. By default their number.
+    """
+    yours, places = _places(answer, cloud), cloud[:, :3]
+    expected = places[keep]
+    if len(yours) == len(expected) and _close(yours, expected):
+        return
+    mine = _membership(places, yours) if len(yours) <= len(cloud) else None
+    if mine is not None and len(yours) == len(expected) and np.array_equal(mine, keep):
+        return
+    try:
+        assert_rows(yours, places, keep, view)
+    except CheckFailed as failure:
+        if show and len(yours) <= len(cloud):
+            failure.yours, failure.expected = show(yours), show(expected)
+        failure.given = given
+        raise
+
+
+def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
+    """The rows of ``cloud[keep]`` come in the order that they had.
+
+    Parameters
+    ----------
+    answer, cloud, keep : object
+        As in `assert_places`.
+    """
+    with needs("the right points are left"):
+        assert_places(answer, cloud, keep)
+    yours, expected = _places(answer, cloud), cloud[keep, :3]
+    if not _close(yours, expected):
+        place = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
+        raise CheckFailed(
+            "These are the right rows in another order.",
+            yours=f"row {place} is {point_text(yours[place])}",
+            expected=f"row {place} is {point_text(expected[place])}",
+        )
+
+
+def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
+    """The rows of ``cloud[keep]`` are whole: each has its intensity, too.
+
+    Parameters
+    ----------
+    answer, cloud, keep : object
+        As in `assert_places`.
+    """
+    with needs("the right points are left"):
+        assert_places(answer, cloud, keep)
+    yours, columns = as_array(answer), cloud.shape[1]
+    if yours.ndim != 2 or yours.shape[1] != columns:
+        raise CheckFailed(
+            "What is left does not have the columns of the cloud.",
+            yours=f"shape {yours.shape}",
+            expected=f"shape {cloud[keep].shape}",
+        )
+    if _membership(cloud, yours) is None:
+        raise CheckFailed(
+            "The places are right, the other columns are not those of their rows.",
+            yours=brief(yours),
+            expected=brief(cloud[keep]),
+        )
+
+
+def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None:
+    """The answer is a table without rows, which has its columns all the same.
+
+    Parameters
+    ----------
+    answer : object
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+        What the function was given.
+    columns : int
+        Of an answer that has rows: whether these are all of them is another property.
+    """
+    what = "an array without rows"
+    yours = as_array(answer, what=what)
+    if yours.ndim != 2 or yours.shape[1] != columns:
+        yours = as_array(answer, columns=cloud.shape[1], what=what)
+    if len(yours):
+        raise CheckFailed(
+            "Nothing should be left here.",
+            yours=f"{len(yours)} row{'s' if len(yours) != 1 else ''}",
+            expected="0 rows",
+        )
+
+
+def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
+    """x, y and z of an answer that holds rows of a cloud; the other columns may be gone."""
+    what = "an array of rows of the cloud"
+    yours = as_array(answer, what=what)
+    if yours.ndim == 2 and yours.shape[1] == 3:
+        return yours
+    return as_array(answer, columns=cloud.shape[1], what=what)[:, :3]
+
+
+def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
+    """The answer holds the rows of `expected`, in any order.
+
+    Parameters
+    ----------
+    answer : object
+    expected : numpy.ndarray, shape (n, columns)
+    """
+    yours = as_array(answer, columns=expected.shape[1], what="an array of points")
+    if len(yours) != len(expected):
+        raise CheckFailed(
+            f"There are {len(yours)} rows, expected {len(expected)}.",
+            yours=f"{len(yours)} rows",
+            expected=f"{len(expected)} rows",
+        )
+    if len(expected) and not np.isfinite(yours).all():
+        raise CheckFailed("Some values are not finite.", yours=brief(yours))
+    if not len(expected):
+        return
+    from scipy.spatial import cKDTree
+
+    distances, partners = cKDTree(expected).query(yours)
+    partners = np.minimum(partners, len(expected) - 1)  # so far away that no right one is nearest
+    strangers = np.flatnonzero(distances > TOLERANCE)
+    if len(strangers):
+        row, partner = yours[strangers[0]], expected[partners[strangers[0]]]
+        raise CheckFailed(
+            f"{_count(strangers)} should not be there; beside the nearest right one:",
+            yours=brief(row),
+            expected=brief(partner),
+        )
+    if len(np.unique(partners)) < len(expected):
+        raise CheckFailed("Some rows are there twice and others are missing.")
+
+
+def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
+    """An answer as whole-numbered labels.
+
+    Parameters
+    ----------
+    answer : object
+    n : int
+        Number of points.
+    of : str
+        What has a label, if these are not points.
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (n,)
+    """
+    labels = as_array(answer, what="an array of labels")
+    labels = in_shape(labels, (n,), f"one label for each of the {n} {of}")
+    if labels.dtype.kind == "b":
+        raise WrongForm(
+            f"This is a mask, True or False for each of the {of}; labels are whole numbers.",
+            yours=brief(labels),
+        )
+    if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):
+        raise WrongForm("Labels are whole numbers.", yours=brief(labels))
+    return labels.astype(np.int64)
+
+
+def overlaps(labels: np.ndarray, others: np.ndarray) -> tuple[int, int, int]:
+    """How many groups of one partition share points with how many of another.
+
+    Parameters
+    ----------
+    labels, others : numpy.ndarray of int, shape (n,)
+
+    Returns
+    -------
+    tuple of int
+        Pairs of groups that share points, groups of the one, and of the other: three times the
+        same number if they group the points alike.
+    """
+    names, mine = np.unique(labels, return_inverse=True)
+    other_names, theirs = np.unique(others, return_inverse=True)
+    # One number for a pair: sorting numbers is ten times as quick as sorting pairs.
+    pairs = np.unique(mine * len(other_names) + theirs)
+    return len(pairs), len(names), len(other_names)
+
+
+def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) -> None:
+    """The answer groups the points as `expected` does, under whatever numbers.
+
+    Parameters
+    ----------
+    answer : object
+    expected : numpy.ndarray of int, shape (n,)
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    """
+    yours = as_labels(answer, len(cloud))
+    shared, number_yours, number_expected = overlaps(yours, expected)
+    if shared == number_yours == number_expected:
+        return
+    split = shared > number_expected
+    merged = shared > number_yours
+    what = {
+        (True, True): "Some clusters are torn apart and others run together.",
+        (True, False): "Points that belong together have different labels.",
+        (False, True): "Points of different clusters have the same label.",
+    }[split, merged]
+    raise CheckFailed(
+        what,
+        yours=f"{number_yours} clusters",
+        expected=f"{number_expected} clusters",
+        draw=lambda: utils.plots.worst(cloud, yours, expected),
+    )
+
+
+def assert_close(
+    answer: object, expected: ArrayLike, what: str, tolerance: float = TOLERANCE
+) -> None:
+    """The answer is an array of the expected shape and of nearly the expected values.
+
+    Parameters
+    ----------
+    answer : object
+    expected : array_like
+    what : str
+        What the numbers are, in the plural: "distances".
+    tolerance : float
+    """
+    expected = np.asarray(expected)
+    yours = as_array(answer, what=f"an array of {what}")
+    yours = in_shape(yours, expected.shape, f"{what} of shape {expected.shape}")
+    if not np.allclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True):
+        wrong = np.count_nonzero(
+            ~np.isclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True)
+        )
+        raise CheckFailed(
+            f"{wrong} of {expected.size} {what} are wrong.",
+            yours=brief(yours),
+            expected=brief(expected),
+        )
+
+
+def observe(function: Callable, *arguments: object) -> Observed:
+    """Call a function on copies of its arguments, and look at what it did.
+
+    A function that lives elsewhere observes itself: in the judge it is in the sandbox.
+    """
+    if isinstance(function, Remote):
+        return function.observe(*arguments)
+    copies = copy.deepcopy(arguments)
+    result = function(*copies)
+    shared = {
+        position
+        for position, value in enumerate(copies)
+        if isinstance(value, np.ndarray)
+        and isinstance(result, np.ndarray)
+        and np.shares_memory(value, result)
+    }
+    return Observed(result, copies, frozenset(shared))
+
+
+def timed(function: Callable, *arguments: object) -> tuple[object, float]:
+    """What a function answers to copies of its arguments, and seconds of processor time for that.
+
+    One that lives elsewhere is timed there.
+    """
+    if isinstance(function, Remote):
+        return function.timed(*arguments)
+    copies = copy.deepcopy(arguments)
+    begin = time.process_time()
+    answer = function(*copies)
+    return answer, time.process_time() - begin
+
+
+def call_each(function: Callable, calls: Iterable[tuple]) -> list:
+    """Call a function on copies of each of these arguments; returns what it returned.
+
+    One that lives elsewhere gets them all in one message. They share the time of a call, so this
+    is for many that take next to none.
+    """
+    if isinstance(function, Remote):
+        return function.each(list(calls))
+    return [function(*copy.deepcopy(arguments)) for arguments in calls]
+
+
+def reach(value: object, names: Sequence[str]) -> object:
+    """Where a way along attributes leads, as `value.first.second`; elsewhere in one message."""
+    if isinstance(value, Remote):
+        return value.reach(names)
+    return attrgetter(".".join(names))(value)
+
+
+def assert_untouched(function: Callable, *arguments: object) -> None:
+    """The function leaves its arguments as they are; what it returns is another property."""
+    assert_left_alone(observe(function, *arguments), *arguments)
+
+
+def assert_left_alone(seen: Observed, *arguments: object) -> None:
+    """A call that was looked at left its arguments as they were."""
+    for before, after in zip(arguments, seen.arguments, strict=False):
+        if not _unchanged(before, after):
+            raise CheckFailed(
+                "The function changed its input. Work on a copy, or build a new array.",
+                **_first_change(before, after),
+            )
+
+
+def _first_change(before: object, after: object) -> dict[str, str]:
+    """What stands where an argument was changed first, afterwards and before."""
+    arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
+    if not arrays or before.ndim == 0 or after.shape != before.shape:
+        return {"yours": brief(after), "expected": brief(before)}
+    rows = zip(before, after, strict=True)
+    row = next((row for row, (one, other) in enumerate(rows) if not _unchanged(one, other)), 0)
+    return {
+        "yours": f"afterwards row {row} is {brief(after[row])}",
+        "expected": f"as before, {brief(before[row])}",
+    }
+
+
+def assert_new_array(function: Callable, *arguments: object) -> None:
+    """The function returns an array of its own: whoever changes it changes no argument."""
+    if observe(function, *arguments).shared:
+        raise CheckFailed(
+            "The result is the input itself, or a part of it: whoever changes one changes both. "
+            "Return a new array."
+        )
+
+
+def _unchanged(before: object, after: object) -> bool:
+    """True where two values are the same; the second is a claim and may be anything."""
+    if isinstance(before, np.random.Generator):
+        return True  # to draw from it is what it is for
+    if isinstance(before, (list, tuple)):
+        return (
+            type(before) is type(after)
+            and len(before) == len(after)
+            and all(map(_unchanged, before, after))
+        )
+    if not isinstance(before, np.ndarray):
+        return type(before) is type(after) and bool(before == after)
+    if not isinstance(after, np.ndarray) or after.shape != before.shape:
+        return False
+    numbers = before.dtype.kind == "f" and after.dtype.kind == "f"
+    return bool(np.array_equal(before, after, equal_nan=numbers))
+
+
+def _close(yours: np.ndarray, expected: np.ndarray) -> bool:
+    return bool(np.allclose(yours, expected, rtol=0, atol=TOLERANCE, equal_nan=True))
+
+
+def _membership(cloud: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
+    """Which rows of `cloud` occur among `rows`; None where `rows` holds others too."""
+    known = {row.tobytes(): [] for row in _rounded(cloud)}
+    for position, row in enumerate(_rounded(cloud)):
+        known[row.tobytes()].append(position)
+    mask = np.zeros(len(cloud), dtype=bool)
+    for row in _rounded(rows):
+        if row.tobytes() not in known:
+            return None
+        mask[known[row.tobytes()]] = True
+    return mask
+
+
+def _rounded(rows: np.ndarray) -> np.ndarray:
+    return np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
+
+
+def _count(rows: np.ndarray) -> str:
+    return "1 row" if len(rows) == 1 else f"{len(rows)} rows"

@@ -1,0 +1,124 @@
+"""Promises of what puts a box around each cluster of a cloud; see `promises`.
+
+The case is of `cloud`, of three columns, and `cluster_labels` from 1 up. It expects a box for each
+label, or None where `look` sees from the points alone whether a box is right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from utils.checks import common_checks
+from utils.checks.boxes import as_cluster_boxes
+from utils.checks.common_checks import Case, promise
+
+# Two returns that belong to no cluster, far away from all.
+_STRAYS = ((30.0, 20.0, 4.0), (-20.0, -9.0, -1.0))
+
+
+def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1) -> None:
+    """Labels, in the place of 1, 2, ..., need not follow each other."""
+
+    @promise(
+        "gaps",
+        case,
+        name,
+        title="Labels may have gaps",
+        why="Filters remove clusters and leave gaps in the numbers.",
+        hint=hint,
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        _labelled(case, labels).assert_right(function)
+
+
+def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1) -> None:
+    """Boxes come in the order of the labels, which stand in the place of 1, 2, ..."""
+
+    @promise(
+        "ascending",
+        case,
+        name,
+        title="The boxes are in ascending order of the labels",
+        why="The next step tells by the row which box is whose.",
+        hint="Go through the labels from the smallest to the largest; np.unique sorts them.",
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        _labelled(case, labels).assert_right(function)
+
+
+def _labelled(case: Case, labels: Sequence[int]) -> Case:
+    """The same, with other labels in the place of 1, 2, ..."""
+    given = {**case.given, "cluster_labels": np.array([0, *labels])[case.given["cluster_labels"]]}
+    boxes = case.expected
+    return replace(case, given=given, expected=None if boxes is None else boxes[np.argsort(labels)])
+
+
+def noise(case: Case, name: str, *, weight: float = 1) -> None:
+    """Points with label 0 have no box."""
+    given = {
+        "cloud": np.vstack([_STRAYS, case.first, _STRAYS]),
+        "cluster_labels": np.pad(case.given["cluster_labels"], len(_STRAYS)),
+    }
+
+    @promise(
+        "noise",
+        case,
+        name,
+        title="Label 0 is no obstacle",
+        why="Stray points lie all over the street: their box would be the street, with us in it.",
+        hint="Keep only labels > 0 before you loop.",
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        replace(case, given=given).assert_right(function)
+
+
+def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+    """Where there is no cluster, or no point, the array keeps its form."""
+
+    @promise(
+        "no_boxes",
+        case,
+        name,
+        title="No cluster, no box: the shape is then (0, 8, 3)",
+        why="On an empty road nothing is boxed, and the planner still asks for boxes[:, 0].",
+        hint=hint,
+        weight=weight,
+    )
+    def ask(function: Callable) -> None:
+        case.basic(function)
+        for cloud in (case.first, case.first[:0]):
+            labels = np.zeros(len(cloud), dtype=int)
+            as_cluster_boxes(function(cloud.copy(), labels.copy()), labels)
+
+
+def fourth_column(case: Case, name: str, *, weight: float = 1) -> None:
+    """Intensity is no part of a box."""
+    common_checks.fourth_column(
+        case,
+        name,
+        np.linspace(9, -9, len(case.first)),
+        title="A fourth column, intensity, is no part of the box",
+        why="A corner is a place in space; brightness has none.",
+        hint="Take the coordinates with cloud[mask, :3].",
+        weight=weight,
+    )
+
+
+def untouched(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+    """Cloud and labels are afterwards what they were before."""
+    common_checks.untouched(
+        case,
+        name,
+        title="Leaves cloud and labels untouched",
+        why="The next step still needs them.",
+        hint=hint,
+        weight=weight,
+    )

@@ -1,0 +1,119 @@
+"""Promises of what clusters the points of a cloud, in lessons 05 and 10; see `promises`."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.checks import common_checks
+from utils.checks.assertions import CheckFailed, as_labels, brief, frozen
+from utils.checks.clusters import (
+    GROUPS,
+    LABELS,
+    assert_clusters,
+    assert_works,
+    counted,
+    in_order,
+)
+from utils.checks.common_checks import Case, promise
+from utils.checks.failures import fixed
+
+
+def case_of(lesson: str, exercise: str) -> Case:
+    """Groups that are far apart, for the promises of an exercise.
+
+    Parameters
+    ----------
+    lesson : str
+        The module that declares them, its `__name__`.
+    exercise : str
+
+    Returns
+    -------
+    Case
+    """
+    return Case(
+        lesson,
+        exercise,
+        {"cloud": GROUPS, "threshold": 1.0},
+        expected=LABELS,
+        look=lambda answer, cloud, limit, labels: assert_clusters(answer, labels, cloud, limit),
+        basic=assert_works,
+    )
+
+
+def default(case: Case, name: str, *, why: str) -> None:
+    """Without a threshold the clusters are those at 0.5 m, whether these are right or not."""
+
+    def ask(euclidean_clustering: Callable) -> None:
+        gaps = np.array([0.05, 0.3, 0.12, 0.65, 0.2, 1.2, 0.4, 0.9, 0.56, 0.48, 0.75, 0.35])
+        cloud = np.outer(2.0 + np.cumsum(gaps), [1.0, 0.0, 0.0])
+        given = as_labels(euclidean_clustering(cloud.copy(), 0.5), len(cloud))
+        left_out = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
+        if not np.array_equal(in_order(given), in_order(left_out)):
+            raise CheckFailed(
+                fixed("Without a threshold the clusters are others than at 0.5 m."),
+                given="twelve points in a row",
+                yours=counted(left_out),
+                expected=f"{counted(given)}, as your function finds at 0.5 m",
+            )
+
+    ask.__name__ = name
+    title = "The threshold is 0.5 m unless another one is given"
+    common_checks.default(case, "threshold=0.5", title=title, why=why)(ask)
+
+
+def few_points(case: Case, name: str, *, why: str, hint: str, weight: float = 1) -> None:
+    """No points have no labels, and one point has label 1; with intensities and without."""
+    title = "Takes an empty cloud and one point"
+
+    @promise("few_points", case, name, title=title, why=why, hint=hint, weight=weight)
+    def ask(euclidean_clustering: Callable) -> None:
+        case.basic(euclidean_clustering)
+        for columns in (3, 4):
+            for n in (0, 1):
+                labels = as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
+                if not (labels == 1).all():
+                    raise CheckFailed(
+                        "One point alone is a cluster, too.",
+                        given="a cloud of one point",
+                        yours=brief(labels),
+                        expected="[1]",
+                        hint="It has no neighbours, and begins a cluster all the same.",
+                    )
+
+
+_EQUAL = frozen(np.array([[1.0, 2, 3], [5, 0, 0], [1, 2, 3], [5, 9, 0], [1, 2, 3]]))
+
+
+def equal_points(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+    """Points that are there more than once share a label."""
+    words = {"why": "Recordings do hold the same point twice.", "hint": hint, "weight": weight}
+
+    @promise("equal_points", case, name, title="Equal points belong together", **words)
+    def ask(euclidean_clustering: Callable) -> None:
+        case.basic(euclidean_clustering)
+        answer = euclidean_clustering(_EQUAL.copy(), 0.8)
+        assert_clusters(answer, np.array([1, 2, 1, 3, 1]), _EQUAL, 0.8)
+
+
+def intensity(case: Case, name: str, *, why: str, weight: float = 1) -> None:
+    """Points are close by x, y and z alone."""
+    common_checks.fourth_column(
+        case,
+        name,
+        np.tile([7.0, 200.0], len(GROUPS) // 2),
+        title="Intensity is not a place",
+        why=why,
+        hint="cloud[:, :3] are the coordinates; a fourth column, if there is one, is not.",
+        weight=weight,
+    )
+
+
+def untouched(case: Case, name: str) -> None:
+    """The cloud is afterwards what it was before."""
+    common_checks.untouched(
+        case,
+        name,
+        why="The next step of the pipeline still needs the cloud.",
+        hint="Keep labels in an array of their own; do not write into cloud.",
+    )

@@ -1,0 +1,201 @@
+"""Where to look: the line, or each of the few, in which one change makes every shown check pass.
+
+The changed functions run in a copy of this process, which ends with them: it writes no file, opens
+no connection, draws nothing and waits for nobody. What it tells is a line, and only of a function
+that has passed every check there is in the notebook.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import inspect
+import os
+import select
+import signal
+import sys
+import textwrap
+import time
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from utils.checks.limits import limited_memory
+from utils.checks.outcomes import Check
+from utils.checks.run_cache import one_run
+from utils.display import shell
+from utils.notebooks import slicing
+from utils.notebooks.edits import Edit, edits_of
+
+# Processor time, so that a busy machine finds the same lines: for the first line, and for others
+# once one is found. By the clock on the wall it may take so many times as long.
+SECONDS, SECONDS_FOR_OTHERS, PATIENCE = 3.0, 1.0, 5
+MOST_LINES = 3  # of more, none says where to look
+# For one check; a change may well make a loop that never ends.
+SECONDS_OF_A_CHECK = 0.5
+_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+# Audit events of what reaches beyond a process; see https://docs.python.org/3/library/audit_events.html
+_REACHES_OUT = (
+    *("os.remove", "os.rename", "os.rmdir", "os.mkdir", "os.link", "os.symlink", "os.truncate"),
+    *("os.chmod", "os.chown", "os.utime", "os.kill", "os.system", "os.exec", "os.fork"),
+    *("os.posix_spawn", "os.spawn", "os.startfile", "subprocess.", "shutil.", "socket."),
+    *("tempfile.", "webbrowser.", "urllib.", "ftplib.", "smtplib.", "signal.pthread_kill"),
+)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a cell, and what stands there."""
+
+    number: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"line {self.number}, `{self.text}`"
+
+
+@dataclass(frozen=True)
+class Place:
+    """The lines in each of which one change makes all checks pass."""
+
+    lines: tuple[Line, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What may be said of them."""
+        named = ", or one in ".join(map(str, self.lines))
+        return f"One change in {named}, makes everything here green."
+
+
+def place_to_change(
+    function: Callable, checks: Sequence[Check], failed: Sequence[Check]
+) -> Place | None:
+    """The lines in each of which one change makes all checks pass.
+
+    Parameters
+    ----------
+    function : callable
+        The student's.
+    checks : sequence of utils.checks.outcomes.Check
+        All that the notebook shows.
+    failed : sequence of utils.checks.outcomes.Check
+        Those of them that the function fails.
+
+    Returns
+    -------
+    Place or None
+        None where there is none, or too many lines to say anything; where it is not found in time,
+        or where no process can be copied.
+    """
+    with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
+        source, first = inspect.getsourcelines(function)
+        text = textwrap.dedent("".join(source))
+        statements = slicing.parse_notebook([text])[0]
+        if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
+            edits = edits_of([text], statements)
+            order = [*failed, *(check for check in checks if check not in failed)]
+            numbers = sorted(_lines_that_pass(function, statements[0], edits, order))
+            rows = text.split("\n")
+            lines = tuple(Line(first + at - 1, rows[at - 1].strip()) for at in numbers)
+            return Place(lines) if 0 < len(lines) <= MOST_LINES else None
+    return None
+
+
+def _lines_that_pass(
+    function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
+) -> set[int]:
+    """Where an edit makes all checks pass, found by a copy of this process."""
+    if not hasattr(os, "fork"):
+        return set()
+    read_end, write_end = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of threads, which stay behind
+        child = os.fork()
+    if child == 0:
+        try:
+            _keep_to_oneself()
+            signal.setitimer(signal.ITIMER_PROF, SECONDS)
+            for line in _passing(function, statement, edits, checks):
+                os.write(write_end, b"%d " % line)
+                signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
+        finally:
+            os._exit(0)  # nothing of the notebook may end in here, or be sent twice
+    os.close(write_end)
+    told, until = b"", time.monotonic() + PATIENCE * SECONDS
+    try:
+        while select.select([read_end], [], [], max(0.0, until - time.monotonic()))[0]:
+            part = os.read(read_end, 1024)
+            if not part:
+                break
+            told += part
+    finally:
+        os.close(read_end)
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    return {int(line) for line in told.split()}
+
+
+def _passing(
+    function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
+) -> Iterator[int]:
+    """The first line of the edits with which all checks pass, each once."""
+    found = set()
+    for number, changed in _changed(function, statement, edits):
+        line = edits[number].first
+        if line not in found and all(_passes(check, changed) for check in checks):
+            found.add(line)
+            yield line
+
+
+def _keep_to_oneself() -> None:
+    """Let nothing of what runs here reach the notebook, a file or a screen."""
+    with contextlib.suppress(Exception):
+        shell().display_pub.publish = lambda *about, **more: None
+    if "matplotlib" in sys.modules:
+        import matplotlib
+
+        matplotlib.use("agg")
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(nowhere, standard)
+    sys.stdin = open(os.devnull)  # noqa: SIM115 (this process ends with it)
+    sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115
+
+    def refuse(event: str, about: tuple) -> None:
+        if event.startswith(_REACHES_OUT) or (event == "open" and about[2] & _WRITING):
+            raise PermissionError(event)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)  # ends this process
+    for clock in (signal.SIGVTALRM, signal.SIGALRM):
+        signal.signal(clock, _too_long)
+    sys.addaudithook(refuse)
+
+
+def _too_long(*about: object) -> None:
+    raise TimeoutError
+
+
+def _changed(
+    function: Callable, statement: slicing.Statement, edits: list[Edit]
+) -> Iterator[tuple[int, Callable]]:
+    """Each edit's position, and what it makes of the function."""
+    for number, edit in enumerate(edits):
+        space = dict(function.__globals__)
+        with contextlib.suppress(Exception):
+            exec(compile(edit.statement, "<changed>", "exec", flags=statement.future), space)
+            yield number, space[statement.node.name]
+
+
+def _passes(check: Check, function: Callable) -> bool:
+    signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS_OF_A_CHECK)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE * SECONDS_OF_A_CHECK)
+    try:
+        with limited_memory(), one_run():
+            check.run(function)
+    except BaseException:
+        return False
+    finally:
+        for clock in (signal.ITIMER_VIRTUAL, signal.ITIMER_REAL):
+            signal.setitimer(clock, 0)
+    return True

@@ -1,0 +1,110 @@
+"""In which loops a function was that did not come back."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import CodeType
+
+from utils.checks.tips import frames_of, written_name
+from utils.remote_objects import ENDLESS
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop in a cell.
+
+    Attributes
+    ----------
+    line : int
+        Where it begins, in the cell of its function.
+    function : str
+    text : str
+        That line.
+    condition : str
+        What it goes on by; empty where it goes through something.
+    """
+
+    line: int
+    function: str
+    text: str
+    condition: str
+
+    def __str__(self) -> str:
+        return f"line {self.line} of the cell of {self.function}, `{self.text}`"
+
+
+def loops_around(error: BaseException, function: Callable) -> list[Loop]:
+    """The loops in which a student's code was when it was interrupted, the innermost first.
+
+    Parameters
+    ----------
+    error : BaseException
+    function : callable
+        The student's.
+
+    Returns
+    -------
+    list of Loop
+        Those with a condition, if there are any: others end, but for a list that grows.
+    """
+    found = [
+        loop
+        for code, line in reversed(frames_of(error, function))
+        for loop in _loops_of(code, line)
+    ]
+    return [loop for loop in found if loop.condition] or found
+
+
+def _loops_of(code: CodeType, at: int) -> Iterator[Loop]:
+    """The loops of a function around a line of its cell, the innermost first."""
+    with contextlib.suppress(OSError, TypeError, SyntaxError):
+        lines, first = inspect.getsourcelines(code)
+        rows = textwrap.dedent("".join(lines)).split("\n")
+        nodes = [node for node in ast.walk(ast.parse("\n".join(rows))) if _holds(node, at - first)]
+        for node in sorted(nodes, key=lambda node: -node.lineno):
+            condition = ast.unparse(node.test) if isinstance(node, ast.While) else ""
+            text = rows[node.lineno - 1].strip()
+            yield Loop(first + node.lineno - 1, written_name(code), text, condition)
+
+
+def _holds(node: ast.AST, row: int) -> bool:
+    """Whether a node is a loop around a row, counted from 0."""
+    return isinstance(node, ast.While | ast.For) and node.lineno - 1 <= row < node.end_lineno
+
+
+def told_of(loops: list[Loop], known: str) -> str:
+    """The end of a sentence that begins "It did not come back after 15 s".
+
+    Parameters
+    ----------
+    loops : list of Loop
+        From `loops_around`.
+    known : str
+        What the check knows to ask; may be empty.
+
+    Returns
+    -------
+    str
+    """
+    if not loops:
+        return f": {known or ENDLESS}"
+    still = f", and was in the loop of {loops[0]}"
+    if len(loops) > 1:
+        still += f", inside that of {loops[1]}"
+    return f"{still}. {known[:1].upper() + known[1:] or _question_about(loops)}"
+
+
+def _question_about(loops: list[Loop]) -> str:
+    first = loops[0]
+    if not first.condition:
+        return "Does it add to what it goes through, or is there far too much of it?"
+    if len(loops) > 1:
+        return "Which of the two never ends?"
+    if first.condition in ("True", "1"):
+        return "Does it ever come to its `break` or `return`?"
+    return f"Which line in it makes `{first.condition}` false?"

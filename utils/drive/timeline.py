@@ -1,0 +1,200 @@
+"""A drive as a strip of speed over time, with each braking, its reason, and its frame to open."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import os
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from utils.drive.explanations import Braking
+from utils.drive.film import known, summary
+from utils.drive.loop import Drive
+from utils.drive.metrics import Report
+from utils.drive.rules import BUMPER, CORRIDOR, STANDSTILL, stopping_distance
+from utils.plots.style import BLUE, INK, MUTED, ORANGE, PAPER, VERMILION
+
+WIDTH, HEIGHT = 720, 210
+LEFT, RIGHT, TOP, BOTTOM = 62, 12, 34, 44
+"""Room around the strip for its axes, in its own pixels."""
+
+VIEW = ((-6.0, 36.0), (-8.0, 8.0))
+
+PAGE = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<style>body {{ font: 1rem/1.5 system-ui, sans-serif; margin: 1rem auto; max-width: 46rem;
+padding: 0 1rem }} h1 {{ font-size: 1.3rem }}</style></head>
+<body><h1>{title}</h1>{body}</body></html>
+"""
+
+
+def fragment(drive: Drive, report: Report) -> str:
+    """The strip and its list as HTML that needs no script: for a notebook."""
+    rows = "".join(
+        _row(drive, braking, number) for number, braking in enumerate(report.brakings, start=1)
+    )
+    nothing = "<p>The car never braked.</p>" if not report.brakings else ""
+    end = ""
+    if report.collision:
+        picture = _picture(drive, len(drive.moments) - 1, None)
+        end = (
+            f"<div style='border:4px solid {VERMILION};padding:0.3em 0.8em'>"
+            f"<b>{html.escape(report.collision)}</b><br>{picture}</div>"
+        )
+    return f"<div style='max-width:100%'>{_svg(drive, report)}{nothing}{rows}{end}</div>"
+
+
+def write_page(drive: Drive, report: Report, path: str | os.PathLike) -> Path:
+    """Write the strip as a page of its own, which needs no network."""
+    title = f"Street {drive.street.number} · {drive.street.title}"
+    path = Path(path)
+    path.write_text(PAGE.format(title=html.escape(title), body=fragment(drive, report)), "utf-8")
+    return path
+
+
+def _token(drive: Drive) -> str:
+    """What tells the marks of this drive from those of others on the same page."""
+    way = np.array([moment.position for moment in drive.moments])
+    return f"{drive.street.number}-{zlib.crc32(way.tobytes()):08x}"
+
+
+def _row(drive: Drive, braking: Braking, number: int) -> str:
+    """A braking in words; its frame opens below it."""
+    kind = "needless: " if braking.needless else ""
+    mark = "✗" if braking.needless else "✓"
+    time = f"{drive.moments[braking.first].time:.1f} s"
+    picture = _picture(drive, braking.scan, braking)
+    return (
+        f"<details><summary>{mark} {number} · {time} · {kind}{html.escape(str(braking))}"
+        f"</summary><div id='braking-{_token(drive)}-{number}'>{picture}</div></details>"
+    )
+
+
+def _svg(drive: Drive, report: Report) -> str:
+    """Speed over time. Needless brakings are hatched, others plain; each has its number."""
+    last = max(len(drive.moments) - 1, 1)
+    top = max(36.0, 3.6 * max(moment.speed for moment in drive.moments) * 1.1)
+
+    def across(number: float) -> float:
+        return LEFT + (WIDTH - LEFT - RIGHT) * number / last
+
+    def down(speed: float) -> float:
+        return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * 3.6 * speed / top
+
+    token = _token(drive)
+    parts = [
+        f"<rect width='{WIDTH}' height='{HEIGHT}' fill='{PAPER}'/>",
+        f"<defs><pattern id='needless-{token}' width='8' height='8' patternUnits='userSpaceOnUse' "
+        f"patternTransform='rotate(45)'><rect width='3.5' height='8' fill='{VERMILION}'/>"
+        "</pattern></defs>",
+    ]
+    for number, braking in enumerate(report.brakings, start=1):
+        left, right = across(braking.first), across(max(braking.last, braking.first + 1))
+        fill = f"url(#needless-{token})" if braking.needless else ORANGE
+        box = (
+            f"x='{left:.1f}' y='{TOP}' width='{right - left:.1f}' height='{HEIGHT - TOP - BOTTOM}'"
+        )
+        parts.append(
+            f"<a href='#braking-{token}-{number}'><rect {box} fill='{fill}' "
+            f"fill-opacity='0.55'><title>{html.escape(str(braking))}</title></rect>"
+            f"<text x='{(left + right) / 2:.1f}' y='{TOP - 8}' text-anchor='middle' "
+            f"font-weight='bold'>{'✗' if braking.needless else ''}{number}</text></a>"
+        )
+    limit = down(drive.street.limit)
+    parts.append(
+        f"<line x1='{LEFT}' x2='{WIDTH - RIGHT}' y1='{limit:.1f}' y2='{limit:.1f}' "
+        f"stroke='{MUTED}' stroke-dasharray='6 5'/>"
+    )
+    for kilometres in range(0, int(top) + 1, 10):
+        y = down(kilometres / 3.6)
+        parts.append(f"<text x='{LEFT - 8}' y='{y + 6:.1f}' text-anchor='end'>{kilometres}</text>")
+    seconds = last / 10
+    for moment in np.arange(0, seconds + 0.01, 5 if seconds > 6 else 1).tolist():
+        x = across(10 * moment)
+        parts.append(
+            f"<text x='{x:.1f}' y='{HEIGHT - BOTTOM + 20}' text-anchor='middle'>{moment:.0f}</text>"
+        )
+    points = " ".join(f"{across(m.number):.1f},{down(m.speed):.1f}" for m in drive.moments)
+    parts += [
+        f"<polyline points='{points}' fill='none' stroke='{BLUE}' stroke-width='3'/>",
+        f"<text x='{LEFT}' y='20'>km/h</text>",
+        f"<text x='{WIDTH - RIGHT}' y='{HEIGHT - 5}' text-anchor='end'>seconds</text>",
+    ]
+    if report.collision:
+        x, y = across(last) - 6, down(drive.moments[-1].speed) + 8
+        parts.append(
+            f"<text x='{x:.1f}' y='{y:.1f}' fill='{VERMILION}' font-size='26' "
+            "font-weight='bold' text-anchor='middle'>✕</text>"
+        )
+    return (
+        f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' role='group' font-size='17' fill='{INK}' "
+        f"font-family='system-ui, sans-serif' style='width:100%;max-width:{WIDTH}px' "
+        f"aria-label='{html.escape(summary(drive, report), quote=True)}'>{''.join(parts)}</svg>"
+    )
+
+
+def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
+    """A scan from above with its boxes, the corridor and what the car braked for, as an image."""
+    import matplotlib.pyplot as plt
+
+    axes = draw(drive, number, braking)
+    buffer = io.BytesIO()
+    axes.figure.savefig(buffer, format="png", dpi=90, bbox_inches="tight")
+    plt.close(axes.figure)
+    data = base64.b64encode(buffer.getvalue()).decode()
+    words = f"frame {number} from above" + (f": {braking}" if braking else "")
+    return (
+        f"<img alt='{html.escape(words, quote=True)}' style='max-width:100%' "
+        f"src='data:image/png;base64,{data}'>"
+    )
+
+
+def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
+    """Draw a scan of a drive from above; return the axes.
+
+    Parameters
+    ----------
+    drive : Drive
+    number : int
+        Of the moment.
+    braking : Braking, optional
+        Its box is drawn in the colour of the brake.
+    """
+    import matplotlib.pyplot as plt
+    import shapely
+
+    from utils import plots
+
+    moment, frame = drive.moments[number], drive.frame(number)
+    boxes = moment.boxes if not moment.busy else known(drive, moment)
+    true = [box.corners for box in frame.boxes if box.kind in drive.street.road_users.values()]
+    axes = plots.boxes(
+        np.reshape(true, (-1, 8, 3)),
+        cloud=frame.cloud[::2],
+        limits=VIEW,
+        reference=True,
+        label="true",
+        title=f"Frame {number}, {3.6 * moment.speed:.0f} km/h",
+    )
+    plots.boxes(boxes, axes=axes, label="found")
+    reach = BUMPER + STANDSTILL + stopping_distance(moment.speed)
+    corridor = plt.Rectangle(
+        (BUMPER, -CORRIDOR), reach - BUMPER, 2 * CORRIDOR, fill=False, linestyle="--", color=INK
+    )
+    axes.add_patch(corridor)
+    if braking is not None:
+        start = drive.moments[braking.first]
+        cause = start.decision.cause.corners + (start.position - moment.position, 0.0, 0.0)
+        floor = shapely.convex_hull(shapely.multipoints(cause[:, :2]))
+        around = np.array(floor.buffer(0.15, join_style="mitre").exterior.coords)
+        axes.add_patch(plt.Polygon(around, fill=False, color=VERMILION, linewidth=3))
+        high = around.max(axis=0)
+        at = (min(high[0], VIEW[0][1] - 12), min(high[1] + 0.4, VIEW[1][1] - 1.5))
+        axes.text(*at, "braked for this", color=VERMILION, weight="bold")
+    return axes

@@ -1,0 +1,293 @@
+"""A wrong answer does not end the evening.
+
+Where a cell of the lesson fails with a function that has not passed its check, the function is put
+aside as if it were not written: the cell runs again with the course's answer, and says so. If it
+fails with that, too, the first failure is shown as ever. A cell of one's own, one above the check,
+and every check have the student's own function, always; and so have all once it passes, or is
+defined anew.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from utils.checks.static_analysis import functions_used
+from utils.display import shell
+from utils.lent.rerun import Plan, free_names, is_about_ones_own, key_of_cell, plan
+from utils.lent.stubs import is_written
+from utils.notebooks import slicing
+from utils.notebooks.statements import Statement
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import ExecutionInfo, ExecutionResult
+
+    from utils.lent.stand_ins import Lender
+
+
+@dataclass(frozen=True)
+class _Failed:
+    """A function as its check saw it, and the place of that check in the lesson."""
+
+    function: Callable
+    place: int
+    hangs: bool
+
+
+@dataclass
+class _Cell:
+    """The cell that runs."""
+
+    source: str
+    place: int | None  # None for one that is not the lesson's
+    generators: list[tuple[np.random.Generator, dict]]
+    figures: set[int]
+    passed: set[str] = field(default_factory=set)
+    failure: tuple | None = None  # what showtraceback was called with
+
+
+class GoingOn:
+    """Goes on with the course's answers where a cell fails for want of a right one.
+
+    Parameters
+    ----------
+    lender : Lender
+    namespace : dict
+        The notebook's.
+    cells : sequence of str
+        `key_of_cell` of each code cell of the lesson, in order.
+    show : callable
+        The shell's own `showtraceback`.
+    """
+
+    def __init__(
+        self, lender: Lender, namespace: dict, cells: Sequence[str], show: Callable
+    ) -> None:
+        self._lender, self._namespace, self._show = lender, namespace, show
+        self._places = {key: place for place, key in enumerate(cells)}
+        self._ran: dict[int, str] = {}
+        self._broken: set[int] = set()
+        self._failed: dict[str, _Failed] = {}
+        self._switched: set[str] = set()
+        self._borrowed: dict[str, frozenset[str]] = {}  # what was made of whose course's answers
+        self._cell: _Cell | None = None
+        self._trial: list[object] | None = None  # what went wrong while a cell runs again
+
+    def before_cell(self, info: ExecutionInfo) -> None:
+        """Have the functions ready that a cell is to find."""
+        if self._trial is not None:
+            return
+        self._lender.give_back()
+        source = info.raw_cell
+        place = self._places.get(key_of_cell(source))
+        self._cell = _Cell(source, place, _generators(self._namespace), _figures())
+        if place is not None and not is_about_ones_own(source):
+            self._ran[place] = source
+            self._broken.add(place)  # until it comes to its end
+            wrong = self._wrong_at(place)
+            self._put_aside(wrong & self._switched)
+            hanging = [name for name in wrong - self._switched if self._failed[name].hangs]
+            if hanging and (found := self._plan(place, hanging)).functions:
+                self._do_without(found)
+        self._say_of(free_names(source))
+
+    def after_cell(self, result: ExecutionResult | None) -> None:
+        """Go on where it failed, or say that it did."""
+        if self._trial is not None:
+            return
+        cell, self._cell = self._cell, None
+        if cell is None:
+            return
+        succeeded = result is not None and result.success
+        if cell.failure:
+            with contextlib.suppress(Exception):  # whatever goes wrong, the failure is shown
+                succeeded = self._go_on(cell) or self._go_on(cell, spoilt=True)
+            if succeeded and result is not None:
+                result.error_in_exec = None
+            elif not succeeded:
+                arguments, options = cell.failure
+                self._show(*arguments, **options)
+        if succeeded:
+            self._broken.discard(cell.place)
+            self._remember(cell)
+        self._return(cell)
+
+    def show_traceback(self, *arguments: object, **options: object) -> None:
+        """In place of the shell's own: keep a failure back where there is a way to go on."""
+        error = (arguments[0] if arguments else options.get("exc_tuple")) or sys.exc_info()
+        if self._trial is not None:
+            self._trial.append(error)
+        elif self._cell and isinstance(error[1], Exception) and self._may_go_on(self._cell):
+            # By the time that it is shown nobody handles it any more.
+            options.pop("exc_tuple", None)
+            self._cell.failure = self._cell.failure or ((error, *arguments[1:]), options)
+        else:
+            self._show(*arguments, **options)
+
+    def hear(self, exercise: str, passed: bool, hangs: bool) -> None:
+        """What came of a check."""
+        if self._cell is None:
+            return
+        self._failed.pop(exercise, None)
+        function = self._lender.mine(exercise)
+        if passed:
+            self._cell.passed.add(exercise)
+        elif self._cell.place is not None and function is not None and is_written(function):
+            self._failed[exercise] = _Failed(function, self._cell.place, hangs)
+
+    def _put_aside(self, names: Collection[str]) -> None:
+        self._lender.put_aside(names, set().union(*map(self._callers_of, names)))
+
+    def _callers_of(self, name: str) -> set[str]:
+        """The exercises that are written, and call a function of this name."""
+        written = {other: self._lender.mine(other) for other in self._lender.exercises}
+        return {
+            other
+            for other, function in written.items()
+            if other != name and function is not None and name in functions_used(function)
+        }
+
+    def _wrong_at(self, place: int) -> set[str]:
+        """The functions that have failed a check above a place, and are still what they were."""
+        return {
+            name
+            for name, failed in self._failed.items()
+            if failed.place < place and failed.function is self._lender.mine(name)
+        }
+
+    def _may_go_on(self, cell: _Cell) -> bool:
+        if cell.place not in self._ran:
+            return False
+        found = self._plan(cell.place, spoilt=True)
+        return bool(found.functions or found.given)
+
+    def _plan(
+        self, place: int, functions: Collection[str] | None = None, spoilt: bool = False
+    ) -> Plan:
+        wrong = self._wrong_at(place) if functions is None else functions
+        callers = {name: {name, *self._callers_of(name)} for name in wrong}
+        cells = [self._ran.get(number, "") for number in range(place + 1)]
+        return plan(cells, callers, self._broken - {place}, spoilt)
+
+    def _go_on(self, cell: _Cell, spoilt: bool = False) -> bool:
+        """Run a cell again with the course's answers; whether it came to its end."""
+        found, before = self._plan(cell.place, spoilt=spoilt), dict(self._namespace)
+        if not (found.functions or found.given) or not self._do_without(found):
+            return False
+        for generator, state in cell.generators:
+            generator.bit_generator.state = state
+        _close_figures(cell.figures)
+        _clear_output()
+        self._trial = []
+        try:
+            self._lender.say_aside(found.functions, first=True)
+            self._lender.say_anew(found.given)
+            ran = shell().run_cell(cell.source, store_history=False).success and not self._trial
+        finally:
+            self._trial = None
+        if not ran:
+            _close_figures(cell.figures)
+            _clear_output()
+            self._switched -= found.functions
+            _restore(self._namespace, before)
+            self._lender.give_back()  # last, as functions may have stood aside before
+        return ran
+
+    def _do_without(self, found: Plan) -> bool:
+        """Put functions aside, and do again quietly what was done with them."""
+        self._put_aside(found.functions)
+        if not self._again(found.statements):
+            self._lender.give_back()
+            return False
+        self._switched |= found.functions
+        self._borrowed |= dict.fromkeys(found.names, found.functions)
+        self._lender.look_round()
+        return True
+
+    def _again(self, statements: Sequence[Statement]) -> bool:
+        """Do some statements again without a word; whether that went well."""
+        from IPython.utils.capture import capture_output
+
+        figures, before = _figures(), dict(self._namespace)
+        try:
+            with capture_output():
+                for statement in statements:
+                    code = slicing.compile_statement(statement, "<the lesson>")
+                    exec(code, self._namespace)
+        except Exception:
+            _restore(self._namespace, before)
+            return False
+        finally:
+            _close_figures(figures)
+        return True
+
+    def _remember(self, cell: _Cell) -> None:
+        """Which names hold what was made of the course's answers, now that a cell has run."""
+        aside = self._lender.aside
+        found = self._plan(cell.place, aside) if cell.place in self._ran and aside else None
+        for statement in slicing.parse_notebook([cell.source])[0]:
+            sources = [self._borrowed[name] for name in statement.uses & self._borrowed.keys()]
+            if found and statement.binds & found.names:
+                sources.append(found.functions)
+            for name in statement.binds:
+                if sources:
+                    self._borrowed[name] = frozenset().union(*sources)
+                else:
+                    self._borrowed.pop(name, None)
+
+    def _return(self, cell: _Cell) -> None:
+        """Where a check has passed, what was borrowed is made again of one's own."""
+        for exercise in cell.passed & self._switched:
+            self._switched.discard(exercise)
+            made = {name for name, whose in self._borrowed.items() if exercise in whose}
+            last = max(self._ran, default=0)
+            self._ran[last + 1] = "; ".join(sorted(made))
+            statements = self._plan(last + 1, [exercise]).statements
+            del self._ran[last + 1]
+            if self._again(statements):
+                for name in made:
+                    del self._borrowed[name]
+            self._lender.say_returned(exercise)
+
+    def _say_of(self, names: Collection[str]) -> None:
+        """Whose answer it is that a cell finds under some names."""
+        for name in sorted(names & self._borrowed.keys()):
+            if self._borrowed[name] <= self._lender.aside:
+                self._lender.say_aside(self._borrowed[name])
+            else:
+                self._lender.say_borrowed(name, self._borrowed[name])
+
+
+def _generators(namespace: dict) -> list[tuple[np.random.Generator, dict]]:
+    found = [value for value in namespace.values() if isinstance(value, np.random.Generator)]
+    return [(generator, generator.bit_generator.state) for generator in found]
+
+
+def _restore(namespace: dict, before: dict) -> None:
+    """Bind each name as before; IPython keeps its own, which stay."""
+    for name in [name for name in namespace if name not in before and not name.startswith("_")]:
+        del namespace[name]
+    namespace.update({name: value for name, value in before.items() if not name.startswith("_")})
+
+
+def _figures() -> set[int]:
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    return set(pyplot.get_fignums()) if pyplot else set()
+
+
+def _close_figures(others: set[int]) -> None:
+    for figure in _figures() - others:
+        sys.modules["matplotlib.pyplot"].close(figure)
+
+
+def _clear_output() -> None:
+    from IPython.display import clear_output
+
+    with contextlib.suppress(Exception):
+        sys.stdout.flush()
+    clear_output(wait=True)

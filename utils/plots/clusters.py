@@ -1,0 +1,329 @@
+"""Clusters: labelled points, neighbour graphs, and how a cluster grows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import matplotlib.patheffects
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from numpy.typing import ArrayLike
+
+from utils.plots.arguments import as_cloud, as_labels, drawn_rows, marker_size, project
+from utils.plots.clouds import dots, mark_sensor
+from utils.plots.style import (
+    BLUE,
+    INK,
+    MARKERS,
+    MUTED,
+    PALE,
+    PALETTE,
+    PAPER,
+    VERMILION,
+    WIDTH,
+    canvas,
+    counted,
+    finish,
+    frame,
+    key,
+    note,
+    panels,
+    styled,
+)
+
+MOST_NAMES = 12
+
+UNTOUCHED, WAITING, DONE = 0, 1, 2
+"""States of a point in :func:`growth`: not seen yet, in the queue, finished."""
+
+
+@styled
+def clusters(
+    cloud: ArrayLike,
+    labels: ArrayLike,
+    *,
+    view: str = "above",
+    names: bool = False,
+    like: ArrayLike | None = None,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
+    """Draw each cluster in its own pair of colour and marker, and noise as pale crosses.
+
+    Seven colours and six markers make 42 different pairs; a label always has the same one.
+
+    Parameters
+    ----------
+    cloud : (n, 2), (n, 3) or (n, 4) array_like of float
+        In metres; two columns for points of the plane.
+    labels : (n,) array_like of int
+        1 and above for clusters; 0 (or less) for noise.
+    view : {"above", "side", "side to scale"}
+    names : bool
+        Write their labels at the twelve biggest clusters.
+    like : (n,) array_like of int, optional
+        Labels of the same points in another picture: what is mostly the same cluster there keeps
+        its colour.
+    title, limits, axes
+        As in :func:`utils.plots.from_above`.
+    """
+    cloud = as_cloud(cloud, planar=True)
+    labels = as_labels(labels, len(cloud))
+    across, up, across_label, up_label = project(cloud, view)
+    axes = canvas(axes)
+    frame(axes, across, up, limits, equal=view != "side")
+    rows, remark = drawn_rows(axes, across, up)
+    shown = labels if like is None else matched(labels, as_labels(like, len(cloud), "like"))
+    draw_labels(axes, across[rows], up[rows], shown[rows])
+    if cloud.shape[1] > 2:
+        mark_sensor(axes)
+    if names:
+        _write_names(axes, across, up, labels)
+    count, noise = len(np.unique(labels[labels > 0])), np.count_nonzero(labels <= 0)
+    key(axes, counted(count, "cluster"))  # without a dot: they are of all colours
+    if noise:
+        key(axes, counted(noise, "noise point"), "x", colour=PALE)
+    note(axes, remark)
+    return finish(axes, title, across_label, up_label)
+
+
+def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
+    """Draw checked points with the colour and marker of their label."""
+    size = marker_size(len(labels))
+    noise = labels <= 0
+    dots(axes, across[noise], up[noise], "x", PALE, size * 0.8, zorder=1.5)
+    # One artist for each pair rather than each cluster: hundreds of clusters stay quick.
+    pair = np.where(noise, -1, (labels - 1) % (len(PALETTE) * len(MARKERS)))
+    for number in np.unique(pair[~noise]):
+        chosen = pair == number
+        marker, colour = MARKERS[number % len(MARKERS)], PALETTE[number % len(PALETTE)]
+        dots(axes, across[chosen], up[chosen], marker, colour, size * 1.15)
+
+
+def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the labels of both, and the matrix of how many points share each pair of them."""
+    rows, row_of = np.unique(np.maximum(first, 0), return_inverse=True)
+    columns, column_of = np.unique(np.maximum(second, 0), return_inverse=True)
+    counts = np.zeros((len(rows), len(columns)), dtype=int)
+    np.add.at(counts, (row_of, column_of), 1)
+    return rows, columns, counts
+
+
+def matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    """Return `yours` in the numbers of `expected`: the biggest overlaps are matched first."""
+    rows, columns, counts = overlaps(yours, expected)
+    pairs = np.argwhere(counts > 0)
+    pairs = pairs[np.argsort(-counts[tuple(pairs.T)], kind="stable")]
+    number_of, taken = {0: 0}, {0}
+    for row, column in pairs:
+        mine, theirs = int(rows[row]), int(columns[column])
+        if mine not in number_of and theirs not in taken:
+            number_of[mine] = theirs
+            taken.add(theirs)
+    unused = max(columns, default=0) + 1
+    for mine in rows.tolist():
+        if mine not in number_of:
+            number_of[mine] = unused
+            unused += 1
+    return np.array([number_of[label] for label in np.maximum(yours, 0).tolist()], dtype=int)
+
+
+def _write_names(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
+    found, counts = np.unique(labels[labels > 0], return_counts=True)
+    for label in found[np.argsort(-counts, kind="stable")[:MOST_NAMES]]:
+        chosen = (labels == label) & np.isfinite(across) & np.isfinite(up)
+        if chosen.any():
+            write(axes, np.median(across[chosen]), np.median(up[chosen]), str(label), weight="bold")
+
+
+def write(
+    axes: Axes,
+    across: float,
+    up: float,
+    text: str,
+    *,
+    offset: ArrayLike = (0, 0),
+    size: float = 10.5,
+    weight: str = "normal",
+    ha: str = "center",
+) -> Annotation:
+    """Write `text` at a place of the drawing, with a paper-coloured edge that keeps it readable."""
+    written = axes.annotate(
+        text,
+        (across, up),
+        xytext=offset,
+        textcoords="offset points",
+        ha=ha,
+        va="center",
+        fontsize=size,
+        fontweight=weight,
+        color=INK,
+        zorder=8,
+        annotation_clip=True,
+    )
+    written.set_path_effects([matplotlib.patheffects.withStroke(linewidth=3, foreground=PAPER)])
+    return written
+
+
+def write_rows(axes: Axes, points: np.ndarray) -> None:
+    """Write the row number of each point beside it, on the side away from its neighbours."""
+    for row in np.flatnonzero(np.isfinite(points).all(axis=1)):
+        away = points[row] - points
+        distances = np.linalg.norm(away, axis=1)
+        apart = distances > 0
+        push = np.sum(away[apart] / distances[apart, None] ** 3, axis=0)
+        strength = np.linalg.norm(push)
+        offset = 11 * push / strength if strength > 0 else (8, 8)
+        write(axes, *points[row], str(row), offset=offset, size=10)
+
+
+@styled
+def graph(
+    cloud: ArrayLike,
+    edges: ArrayLike = (),
+    *,
+    view: str = "above",
+    labels: ArrayLike | None = None,
+    names: bool = False,
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
+    """Draw points joined to their neighbours: how a chain of close points makes one cluster.
+
+    Meant for up to a few hundred points.
+
+    Parameters
+    ----------
+    cloud : (n, 2), (n, 3) or (n, 4) array_like of float
+        In metres.
+    edges : (m, 2) array_like of int
+        Rows of `cloud` joined by each edge.
+    view : {"above", "side", "side to scale"}
+    labels : (n,) array_like of int, optional
+        Colour and marker as in :func:`clusters`.
+    names : bool
+        Write the row number at each point.
+    title, limits, axes
+        As in :func:`utils.plots.from_above`.
+    """
+    cloud = as_cloud(cloud, planar=True)
+    labels = np.ones(len(cloud), int) if labels is None else as_labels(labels, len(cloud))
+    edges = _as_edges(edges, len(cloud))
+    across, up, across_label, up_label = project(cloud, view)
+    axes = canvas(axes)
+    frame(axes, across, up, limits)
+    ends = np.stack([across[edges], up[edges]], axis=-1)
+    ends = ends[np.isfinite(ends).all(axis=(1, 2))]
+    axes.add_collection(LineCollection(ends, colors=MUTED, linewidths=1.0, zorder=1), autolim=False)
+    draw_labels(axes, across, up, labels)
+    if names:
+        write_rows(axes, np.stack([across, up], axis=1))
+    key(axes, counted(len(edges), "pair") + " of neighbours", colour=MUTED, line="-")
+    return finish(axes, title, across_label, up_label)
+
+
+def _as_edges(edges: ArrayLike, count: int) -> np.ndarray:
+    edges = np.asarray(edges)
+    if edges.size == 0:
+        return np.empty((0, 2), dtype=int)
+    if edges.ndim != 2 or edges.shape[1] != 2 or not np.issubdtype(edges.dtype, np.integer):
+        raise ValueError(
+            "edges must be whole numbers of shape (m, 2): the two rows that each edge joins; "
+            f"yours has shape {edges.shape} and dtype {edges.dtype}."
+        )
+    if edges.min() < 0 or edges.max() >= count:
+        raise ValueError(f"edges must name rows from 0 to {count - 1}.")
+    return edges
+
+
+@styled
+def growth(
+    cloud: ArrayLike,
+    frames_of_labels: Iterable[ArrayLike],
+    *,
+    titles: Sequence[str] | None = None,
+    names: Sequence[str] = ("untouched", "waiting in the queue", "done"),
+    columns: int = 4,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Sequence[Axes] | np.ndarray | None = None,
+) -> np.ndarray:
+    """Draw a cluster growing step by step, one small picture for each step.
+
+    Parameters
+    ----------
+    cloud : (n, 2), (n, 3) or (n, 4) array_like of float
+        In metres.
+    frames_of_labels : sequence of (n,) array_like of int
+        For each step the state of each point: 0 untouched, 1 waiting in the queue, 2 done.
+    titles : sequence of str, optional
+        One for each step; "step 0", "step 1" and so on by default.
+    names : (str, str, str)
+        What the three states are called in the legend; only for a new figure.
+    columns : int
+        Pictures side by side; only for a new figure.
+    view : {"above", "side", "side to scale"}
+    title : str, optional
+        Of the whole row; only for a new figure.
+    limits : optional
+        As in :func:`utils.plots.from_above`, for all pictures.
+    axes : sequence of matplotlib.axes.Axes, optional
+        One for each step.
+
+    Returns
+    -------
+    (steps,) array of matplotlib.axes.Axes
+        One for each picture.
+    """
+    cloud = as_cloud(cloud, planar=True)
+    frames = [
+        as_labels(frame_labels, len(cloud), f"frames_of_labels[{step}]")
+        for step, frame_labels in enumerate(frames_of_labels)
+    ]
+    titles = [f"step {step}" for step in range(len(frames))] if titles is None else list(titles)
+    if len(titles) != len(frames):
+        raise ValueError(f"titles must hold one title per step: {len(frames)}, not {len(titles)}.")
+    own_figure = axes is None
+    columns = min(columns, max(1, len(frames)))
+    rows = -(-len(frames) // columns)
+    size = (WIDTH, max(1, rows) * (0.9 + WIDTH / max(columns, 2)))
+    axes = panels(len(frames), axes, columns=columns, size=size)
+    across, up, across_label, up_label = project(cloud, view)
+    size = 1.2 * marker_size(len(cloud))
+    looks = (
+        (UNTOUCHED, "o", PALE, 0.7),
+        (WAITING, "^", VERMILION, 1.3),
+        (DONE, "s", BLUE, 1.0),
+    )
+    for panel, states, panel_title in zip(axes, frames, titles, strict=True):
+        frame(panel, across, up, limits)
+        for state, marker, colour, scale in looks:
+            chosen = states == state
+            dots(panel, across[chosen], up[chosen], marker, colour, size * scale)
+        finish(panel, panel_title, across_label, up_label)
+    if own_figure and len(axes):
+        for panel in axes:
+            panel.label_outer()
+        figure = axes[0].figure
+        if title:
+            figure.suptitle(title, x=0.01, ha="left", color=INK, fontsize=12, fontweight="bold")
+        entries = zip(names, looks, strict=True)
+        shared_key(figure, axes[0], [(name, look[1], look[2]) for name, look in entries])
+    return axes
+
+
+def shared_key(figure: Figure, axes: Axes, entries: Sequence[tuple[str, str, str]]) -> None:
+    """Write one legend below all panels of `figure`, of entries `(name, marker, colour)`."""
+    lines = [
+        axes.plot([], [], linestyle="none", marker=marker, color=colour, markersize=6)[0]
+        for _, marker, colour in entries
+    ]
+    figure.legend(
+        lines, [name for name, _, _ in entries], loc="outside lower center", ncols=len(entries)
+    )

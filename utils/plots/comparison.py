@@ -1,0 +1,203 @@
+"""Yours against expected: masks, labels, and how two labellings overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from numpy.typing import ArrayLike
+
+from utils.plots.arguments import as_cloud, as_labels, as_mask, drawn_rows, marker_size, project
+from utils.plots.clouds import Group, draw_groups, mark_sensor
+from utils.plots.clusters import draw_labels, matched, overlaps
+from utils.plots.style import (
+    INK,
+    PALE,
+    SKY,
+    VERMILION,
+    WIDTH,
+    canvas,
+    counted,
+    finish,
+    frame,
+    key,
+    note,
+    panels,
+    styled,
+)
+
+RINGS_ACROSS = 24
+MOST_CELLS = 12
+
+# Light enough for dark text on each of them.
+CELL_COLOURS = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0, 0.55, 64)))
+
+
+@styled
+def difference(
+    cloud: ArrayLike,
+    yours_mask: ArrayLike,
+    expected_mask: ArrayLike,
+    *,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Axes | None = None,
+) -> Axes:
+    """Draw where a filter keeps or removes the wrong points, with counts.
+
+    Parameters
+    ----------
+    cloud : (n, 3) or (n, 4) array_like of float
+        In metres.
+    yours_mask, expected_mask : (n,) array_like of bool
+        True for points kept.
+    view : {"above", "side", "side to scale"}
+    title, limits, axes
+        As in :func:`utils.plots.from_above`.
+    """
+    cloud = as_cloud(cloud)
+    yours = as_mask(yours_mask, len(cloud), "yours_mask")
+    expected = as_mask(expected_mask, len(cloud), "expected_mask")
+    groups = (
+        Group("rightly removed", ~yours & ~expected, "x", PALE),
+        Group("rightly kept", yours & expected, "o", SKY),
+        Group("wrongly kept", yours & ~expected, "^", VERMILION, strong=True),
+        Group("wrongly removed", ~yours & expected, "s", INK, strong=True),
+    )
+    return draw_groups(cloud, groups, view=view, title=title, limits=limits, axes=axes)
+
+
+@styled
+def worst(
+    cloud: ArrayLike,
+    labels_yours: ArrayLike,
+    labels_expected: ArrayLike,
+    *,
+    view: str = "above",
+    title: str | None = None,
+    limits: ArrayLike | None = None,
+    axes: Sequence[Axes] | np.ndarray | None = None,
+) -> np.ndarray:
+    """Draw two labellings side by side, and ring the points on which they differ.
+
+    Clusters may be numbered differently: each of yours takes the colour of the expected cluster
+    with which it shares most points, and a point differs when its cluster is not that one.
+
+    Parameters
+    ----------
+    cloud : (n, 2), (n, 3) or (n, 4) array_like of float
+        In metres.
+    labels_yours, labels_expected : (n,) array_like of int
+        1 and above for clusters; 0 or less for noise.
+    view : {"above", "side", "side to scale"}
+    title : str, optional
+        Of both panels; only for a new figure.
+    limits : optional
+        As in :func:`utils.plots.from_above`; by default the differing points and what is around.
+    axes : two matplotlib.axes.Axes, optional
+
+    Returns
+    -------
+    (2,) array of matplotlib.axes.Axes
+        Yours, expected.
+    """
+    cloud = as_cloud(cloud, planar=True)
+    yours = as_labels(labels_yours, len(cloud), "labels_yours")
+    expected = as_labels(labels_expected, len(cloud), "labels_expected")
+    own_figure = axes is None
+    axes = panels(2, axes, columns=2, size=(WIDTH, 4.2))
+    across, up, across_label, up_label = project(cloud, view)
+    renamed = matched(yours, expected)
+    differs = np.flatnonzero(renamed != np.maximum(expected, 0))
+    focus = _around(across[differs], up[differs]) if len(differs) else (across, up)
+    for panel, name, labels in ((axes[0], "yours", renamed), (axes[1], "expected", expected)):
+        frame(panel, *focus, limits, equal=view != "side")
+        rows, remark = drawn_rows(panel, across, up)
+        ringed = differs[_one_per_cell(panel, across[differs], up[differs])]
+        draw_labels(panel, across[rows], up[rows], labels[rows])
+        size = marker_size(len(rows)) + 5
+        look = {"markerfacecolor": "none", "markeredgewidth": 1.2}
+        panel.plot(across[ringed], up[ringed], "o", color=INK, markersize=size, zorder=5, **look)
+        if cloud.shape[1] > 2:
+            mark_sensor(panel)
+        key(panel, f"differ: {len(differs):,}", "o", size=9, **look)
+        key(panel, f"noise: {np.count_nonzero(labels <= 0):,}", "x", colour=PALE)
+        note(panel, remark)
+        count = counted(len(np.unique(labels[labels > 0])), "cluster")
+        finish(panel, f"{name}: {count}", across_label, up_label)
+    if own_figure and title:
+        axes[0].figure.suptitle(title, x=0.01, ha="left", color=INK, fontsize=12, fontweight="bold")
+    return axes
+
+
+def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
+    """Return a region (2, 2) around points, with a quarter of it or two metres to spare."""
+    placed = np.isfinite(across) & np.isfinite(up)
+    if not placed.any():
+        return across, up
+    spans = np.array([[part[placed].min(), part[placed].max()] for part in (across, up)])
+    spare = np.maximum(0.25 * (spans[:, 1] - spans[:, 0]), 2.0)
+    return np.stack([spans[:, 0] - spare, spans[:, 1] + spare], axis=1)
+
+
+def _one_per_cell(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Choose points that lie apart in the view: a ring for each of a crowd would be a blot."""
+    corner, far_corner = np.transpose([axes.get_xlim(), axes.get_ylim()])
+    placed = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
+    places = (np.stack([across[placed], up[placed]], axis=1) - corner) / (far_corner - corner)
+    _, first = np.unique(np.floor(places * RINGS_ACROSS), axis=0, return_index=True)
+    return placed[first]
+
+
+@styled
+def label_confusion(
+    true: ArrayLike, predicted: ArrayLike, *, title: str | None = None, axes: Axes | None = None
+) -> Axes:
+    """Draw how many points each pair of labels shares.
+
+    One full cell in each row and column is a perfect match, whatever the numbers are. Several
+    cells in a row: a true cluster is split; several in a column: clusters are merged.
+
+    Parameters
+    ----------
+    true, predicted : (n,) array_like of int
+        1 and above for clusters; 0 or less for noise. The twelve biggest of each are shown.
+    title : str, optional
+    axes : matplotlib.axes.Axes, optional
+    """
+    true = as_labels(true, len(np.atleast_1d(true)), "true")
+    predicted = as_labels(predicted, len(true), "predicted")
+    rows, columns, counts = overlaps(true, predicted)
+    shown_rows = np.sort(np.argsort(-counts.sum(axis=1), kind="stable")[:MOST_CELLS])
+    shown_columns = np.sort(np.argsort(-counts.sum(axis=0), kind="stable")[:MOST_CELLS])
+    shown = counts[np.ix_(shown_rows, shown_columns)]
+    axes = canvas(axes, size=(6.2, 5.0))
+    axes.grid(False)
+    if shown.size:
+        axes.imshow(np.log1p(shown), cmap=CELL_COLOURS, vmin=0, aspect="auto")
+    cell = axes.get_window_extent().width / axes.figure.dpi * 72 / max(1, shown.shape[1])
+    for (row, column), count in np.ndenumerate(shown):
+        if count:
+            text = f"{count:,}" if count < 10_000 else f"{count / 1000:.0f}k"
+            axes.text(
+                column,
+                row,
+                text,
+                ha="center",
+                va="center",
+                color=INK,
+                fontsize=min(9.5, 1.5 * cell / len(text)),
+            )
+    for set_ticks, labels in (
+        (axes.set_xticks, columns[shown_columns]),
+        (axes.set_yticks, rows[shown_rows]),
+    ):
+        set_ticks(range(len(labels)), ["noise" if label == 0 else str(label) for label in labels])
+    axes.tick_params(length=0)
+    if shown.size < counts.size:
+        title = (title or "") + f" (biggest {len(shown_rows)} × {len(shown_columns)})"
+    return finish(axes, title, "predicted label", "true label")

@@ -1,0 +1,104 @@
+"""What is certainly wrong with a run, and in which step: the answer itself bears the mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from utils.replays.clustering.frames import Frame, named, written
+from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
+from utils.replays.endings import how_it_ended
+from utils.replays.player import Wrong, first_of
+from utils.replays.tracer import Ending
+
+
+def first_wrong(
+    function: Callable, frames: list[Frame], answer: list | None, ending: Ending
+) -> Wrong | None:
+    """The first step that is wrong whatever was meant: the answer itself bears the mistake."""
+    last = len(frames) - 1
+    if ending.stopped:
+        return _asked_twice(frames)
+    if ending.error:
+        return Wrong(last, how_it_ended(ending, function))
+    if answer is None:
+        return Wrong(last, f"{how_it_ended(ending, function)} One label for each point was wanted.")
+    wrongs = [_joined(frames, answer), _parted(frames, answer), _numbered(frames, answer)]
+    return first_of([wrong for wrong in wrongs if wrong])
+
+
+def _joined(frames: list[Frame], answer: list) -> Wrong | None:
+    """Points with one label that no chain of neighbours joins."""
+    for position, frame in enumerate(frames):
+        for row in frame.joined:
+            others = [
+                other
+                for other in ROWS
+                if frame.labels[other] == frame.labels[row]
+                and frame.has_label(row)
+                and answer[other] == answer[row]
+                and GROUP_OF[other] != GROUP_OF[row]
+            ]
+            if others:
+                other = min(others, key=lambda other: GAPS[row, other])
+                return Wrong(
+                    position,
+                    f"Points {row} and {other} have the same label now, and in your answer. They "
+                    f"are {GAPS[row, other]:.2f} m apart, and no chain of steps below "
+                    f"{THRESHOLD} m joins them.",
+                )
+    return None
+
+
+def _parted(frames: list[Frame], answer: list) -> Wrong | None:
+    """Neighbours that end with different labels, or without one."""
+    pairs = [
+        (row, other) for row, other in np.argwhere(NEAR).tolist() if answer[row] != answer[other]
+    ]
+    for position, frame in enumerate(frames):
+        for row, other in pairs:
+            near = f"Point {other} is {GAPS[row, other]:.2f} m away, closer than {THRESHOLD} m"
+            apart = "In your answer they have different labels."
+            parted = frame.labels[row] != frame.labels[other]
+            if frame.asked == row and parted and frame.has_label(row):
+                does = "has another label" if frame.has_label(other) else "does not join"
+                return Wrong(position, f"{near}, and {does}. {apart}")
+            both = frame.has_label(row) and frame.has_label(other) and row in frame.joined
+            if both and parted:
+                gets = f"Point {row} gets label {written(frame.labels[row])}"
+                has = f"point {other} has {written(frame.labels[other])}"
+                return Wrong(position, f"{gets}, and {has}. {near}. {apart}")
+    without = [row for row in ROWS if not frames[-1].has_label(row)]
+    if without and answer == list(frames[-1].labels):
+        return Wrong(len(frames) - 1, f"The function ends here. {named(without)} got no label.")
+    return None
+
+
+def _numbered(frames: list[Frame], answer: list) -> Wrong | None:
+    """A label that is none of 1 to the number of clusters."""
+    count = len(set(answer))
+    for position, frame in enumerate(frames):
+        for row in frame.joined:
+            if frame.has_label(row) and answer[row] not in range(1, count + 1):
+                return Wrong(
+                    position,
+                    f"In your answer point {row} has label {written(answer[row])}. It has "
+                    f"{count} different labels, so they go from 1 to {count}.",
+                )
+    return None
+
+
+def _asked_twice(frames: list[Frame]) -> Wrong | None:
+    """In a run without an end: the first point that is asked a second time."""
+    seen = set()
+    for position, frame in enumerate(frames):
+        if frame.asked in seen:
+            return Wrong(
+                position,
+                f"Point {frame.asked} is asked for the second time. The run was stopped before its "
+                "end.",
+            )
+        if frame.asked is not None:
+            seen.add(frame.asked)
+    return None

@@ -1,0 +1,134 @@
+"""What may be labels, and what may be a queue, at every line of a student's function.
+
+Any list or array with an entry for each point may hold the labels, and any deque, list or set the
+points that wait: they are known by what happens to them, whatever they are called.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+from types import FrameType
+
+import numpy as np
+
+from utils.replays.clustering.points import POINTS, ROWS
+from utils.replays.tracer import Enough, values_in
+
+MOST_MOMENTS, MOST_WAITING = 5_000, 300
+
+
+@dataclass
+class Track:
+    """What one variable held, wherever it was handed to: when, and whether it was another one."""
+
+    last: object
+    states: list[tuple[int, tuple, bool]] = field(default_factory=list)
+
+
+class Watch:
+    """Looks for whatever may be labels or a queue, at every line."""
+
+    def __init__(self) -> None:
+        self.tracks: list[Track] = []
+        self.queues: list[Track] = []
+        self._known: dict[tuple[str, Hashable], Track] = {}
+        self._time = self._moments = 0
+
+    def see(self, frame: FrameType, event: str, _: object) -> None:
+        """Take down what has changed; `record` calls it."""
+        self._time += 1
+        for name, value in values_in(frame):
+            if (state := _as_entries(value)) is not None:
+                self._note(self.tracks, "labels", name, value, state)
+            if (state := _as_rows(value)) is not None:
+                self._note(self.queues, "queue", name, value, state)
+        if self._moments > MOST_MOMENTS:
+            raise Enough
+
+    def _note(
+        self, tracks: list[Track], kind: str, name: Hashable, value: object, state: tuple
+    ) -> None:
+        # The same object under another name, or another object under the same name.
+        track = self._known.get((kind, id(value)))
+        if track is None or track.last is not value:  # the number of an object is used again
+            track = self._known.get((kind, name))
+        if track is None:
+            track = Track(value)
+            tracks.append(track)
+        is_new = track.last is not value or not track.states
+        track.last = value
+        self._known[kind, id(value)] = self._known[kind, name] = track
+        if is_new or track.states[-1][1] != state:
+            self._moments += bool(track.states) and track.states[-1][1] != state
+            track.states.append((self._time, state, is_new))
+
+
+def _as_entries(value: object) -> tuple | None:
+    """The entries of a list or an array that has one for each point; None for anything else."""
+    if isinstance(value, np.ndarray):
+        is_one_each = value.shape == (len(POINTS),) and value.dtype.kind in "iuf"
+        value = value.tolist() if is_one_each else None
+    if type(value) is not list or len(value) != len(POINTS):
+        return None
+    if not all(one is None or _is_number(one) for one in value):
+        return None
+    return tuple(None if one != one else one for one in value)  # nan is not even itself
+
+
+def _as_rows(value: object) -> tuple | None:
+    """The rows in a deque, list or set; None for anything else."""
+    if type(value) not in (deque, list, set) or len(value) > MOST_WAITING:
+        return None
+    if not all(_is_number(one) and one in ROWS for one in value):
+        return None
+    return tuple(int(one) for one in (sorted(value) if type(value) is set else value))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def as_labels(answer: object) -> list | None:
+    """An answer with a label for each point; None for anything else."""
+    if isinstance(answer, np.ndarray) and answer.shape == (len(POINTS),):
+        answer = answer.tolist()
+    if isinstance(answer, list | tuple) and len(answer) == len(POINTS):
+        return list(answer) if all(map(_is_number, answer)) else None
+    return None
+
+
+def labels_among(tracks: list[Track], returned: object, answer: list | None) -> Track | None:
+    """What held the labels: what came back, or what ends in the same groups."""
+    changing = [track for track in tracks if len({state for _, state, _ in track.states}) > 1]
+    for track in changing:
+        if track.last is returned:
+            return track
+    if answer is not None:
+        changing = [
+            track for track in changing if groups_in(track.states[-1][1]) == groups_in(answer)
+        ]
+    # Which of several it was, nobody knows; that labels begin with one and the same, everybody.
+    begins_alike = [track for track in changing if len(set(track.states[0][1])) == 1]
+    return begins_alike[0] if len(begins_alike) == 1 else None
+
+
+def groups_in(labels: Sequence) -> list[int]:
+    """Labels, numbered in the order in which they appear: the same for the same groups."""
+    order = {label: number for number, label in enumerate(dict.fromkeys(labels))}
+    return [order[label] for label in labels]
+
+
+def queue_among(queues: list[Track]) -> Track | None:
+    """What points waited in: it gained some, and lost some one by one; None in doubt."""
+
+    def is_queue(track: Track) -> bool:
+        steps = list(zip(track.states, track.states[1:], strict=False))
+        kept = [(before[1], after[1]) for before, after in steps if not after[2]]
+        gained = any(Counter(after) - Counter(before) for before, after in kept)
+        lost = any((Counter(before) - Counter(after)).total() == 1 for before, after in kept)
+        return gained and lost
+
+    found = [track for track in queues if is_queue(track)]
+    return found[0] if len(found) == 1 else None

@@ -1,0 +1,205 @@
+"""What is certainly wrong with a search, and in which round."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from utils.replays.player import Wrong, first_of
+from utils.replays.ransac.observer import Round, as_mask, as_model, gaps_from
+from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A model and a mask."""
+
+    task: Task
+    model: np.ndarray | None
+    mask: np.ndarray
+
+    @classmethod
+    def of(cls, task: Task, returned: object) -> Answer | None:
+        """What a search returned; None where it is no such pair."""
+        if not isinstance(returned, tuple | list) or len(returned) != 2:
+            return None
+        model, mask = returned
+        known = as_model(model, task.size)
+        mask = as_mask(mask if type(mask) is not tuple else list(mask), len(task.points))
+        if mask is None or (known is None and model is not None):
+            return None
+        return cls(task, known, np.array(mask))
+
+    def is_of(self, one: Round) -> bool:
+        """Whether the model is that of a round; its sign is free."""
+        if self.model is None or one.model is None:
+            return False
+        mine, other = (model / np.linalg.norm(model[:-1]) for model in (self.model, one.model))
+        return any(np.allclose(mine, sign * other, rtol=0, atol=HAIR) for sign in (1, -1))
+
+    @property
+    def expected(self) -> np.ndarray:
+        """Which points are near the model."""
+        if self.model is None:
+            return np.zeros(len(self.mask), dtype=bool)
+        return gaps_from(self.task.xyz, self.model) <= self.task.tolerance
+
+    @property
+    def fits(self) -> bool:
+        """Whether the mask is that of the model; what lies at the edge may be either."""
+        if self.model is None:
+            return not self.mask.any()
+        gaps = gaps_from(self.task.xyz, self.model)
+        clear = np.abs(gaps - self.task.tolerance) > 1e-6
+        return bool((self.mask == self.expected)[clear].all())
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All rounds, and what came of them.
+
+    Attributes
+    ----------
+    task : Task
+    rounds : list of Round
+    answer : Answer or None
+        None where nothing came back, or no such pair.
+    """
+
+    task: Task
+    rounds: list[Round]
+    answer: Answer | None
+
+    @cached_property
+    def winner(self) -> Round | None:
+        """The round whose model came back."""
+        if self.answer is None:
+            return None
+        return next((one for one in self.rounds if self.answer.is_of(one)), None)
+
+    @cached_property
+    def name_of_mask(self) -> Hashable:
+        """The variable that held, in that round, the mask that came back."""
+        if self.winner is None:
+            return None
+        wanted = tuple(self.answer.mask.tolist())
+        return next((name for name, mask in self.winner.masks.items() if mask == wanted), None)
+
+    @property
+    def wrong(self) -> Wrong | None:
+        """The first round that is wrong."""
+        found = [_by_itself(one) for one in self.rounds]
+        if self.answer is not None:
+            found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
+        found.append(self._one_too_many())
+        return first_of([wrong for wrong in found if wrong])
+
+    @property
+    def _last(self) -> int:
+        """The step of the answer itself."""
+        return len(self.rounds)
+
+    @cached_property
+    def _best(self) -> Round | None:
+        best = max(self.rounds, key=lambda one: one.count, default=None)
+        return best if best and best.count else None
+
+    def _without_a_model(self) -> Wrong | None:
+        if self._best is None or self.answer.model is not None:
+            return None
+        why = f"{_has(self._best)}, but your answer has no {self.task.model}."
+        return Wrong(self._best.number - 1, why)
+
+    def _mask(self) -> Wrong | None:
+        if self.answer.fits:
+            return None
+        task, mask = self.task, tuple(self.answer.mask.tolist())
+        both = f"{sum(mask)} points, and {self.answer.expected.sum()} are"
+        if self.winner is None:
+            what = f"within {task.tolerance} m of the {task.model} that you return"
+            return Wrong(self._last, f"Your mask has {both} {what}: they are not the same.")
+        for one in self.rounds:  # the same variable, which came back in the end
+            held = one.masks.get(self.name_of_mask)
+            if held is not None and one.near is not None and tuple(one.near.tolist()) != held:
+                return Wrong(
+                    one.number - 1,
+                    f"Your mask has {sum(held)} points in this round, and {one.count} are within "
+                    f"{task.tolerance} m of the {task.model}: they are not the same.",
+                )
+        why = f"Your answer is the {task.model} of round {self.winner.number}, whose mask has "
+        why += f"{self.answer.expected.sum()} points; but yours has {sum(mask)}"
+        for one in self.rounds:
+            if one.near is not None and tuple(one.near.tolist()) == mask:
+                step = max(one.number, self.winner.number) - 1
+                return Wrong(step, f"{why}: it is that of round {one.number}.")
+        return Wrong(self.winner.number - 1, f"{why}.")
+
+    def _length(self) -> Wrong | None:
+        length = 1 if self.answer.model is None else np.linalg.norm(self.answer.model[:-1])
+        if abs(length - 1) < HAIR:
+            return None
+        return Wrong(self._last, f"The normal of your {self.task.model} has length {length:.2f}.")
+
+    def _not_the_best(self) -> Wrong | None:
+        best, winner = self._best, self.winner
+        if not best or not winner or winner.count == best.count or self._was_closest():
+            return None
+        then = f"your answer is the {self.task.model} of round {winner.number}, with {winner.count}"
+        step = max(best.number, winner.number) - 1
+        return Wrong(step, f"{_has(best)}, more than any other; but {then}.")
+
+    def _was_closest(self) -> bool:
+        """Whether closeness chose it, and not the count: that is MSAC, which the lesson names."""
+        costs = {
+            one.number: np.sum(
+                np.minimum(gaps_from(self.task.xyz, one.model), self.task.tolerance) ** 2
+            )
+            for one in self.rounds
+            if one.near is not None
+        }
+        return self.winner.number == min(costs, key=costs.get)
+
+    def _one_too_many(self) -> Wrong | None:
+        samples = set()
+        for one in self.rounds:
+            if one.rows is not None:
+                samples.add(frozenset(one.rows))
+            if len(samples) > ROUNDS:
+                return Wrong(
+                    one.number - 1,
+                    f"This is one sample more than the {ROUNDS} that were asked for.",
+                )
+        return None
+
+
+def _by_itself(one: Round) -> Wrong | None:
+    """What is wrong with a sample and its model, whatever becomes of them."""
+    task, step, rows = one.task, one.number - 1, one.rows
+    if rows is not None and len(set(rows)) < task.size:
+        twice = next(row for row in rows if rows.count(row) > 1)
+        return Wrong(step, f"Point {twice} was drawn twice: that sample makes no {task.model}.")
+    if rows is None or one.raised:
+        return None
+    if one.model is None:
+        return Wrong(step, f"{task.through} gave no {task.model} for these points, which make one.")
+    gaps = gaps_from(one.sample, one.model)
+    if gaps.max() > HAIR:
+        return Wrong(
+            step,
+            f"The {task.model} does not run through its sample: point {rows[gaps.argmax()]} is "
+            f"{gaps.max():.2f} m away from it. Look at {task.through}.",
+        )
+    length = np.linalg.norm(one.model[:-1])
+    if abs(length - 1) > HAIR:
+        return Wrong(
+            step,
+            f"The normal of this {task.model} has length {length:.2f}. Look at {task.through}.",
+        )
+    return None
+
+
+def _has(one: Round) -> str:
+    return f"Round {one.number} has {one.count} near points"
