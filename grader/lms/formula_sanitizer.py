@@ -128,12 +128,13 @@ _ENTITY = re.compile(
     r"&(?=#0*+(?:\d{1,2}|1[01]\d|12[0-7])(?!\d)|#[xX]0*+[0-7]?[0-9A-Fa-f](?![0-9A-Fa-f])|bsol;)"
 )
 _MAY_HOLD_FORMULAS = re.compile(r"[$&]|\\[(\[]|\\begin")
-# Each ends before the next one could begin, so no letter is looked at again and again.
+# Each ends before the next one could begin, so no letter is looked at again and again. Atomic
+# groups, as Debian's Python 3.11.2 fails to match a possessive `(?:(?!...)...)*+`.
 _FORMULA = re.compile(
     r"\$\$[^$]++\$\$|\$[^$]++\$"
-    r"|\\\\?\[(?:(?!\\\\?[\[\]])[\s\S])*+\\\\?\]"
-    r"|\\\\?\((?:(?!\\\\?[()])[\s\S])*+\\\\?\)"
-    r"|\\begin\{(?:(?!\\(?:begin|end)\{)[\s\S])*+\\end\{[A-Za-z]{1,20}+\*?\}"
+    r"|\\\\?\[(?>(?:(?!\\\\?[\[\]])[\s\S])*)\\\\?\]"
+    r"|\\\\?\((?>(?:(?!\\\\?[()])[\s\S])*)\\\\?\)"
+    r"|\\begin\{(?>(?:(?!\\(?:begin|end)\{)[\s\S])*)\\end\{[A-Za-z]{1,20}\*?\}"
 )
 
 
