@@ -40,7 +40,11 @@ def run_build(options: argparse.Namespace) -> int:
         faults = build.check()
         print("\n".join(faults) if faults else "Every notebook is what its source says.")
         return FAULT if faults else GOOD
-    done = build.build()
+    try:
+        done = build.build()
+    except build.RegistryFault as error:
+        print(error, file=sys.stderr)
+        return FAULT
     for what, path in done:
         print(what, path.relative_to(PROJECT))
     if not done:

@@ -131,6 +131,10 @@ def test_it_says_who_is_told_and_what_more_there_is_to_find(capsys):
     [
         ("abc", "list of at most 50 rows [x, y, z]"),
         ([1, 2, 3], "list of at most 50 rows"),
+        (3, "list of at most 50 rows"),
+        (np.array(5.0), "list of at most 50 rows"),
+        ([[1, 2, 3], [4]], "list of at most 50 rows"),
+        (np.empty((0, 3)), "no cloud yet"),
         ([[1, 2]], "list of at most 50 rows"),
         (np.zeros((51, 3)), "list of at most 50 rows"),
         ([[1, 2, float("nan")]], "Finite numbers"),

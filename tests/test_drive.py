@@ -349,6 +349,28 @@ def test_the_students_matching_is_asked():
     assert asked == [(0, 2, 1.5), (2, 1, 1.5)]
 
 
+@pytest.mark.parametrize(
+    ("partners", "said"),
+    [
+        (lambda count: [0] * (count - 1), "match_boxes returned 0 numbers for 1 boxes"),
+        (lambda count: 1 / 0, "ZeroDivisionError: division by zero"),
+        (lambda count: ["first"], "ValueError: invalid literal"),
+    ],
+)
+def test_a_matching_that_fails_is_noted_and_the_drive_goes_on(partners, said):
+    def match_boxes(previous, current, max_distance):
+        return partners(len(current))
+
+    done = drive(
+        *(straight(), lambda cloud: box(20, 0)[None], Tracker(match_boxes)),
+        seconds=0.5,
+        sensor=BLINKERED,
+        clock=on_time,
+    )
+    assert done.moments[-1].number == 4
+    assert len(done.problems) >= 2 and all(said in problem for problem in done.problems)
+
+
 def test_a_tracker_of_the_students_own_is_asked_for_velocities():
     """And sees the street from a car that drives: what stands comes towards it."""
     for _ in range(2):  # the second drive begins with nobody

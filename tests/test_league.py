@@ -208,7 +208,7 @@ def test_a_notebook_that_nobody_can_read_says_no_word_of_its_own():
     assert driven.stopped == "The notebook cannot be read."
 
 
-def test_a_drive_is_kept_until_something_changes_that_decides():
+def test_a_drive_is_kept_until_something_changes_that_decides(monkeypatch):
     files = with_all_they_run([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
@@ -217,6 +217,10 @@ def test_a_drive_is_kept_until_something_changes_that_decides():
         "utils/drive/planner.py",
         "utils/simulator/scanner.py",
     } <= names
+    read = set()
+    monkeypatch.setattr(drives, "key_of_files", lambda about, files: read.update(files) or "key")
+    drives._rules.__wrapped__(LESSON)
+    assert {LESSON.source, LESSON.solved, LESSON.released} <= read
     assert not names & {
         "grader/classroom/league/page.py",
         "grader/classroom/league/ranking.py",
@@ -333,7 +337,7 @@ def jobs(monkeypatch):
 
     def drive_one(handed_in, lesson, number, seed, sandbox):
         asked.append((handed_in and handed_in.name, number))
-        key = drives.key_of(handed_in, streets_of(seed)[number - 1])
+        key = drives.key_of(handed_in, streets_of(seed)[number - 1], LESSON)
         return Driven(number, 100.0 + number, key=key)
 
     monkeypatch.setattr(season, "drive_one", drive_one)

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,10 +11,13 @@ import sys
 import jupytext
 import pytest
 
+from grader import cli, commands
+from grader.course import build, lessons
 from grader.course.header import Header, read_header
 from grader.course.lessons import all_lessons, find_lesson, lesson_of
 from grader.course.paths import PROJECT
-from utils.checks import checks_of
+from grader.course.variants import variants_of
+from utils.checks import checks_of, core
 
 HEAD = """\
 # ---
@@ -46,7 +50,7 @@ TEST = {
 }
 # What the author guide asks for: five files and no list.
 TOY = {
-    "solutions/stage4_realtime/13_toy.py": """\
+    "solutions/stage4_realtime/14_toy.py": """\
 # ---
 # jupyter:
 #   kernelspec:
@@ -59,9 +63,9 @@ TOY = {
 # ---
 
 # %% [markdown]
-# # 13 · The highest point
+# # 14 · The highest point
 #
-# ![Two points, the higher one circled.](pictures/13_preview.png)
+# ![Two points, the higher one circled.](pictures/14_preview.png)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -96,7 +100,7 @@ check(highest)
 # %% [markdown] tags=["footer"]
 # (footer)
 """,
-    "utils/checks/lesson_13.py": """\
+    "utils/checks/lesson_14.py": """\
 from utils.checks.core import visible
 from utils.checks.assertions import CheckFailed
 
@@ -106,7 +110,7 @@ def finds_it(highest):
     if highest([[0.0, 0.0, 1.0], [0.0, 0.0, 3.0]]) != 3.0:
         raise CheckFailed("That is not the highest.")
 """,
-    "grader/tests/test_13_toy.py": """\
+    "grader/tests/test_14_toy.py": """\
 from grader.judging.hidden_tests import hidden
 
 
@@ -125,19 +129,19 @@ def highest(cloud):
     return z
 
 # %% wrong: the lowest
-# loses: Finds it
+# loses: finds_it
 # says: not the highest
 def highest(cloud):
     return min(row[2] for row in cloud)
 
 # %% wrong: a library
-# loses: Finds it
+# loses: finds_it
 # says: not allowed
 def highest(cloud):
     import statistics
     return statistics.quantiles([row[2] for row in cloud])[-1]
 """,
-    "grader/pictures/lesson_13.py": """\
+    "grader/pictures/lesson_14.py": """\
 import matplotlib.pyplot as plt
 
 
@@ -156,7 +160,7 @@ from grader.course.lessons import find_lesson
 from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.sandbox import SANDBOXES
-lesson, path = find_lesson("13_toy"), Path("13_toy.ipynb")
+lesson, path = find_lesson("14_toy"), Path("14_toy.ipynb")
 for variant in variants_of("highest"):
     path.write_text(fill_in(lesson, {"highest": variant.source}), "utf-8")
     print(json.dumps(judge(path, 1, SANDBOXES[sys.argv[1]]).as_dict()))
@@ -198,18 +202,18 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
     guide = (PROJECT / "solutions" / "README.md").read_text("utf-8")
     places = {
         path.replace("stage4_realtime", "<stage>")
-        .replace("13_toy", "<NN_name>")
-        .replace("lesson_13", "lesson_<NN>")
+        .replace("14_toy", "<NN_name>")
+        .replace("lesson_14", "lesson_<NN>")
         .replace("highest", "<exercise>")
         for path in TOY
     }
     assert all(f"| `{place}` |" in guide for place in places)
 
-    assert "13_preview.png" in run(copy, "grader.pictures", 13)
+    assert "14_preview.png" in run(copy, "grader.pictures", 14)
     written = run(copy, "grader", "build").splitlines()
     assert sorted(written) == [
-        "wrote notebooks/stage4_realtime/13_toy.ipynb",
-        "wrote solutions/stage4_realtime/13_toy.ipynb",
+        "wrote notebooks/stage4_realtime/14_toy.ipynb",
+        "wrote solutions/stage4_realtime/14_toy.ipynb",
         "wrote utils/checks/forbidden.json",
         "wrote utils/lent/cells.json",
     ]
@@ -220,8 +224,8 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
         verdict = json.loads(run(copy, "grader", "judge", path, *options))
         return verdict["score"], verdict["max_score"], verdict
 
-    assert judge("solutions/stage4_realtime/13_toy.ipynb")[:2] == (7, 7)
-    assert judge("notebooks/stage4_realtime/13_toy.ipynb")[:2] == (0, 7)
+    assert judge("solutions/stage4_realtime/14_toy.ipynb")[:2] == (7, 7)
+    assert judge("notebooks/stage4_realtime/14_toy.ipynb")[:2] == (0, 7)
     done = subprocess.run(
         [sys.executable, "-c", JUDGE_VARIANTS, sandbox.name],
         cwd=copy,
@@ -235,6 +239,89 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
     for verdict, word in ((lowest, "not the highest"), (library, "not allowed")):
         tests = verdict["exercises"][0]["tests"]
         assert verdict["score"] < 7 and word in " ".join(test["message"] for test in tests)
+        assert "finds_it" in {test["name"] for test in tests if not test["passed"]}
+
+
+@pytest.fixture
+def registry(tmp_path, monkeypatch):
+    """A course of which only the sources are there: a text by path."""
+
+    def make(sources):
+        for path, text in sources.items():
+            source = tmp_path / "solutions" / path
+            source.parent.mkdir(parents=True, exist_ok=True)
+            source.write_text(HEAD.format(settings="") + text, "utf-8")
+        monkeypatch.setattr(lessons, "PROJECT", tmp_path)
+        monkeypatch.setattr(lessons, "all_lessons", lessons.all_lessons.__wrapped__)
+        monkeypatch.setattr(lessons, "optional_lessons", lessons.optional_lessons.__wrapped__)
+        return lessons.registry_faults()
+
+    return make
+
+
+GRADED = f"# %% nbgrader={json.dumps(TEST)}\ncheck(highest)\n"
+
+
+def test_a_course_in_order_has_no_faults(registry):
+    assert registry({"stage1_a/01_one.py": GRADED, "optional/02_two.py": ""}) == []
+    assert lessons.every_lesson()[0].name == "01_one"
+
+
+@pytest.mark.parametrize(
+    ("sources", "said"),
+    [
+        ({"extra/14_toy.py": ""}, "solutions/extra/14_toy.py is ignored. Move it into a folder"),
+        (
+            {"stage1_a/01_one.py": "", "stage2_b/01_two.py": ""},
+            "01_one and 01_two have the same number. Renumber one of them",
+        ),
+        (
+            {"stage1_a/01_one.py": GRADED, "stage1_a/02_two.py": GRADED},
+            "01_one and 02_two both have an exercise highest. Give one of the two another name.",
+        ),
+    ],
+)
+def test_lessons_that_are_ignored_or_collide_are_named(registry, sources, said):
+    (fault,) = registry(sources)
+    assert said in fault
+
+
+def test_nothing_is_built_of_a_course_with_faults(monkeypatch, capsys):
+    monkeypatch.setattr(build, "registry_faults", lambda: ["14_toy is ignored."])
+    monkeypatch.setattr(build, "build_all", lambda: pytest.fail("it is built"))
+    assert cli.main(["build"]) == commands.FAULT
+    assert capsys.readouterr().err == "14_toy is ignored.\n"
+    assert cli.main(["build", "--check"]) == commands.FAULT
+
+
+def test_two_lessons_cannot_check_one_exercise(monkeypatch):
+    """A process judges many lessons: the checks of one would count in the other."""
+    monkeypatch.setattr(core, "_CHECKS", {})
+
+    def declare(lesson, exercise):
+        def finds_it(function):
+            """Its module is what says whose it is."""
+
+        finds_it.__module__ = f"utils.checks.{lesson}"
+        core.visible(exercise, title="Finds it", why="", hint="")(finds_it)
+
+    declare("lesson_06", "filter_ground")
+    declare("lesson_06.more", "filter_ground")
+    declare("lesson_15", "another")
+    with pytest.raises(ValueError, match="lesson_15 and lesson_06 both have an exercise"):
+        declare("lesson_15", "filter_ground")
+    assert len(core.checks_of("filter_ground")) == 2
+
+
+def test_every_answer_claims_checks_that_there_are(lesson):
+    """A misspelt name would be found only when that answer is drawn."""
+    hidden = set(re.findall(r"^def (test_\w+)", lesson.tests.read_text("utf-8"), re.M))
+    for exercise in lesson.machine_graded:
+        known = hidden | {check.name for check in checks_of(exercise.name)}
+        for variant in variants_of(exercise.name):
+            for claim in variant.loses:  # the beginning of a name, perhaps with a parameter
+                begin = claim.partition("[")[0]
+                assert any(name.startswith(begin) for name in known), f"{variant.name}: {claim}"
 
 
 def test_every_lesson_has_its_files(lesson):

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.course import durations, earlier_lessons
-from grader.course.lessons import Lesson, all_lessons, every_lesson
+from grader.course.lessons import Lesson, all_lessons, every_lesson, registry_faults
 from grader.course.paths import PROJECT
 
 if TYPE_CHECKING:
@@ -43,6 +43,10 @@ NEXT = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
+class RegistryFault(Exception):
+    """A lesson is ignored, or two collide; the message has a sentence for each."""
+
+
 def build() -> list[tuple[str, Path]]:
     """Write every generated file and remove notebooks that have no source.
 
@@ -50,7 +54,14 @@ def build() -> list[tuple[str, Path]]:
     -------
     list of (str, pathlib.Path)
         What was done, "wrote" or "removed", to which file.
+
+    Raises
+    ------
+    RegistryFault
+        If a lesson is in a folder that is ignored, or two lessons share a number or an exercise.
     """
+    if faults := registry_faults():
+        raise RegistryFault("\n".join(faults))
     done = []
     for path, text in build_all().items():
         if not path.exists() or path.read_bytes() != text:
@@ -71,6 +82,8 @@ def check() -> list[str]:
     list of str
         A sentence for each fault; empty when all is well.
     """
+    if faults := registry_faults():
+        return faults
     built = build_all()
     faults = [
         f"{path.relative_to(PROJECT)} is stale. Run: python -m grader build"

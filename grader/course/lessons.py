@@ -153,6 +153,39 @@ def every_lesson() -> tuple[Lesson, ...]:
     return all_lessons() + optional_lessons()
 
 
+def registry_faults() -> list[str]:
+    """Find sources that are ignored, and lessons that share a number or an exercise.
+
+    Returns
+    -------
+    list of str
+        A sentence for each, with what to do.
+    """
+    lessons, faults = every_lesson(), []
+    known = {lesson.source for lesson in lessons}
+    for source in sorted((PROJECT / "solutions").glob("*/[0-9][0-9]_*.py")):
+        if source not in known:
+            faults.append(
+                f"{source.relative_to(PROJECT)} is ignored. Move it into a folder whose name "
+                f"begins with stage, or into {OPTIONAL}/."
+            )
+    by_number: dict[str, Lesson] = {}
+    by_exercise: dict[str, Lesson] = {}
+    for lesson in lessons:
+        if (other := by_number.setdefault(lesson.number, lesson)) != lesson:
+            faults.append(
+                f"{other.name} and {lesson.name} have the same number. Renumber one of them: its "
+                f"checks are in utils/checks/lesson_{lesson.number}."
+            )
+        for exercise in re.findall(r'"grade": true, "grade_id": "test_(\w+)"', lesson.text):
+            if (other := by_exercise.setdefault(exercise, lesson)) != lesson:
+                faults.append(
+                    f"{other.name} and {lesson.name} both have an exercise {exercise}. Give one "
+                    "of the two another name."
+                )
+    return faults
+
+
 def stages() -> tuple[str, ...]:
     """Names of the stages, in order."""
     return tuple(dict.fromkeys(lesson.stage for lesson in all_lessons()))

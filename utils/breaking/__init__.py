@@ -90,10 +90,12 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
 
 def _told(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | None) -> str:
     """What a cloud says about a version."""
-    if given is None or len(given) == 0:
+    if given is None:
         return "… no cloud yet."
     try:
         cloud = np.array(given, dtype=float)
+        if cloud.size == 0:
+            return "… no cloud yet."
     except (TypeError, ValueError):
         cloud = np.empty(0)
     if cloud.ndim != 2 or cloud.shape[1] != puzzle.shown.shape[1] or len(cloud) > MOST_ROWS:

@@ -60,11 +60,22 @@ def visible(
     -------
     callable
         The decorator; the function stays as it is.
+
+    Raises
+    ------
+    ValueError
+        If another lesson has an exercise of that name: its checks would count in both.
     """
 
     def declare(run: Callable) -> Callable:
         declared = Check(run.__name__, exercise, title, hint, weight, why, run, slow)
-        _CHECKS.setdefault(exercise, []).append(declared)
+        others = _CHECKS.setdefault(exercise, [])
+        if others and others[0].lesson != declared.lesson:
+            raise ValueError(
+                f"{declared.lesson} and {others[0].lesson} both have an exercise {exercise}. "
+                "Give one of the two another name."
+            )
+        others.append(declared)
         return run
 
     return declare

@@ -91,7 +91,7 @@ class Drive:
     hit : int or None
         Identity of what the car ran into, which ended the drive.
     problems : tuple of str
-        One sentence for each scan for which the detector failed.
+        One sentence for each scan for which the detector or the matching of boxes failed.
     sensor : Sensor
     """
 
@@ -150,8 +150,8 @@ def drive(
     Raises
     ------
     Exception
-        Whatever the detector raises for the first scan. Later failures go into
-        `Drive.problems`: for these scans the car sees no box.
+        Whatever the detector raises for the first scan. Its later failures, and those of
+        ``match_boxes``, go into `Drive.problems`: for these scans the car sees no box.
     utils.remote_objects.RemoteStopped
         The detector lives elsewhere, and is gone.
     """
@@ -171,7 +171,13 @@ def drive(
         hit = next((one for one, gap in gaps.items() if gap <= 0.0 and speed > ROLLING), None)
         if pending and pending.ready <= number:
             since = TICK * (pending.scan - base.scan)
-            things = motion.update(pending.boxes, pending.position - base.position, since)
+            try:
+                things = motion.update(pending.boxes, pending.position - base.position, since)
+            except RemoteStopped:
+                raise
+            except Exception as error:
+                eyes.note(pending.scan, error)
+                things = []
             base, pending = pending, None
         busy, boxes = pending is not None, NO_BOXES
         if not busy:
@@ -224,10 +230,14 @@ class _Eyes:
         except Exception as error:
             if not self._looked:
                 raise
-            self.problems.append(f"scan {number}: {type(error).__name__}: {error}")
+            self.note(number, error)
             return NO_BOXES.copy(), 1
         self._looked = True
         return boxes[np.isfinite(boxes).all(axis=(1, 2))], ticks(seconds)
+
+    def note(self, number: int, error: Exception) -> None:
+        """Write down that a student's function failed for a scan."""
+        self.problems.append(f"scan {number}: {type(error).__name__}: {error}")
 
 
 def scan_from(world: World, street: Street, sensor: Sensor, number: int) -> Frame:

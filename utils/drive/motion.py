@@ -92,6 +92,8 @@ class Motion:
         expected = [_moved(track, driven, seconds) for track in self._tracks]
         places = np.reshape([track.box for track in expected], (-1, 8, 3))
         partners = np.asarray(self._match(places, boxes, FARTHEST), dtype=int).tolist()
+        if len(partners) != len(boxes):
+            raise ValueError(f"match_boxes returned {len(partners)} numbers for {len(boxes)} boxes")
         seen = []
         for box, partner in zip(boxes, partners, strict=True):
             known = 0 <= partner < len(expected)

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from grader.classroom.league.streets import streets_of
-from grader.course.lessons import find_lesson
+from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
@@ -125,7 +125,7 @@ def drive_one(
         A name in `grader.sandbox.SANDBOXES`.
     """
     street = streets_of(seed)[number - 1]
-    key = key_of(handed_in, street)
+    key = key_of(handed_in, street, find_lesson(lesson))
     if handed_in is None:
         return _measured(drive(street), key)
     try:
@@ -244,13 +244,16 @@ def _unpacked(text: str) -> Iterator[np.ndarray]:
     return iter(np.split(boxes, np.cumsum(counts)[:-1]))
 
 
-def key_of(handed_in: HandedIn | None, street: Street) -> str:
-    """Fingerprint of all that a drive depends on."""
-    about = (str(street.seed), _rules(), handed_in.fingerprint() if handed_in else "true boxes")
+def key_of(handed_in: HandedIn | None, street: Street, lesson: Lesson) -> str:
+    """Fingerprint of everything that a drive depends on."""
+    submission = handed_in.fingerprint() if handed_in else "true boxes"
+    about = (str(street.seed), _rules(lesson), submission)
     return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
-def _rules() -> str:
+def _rules(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
-    return key_of_files("league", with_all_they_run(entries))
+    # The lesson's header says what a detector may use; the notebooks hold what it is given.
+    notebooks = {lesson.source, lesson.solved, lesson.released}
+    return key_of_files("league", with_all_they_run(entries) | notebooks)

@@ -125,7 +125,7 @@ def drive_class(
     entrants = list(_entrants(course, lesson))
     if not any(one.student for one in entrants):
         return Season(lesson, streets, (), {})
-    drives = {one: _kept(one, streets) for one in entrants}
+    drives = {one: _kept(one, streets, lesson) for one in entrants}
     missing = [
         (one, street)
         for street in streets
@@ -213,7 +213,7 @@ def _file(one: Entrant, street: Street) -> Path:
     return one.folder / f"street_{street.number}.json"
 
 
-def _kept(one: Entrant, streets: tuple[Street, ...]) -> dict[int, Driven]:
+def _kept(one: Entrant, streets: tuple[Street, ...], lesson: Lesson) -> dict[int, Driven]:
     """What is on disk, if it is about this very file, these rules and this street."""
     handed_in, found = one.read(), {}
     for street in streets:
@@ -221,6 +221,6 @@ def _kept(one: Entrant, streets: tuple[Street, ...]) -> dict[int, Driven]:
             driven = from_json(_file(one, street).read_text("utf-8"))
         except (OSError, ValueError, TypeError, KeyError):
             continue
-        if driven.key == key_of(handed_in, street):
+        if driven.key == key_of(handed_in, street, lesson):
             found[street.number] = driven
     return found
