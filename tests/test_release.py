@@ -313,7 +313,7 @@ def tiny(tmp_path, monkeypatch, source):
     monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"1"})
 
     class Tiny:
-        name, solutions, released = "tiny", path, path
+        name, solved, released = "tiny", path, path
 
     return Tiny
 

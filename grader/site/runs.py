@@ -16,7 +16,7 @@ from grader.course.solutions import all_shown, shown
 
 KEPT = PROJECT / ".site"
 """What was run, by what it depends on."""
-RECORDING = Path(__file__).parent / "recording.py"
+RECORDING = Path(__file__).parent / "widget_states.py"
 
 
 def solved_runs(
