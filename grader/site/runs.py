@@ -41,4 +41,4 @@ def not_installed(lesson: Lesson) -> list[str]:
 def first_code() -> str:
     """What runs before a lesson: it leaves no name in the notebook, and changes as we do."""
     digest = hashlib.sha256(RECORDING.read_bytes()).hexdigest()[:16]
-    return f"__import__('grader.site.widget_states').site.recording.record()  # {digest}"
+    return f"__import__('grader.site.widget_states').site.widget_states.record()  # {digest}"
