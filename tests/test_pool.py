@@ -106,3 +106,18 @@ def test_an_exception_says_where_it_comes_from(kind, comes):
         said = [str(caught.value), *getattr(caught.value, "__notes__", ())]
         assert any("in fail" in line for line in said)
         assert judges.submit(size_of, b"abc").result(PATIENCE)[0] == 3
+
+
+def test_a_process_is_idle_only_once_it_is_no_longer_busy():
+    """Taken by another thread in between, it would be struck off the busy ones while at work."""
+    with Pool(2) as judges:
+
+        class Idle(list):
+            def append(self, process):
+                assert judges._lock.locked() and process not in judges._busy
+                super().append(process)
+
+        judges._idle = Idle()
+        futures = [judges.submit(twice, number) for number in range(20)]
+        assert [future.result(PATIENCE) for future in futures] == [2 * n for n in range(20)]
+        assert judges._idle and not judges._busy

@@ -72,19 +72,22 @@ class Pool(Executor):
         process = self._take()
         clock = threading.Timer(LONGEST, process.kill)
         clock.start()
+        alive = False
         try:
             good, value = pickle.loads(process.answer(job))
+            alive = True
         except (EOFError, OSError):
             process.end()
             raise BrokenExecutor(
                 f"The process that judged died ({process.how_it_ended}). Is there memory enough?"
             ) from None
-        else:
-            self._idle.append(process)
         finally:
             clock.cancel()
+            # In one step: once it is idle, another thread may take it and note it as busy again.
             with self._lock:
                 self._busy.discard(process)
+                if alive:
+                    self._idle.append(process)
         if good:
             return value
         raise value
