@@ -39,10 +39,6 @@ def show_no_frames_of_ours() -> None:
 def without_ours(trace: TracebackType | None) -> TracebackType | None:
     """A traceback less the course's frames, and what libraries do on their behalf.
 
-    Parameters
-    ----------
-    trace : types.TracebackType or None
-
     Returns
     -------
     types.TracebackType or None

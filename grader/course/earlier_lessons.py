@@ -32,10 +32,6 @@ def filled(text: str) -> str:
     text : str
         Of a cell, or of a whole source.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     ValueError

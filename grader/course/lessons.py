@@ -225,10 +225,6 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     lesson_name : str
     *others : str
         Further functions of the lesson, which nothing grades.
-
-    Returns
-    -------
-    types.SimpleNamespace
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])

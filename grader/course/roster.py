@@ -62,12 +62,7 @@ UNIQUE = ("id", "email", "lms_id", "github")  # a mark that two may get goes to 
 
 @dataclass(frozen=True)
 class Roster:
-    """All who take the course, in the order of the file.
-
-    Attributes
-    ----------
-    people : tuple of Person
-    """
+    """All who take the course, in the order of the file."""
 
     people: tuple[Person, ...]
 

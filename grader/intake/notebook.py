@@ -15,14 +15,6 @@ _NOT_THROUGH_LINKS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 def read_notebook(path: Path) -> Notebook:
     """Read a notebook without trusting it.
 
-    Parameters
-    ----------
-    path : pathlib.Path
-
-    Returns
-    -------
-    utils.notebooks.reading.Notebook
-
     Raises
     ------
     UnreadableNotebook
@@ -32,10 +24,6 @@ def read_notebook(path: Path) -> Notebook:
 
 def read_file(path: Path) -> bytes:
     """Bytes of a file that somebody handed in.
-
-    Parameters
-    ----------
-    path : pathlib.Path
 
     Returns
     -------

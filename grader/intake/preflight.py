@@ -111,15 +111,6 @@ class _Draft:
 def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     """Read a notebook of a lesson, whatever became of it.
 
-    Parameters
-    ----------
-    handed_in : grader.intake.submission.HandedIn
-    lesson : grader.course.lessons.Lesson
-
-    Returns
-    -------
-    Prepared
-
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook

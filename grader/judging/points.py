@@ -49,10 +49,6 @@ def points_of(points: float, outcomes: Sequence[Outcome]) -> float:
         Of the exercise.
     outcomes : sequence of Outcome
         All of its checks.
-
-    Returns
-    -------
-    float
     """
     most = shares(points, [outcome.check.weight for outcome in outcomes])
     return total([share for share, one in zip(most, outcomes, strict=True) if not one.failure])

@@ -89,10 +89,6 @@ def _try_to_show(copy: NotebookNode, lesson: Lesson) -> None:
 def build_copy(prepared: Prepared) -> NotebookNode:
     """Build the autograded copy, without scores.
 
-    Parameters
-    ----------
-    prepared : grader.intake.preflight.Prepared
-
     Returns
     -------
     nbformat.NotebookNode
@@ -159,16 +155,7 @@ def key_of_copy(course: Course, student: str, stage: str, lesson_name: str) -> s
 
 
 def score_output(exercise: ExerciseResult) -> NotebookNode:
-    """An output from which nbgrader reads the score and people read the reasons.
-
-    Parameters
-    ----------
-    exercise : grader.judging.verdict.ExerciseResult
-
-    Returns
-    -------
-    nbformat.NotebookNode
-    """
+    """An output from which nbgrader reads the score and people read the reasons."""
     folded = fold(exercise)
     told = [test for test in (folded.first, *folded.others) if test]
     rows = [_row("✗ failed", test.title, test.message) for test in told]

@@ -120,13 +120,7 @@ class NotReady(Exception):
 
 
 class FeedbackWriter:
-    """Reads what there is to say about the students of a stage.
-
-    Parameters
-    ----------
-    course : grader.course.paths.Course
-    stage : str
-    """
+    """Reads what there is to say about the students of a stage."""
 
     def __init__(self, course: Course, stage: str) -> None:
         self._course, self._stage = course, stage

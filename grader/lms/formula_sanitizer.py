@@ -141,10 +141,6 @@ _FORMULA = re.compile(
 def harmless_formulas(markdown: str) -> str:
     """Markdown in which MathJax finds no command but those that draw mathematics.
 
-    Parameters
-    ----------
-    markdown : str
-
     Returns
     -------
     str

@@ -36,18 +36,7 @@ class ClearEarlier(NbGraderPreprocessor):
     def preprocess_cell(
         self, cell: NotebookNode, resources: dict, cell_index: int
     ) -> tuple[NotebookNode, dict]:
-        """Empty a cell that is tagged so.
-
-        Parameters
-        ----------
-        cell : nbformat.NotebookNode
-        resources : dict
-        cell_index : int
-
-        Returns
-        -------
-        (nbformat.NotebookNode, dict)
-        """
+        """Empty a cell that is tagged so."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier_lessons.emptied(cell.source)
         return cell, resources
@@ -75,10 +64,6 @@ class Judge(NbGraderPreprocessor):
         nb : nbformat.NotebookNode
         resources : dict
             nbgrader's: which student, assignment and notebook this is.
-
-        Returns
-        -------
-        (nbformat.NotebookNode, dict)
         """
         about = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))

@@ -32,10 +32,6 @@ _FILE_NAME = re.compile(r"[\w .()+\-]{1,100}")
 def harmless(markdown: str) -> str:
     """Markdown in which nothing is HTML, script or style, and no picture comes from elsewhere.
 
-    Parameters
-    ----------
-    markdown : str
-
     Returns
     -------
     str

@@ -22,10 +22,6 @@ _DICE = random.SystemRandom()
 class Budget:
     """What a notebook may still take, over all the processes that it is asked in.
 
-    Parameters
-    ----------
-    limits : grader.sandbox.protocol.Limits
-
     Attributes
     ----------
     seconds : float
@@ -59,10 +55,6 @@ class Meter:
     That is the processor's time, and the time for which it sleeps: none of its threads was ready to
     run when it was looked at. All that passes while nobody keeps it waiting is the most it can be,
     neither others who are at work on this machine, nor we.
-
-    Parameters
-    ----------
-    worker : grader.sandbox.protocol.Worker
 
     Attributes
     ----------

@@ -51,10 +51,6 @@ def cpu_of_tree(pid: int) -> float:
 def threads_of_tree(pid: int) -> dict[int, Thread] | None:
     """The threads of a process and its descendants, as `grader.sandbox.protocol.Worker` wants them.
 
-    Parameters
-    ----------
-    pid : int
-
     Returns
     -------
     dict of int to grader.sandbox.protocol.Thread, or None

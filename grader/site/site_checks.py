@@ -23,12 +23,7 @@ IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)
 
 
 def faults(folder: Path) -> list[str]:
-    """What is wrong with a site, a sentence each; empty where nothing is.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-    """
+    """What is wrong with a site, a sentence each; empty where nothing is."""
     # What JupyterLite brings is not ours, but for the notebooks in it.
     live = folder / FOLDER
     ours = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]

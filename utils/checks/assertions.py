@@ -64,16 +64,7 @@ def frozen(value: object) -> object:
 
 
 def brief(value: object) -> str:
-    """A value in at most 90 characters; a short row of numbers as it is.
-
-    Parameters
-    ----------
-    value : object
-
-    Returns
-    -------
-    str
-    """
+    """A value in at most 90 characters; a short row of numbers as it is."""
     if isinstance(value, np.generic):
         value = value.item()  # 2, not np.int64(2)
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
@@ -95,10 +86,6 @@ def point_text(point: ArrayLike) -> str:
     ----------
     point : array_like, shape (2,), (3,) or (4,)
         A fourth number is left out.
-
-    Returns
-    -------
-    str
     """
     return "(" + ", ".join(f"{value:.2f}" for value in point[:3]) + ")"
 
@@ -110,10 +97,6 @@ def points_text(points: np.ndarray) -> str:
     ----------
     points : numpy.ndarray, shape (n, 3) or (n, 4)
         A fourth column is left out.
-
-    Returns
-    -------
-    str
     """
     rounded = (np.round(np.asarray(points, dtype=float)[:, :3], 2) + 0.0).tolist()
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
@@ -139,10 +122,6 @@ def as_array(
         As for `utils.checks.size_limits.as_numbers`.
     each : str
         What a row stands for.
-
-    Returns
-    -------
-    numpy.ndarray
 
     Raises
     ------

@@ -240,10 +240,6 @@ def in_full(given: Mapping[str, object]) -> dict[str, object]:
     ----------
     given : mapping of str to object
         By the names that the course gives them.
-
-    Returns
-    -------
-    dict of str to object
     """
     full, labels = dict(given), given.get("cluster_labels")
     strays = labels is not None and 0 not in labels

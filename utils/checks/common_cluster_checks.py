@@ -26,10 +26,6 @@ def case_of(lesson: str, exercise: str) -> Case:
     lesson : str
         The module that declares them, its `__name__`.
     exercise : str
-
-    Returns
-    -------
-    Case
     """
     return Case(
         lesson,

@@ -106,10 +106,6 @@ def checks_of(exercise: str) -> tuple[Check, ...]:
     exercise : str
         Name of a function of the course.
 
-    Returns
-    -------
-    tuple of Check
-
     Raises
     ------
     LookupError
@@ -145,17 +141,7 @@ def _modules_of_lessons() -> list[str]:
 
 
 def run_check(one_check: Check, function: Callable) -> Outcome:
-    """Run one check, for as long as it may take.
-
-    Parameters
-    ----------
-    one_check : Check
-    function : callable
-
-    Returns
-    -------
-    Outcome
-    """
+    """Run one check, for as long as it may take."""
     try:
         with limited(SECONDS):
             one_check.run(function)

@@ -30,26 +30,12 @@ SEEN = "in the scan of this row, cars that stand free near the sensor have boxes
 
 
 def detected(detect_obstacles: Callable, frame: Frame) -> object:
-    """What a detector says about a frame as it is; in one run it is asked once.
-
-    Parameters
-    ----------
-    detect_obstacles : callable
-    frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    object
-    """
+    """What a detector says about a frame as it is; in one run it is asked once."""
     return answer_to(detect_obstacles, frame, frame.cloud)
 
 
 def as_boxes(answer: object) -> np.ndarray:
     """An answer as boxes of any number.
-
-    Parameters
-    ----------
-    answer : object
 
     Returns
     -------
@@ -94,10 +80,6 @@ def box_of(thing: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     thing : utils.boxes.Box
     boxes : numpy.ndarray, shape (N, 8, 3)
     frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    int or None
     """
     returns = frame.cloud[frame.scan.objects == thing.identity, :3]
     # Where the ground is cut is everyone's own choice, and wheels are nobody's.
@@ -131,14 +113,7 @@ def assert_cars_found(answers: Sequence[object], frames: Sequence[Frame]) -> Non
 
 
 def assert_reached(answer: object, car: Box, frame: Frame) -> None:
-    """Some box holds a certain car; what else it holds, or whether there are more, is not asked.
-
-    Parameters
-    ----------
-    answer : object
-    car : utils.boxes.Box
-    frame : utils.simulator.frames.Frame
-    """
+    """Some box holds a certain car; what else it holds, or whether there are more, is not asked."""
     boxes = as_boxes(answer)
     returns = frame.cloud[frame.scan.objects == car.identity, :3]
     returns = returns[returns[:, 2] > car.centre[2] - car.size[2] / 2 + 0.55]
@@ -156,23 +131,12 @@ def assert_reached(answer: object, car: Box, frame: Frame) -> None:
 
 
 def assert_people_found(answer: object, frame: Frame) -> None:
-    """At least half of the clear people have a box of their own.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
+    """At least half of the clear people have a box of their own."""
     _assert_found([answer], [(frame, clear_people(frame))], "people")
 
 
 def assert_sees(answer: object, frame: Frame) -> None:
     """The clear cars are found: who sees nothing is not praised for what they spare.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
 
     Raises
     ------
@@ -185,24 +149,12 @@ def assert_sees(answer: object, frame: Frame) -> None:
 
 @once
 def assert_cars_seen(detect_obstacles: Callable, frame: Frame) -> None:
-    """As `assert_sees`, of what a detector says about a frame as it is.
-
-    Parameters
-    ----------
-    detect_obstacles : callable
-    frame : utils.simulator.frames.Frame
-    """
+    """As `assert_sees`, of what a detector says about a frame as it is."""
     assert_sees(detected(detect_obstacles, frame), frame)
 
 
 def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> None:
-    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles.
-
-    Parameters
-    ----------
-    answers : sequence of object
-    frames : sequence of utils.simulator.frames.Frame
-    """
+    """At most four in ten boxes hold no obstacle, and there are not many more than obstacles."""
     ghosts, total = [], 0
     for answer, frame in zip(answers, frames, strict=True):
         boxes = as_boxes(answer)
@@ -233,13 +185,7 @@ def assert_boxes_real(answers: Sequence[object], frames: Sequence[Frame]) -> Non
 
 
 def assert_own_car_free(answer: object, frame: Frame) -> None:
-    """No box stands where the own car is.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
+    """No box stands where the own car is."""
     boxes = as_boxes(answer)
     middles = boxes[:, :, :2].mean(axis=1)
     inside = ((middles > OWN_CAR[0]) & (middles < OWN_CAR[1])).all(axis=1)
@@ -253,13 +199,7 @@ def assert_own_car_free(answer: object, frame: Frame) -> None:
 
 
 def assert_nothing_at_sensor(answer: object, frame: Frame) -> None:
-    """No box holds the place of the sensor, where lost returns lie.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
+    """No box holds the place of the sensor, where lost returns lie."""
     boxes = as_boxes(answer)
     sensor = np.zeros((1, 3))
     near = _covering(boxes, sensor[0], 0.1)
@@ -322,13 +262,7 @@ def assert_gone(answer: object, car: Box, frame: Frame) -> None:
 
 
 def assert_boxes_turned(answer: object, frame: Frame) -> None:
-    """The boxes of turned cars are hardly larger than the cars.
-
-    Parameters
-    ----------
-    answer : object
-    frame : utils.simulator.frames.Frame
-    """
+    """The boxes of turned cars are hardly larger than the cars."""
     boxes = as_boxes(answer)
     pairs = [(car, box_of(car, boxes, frame)) for car in clear_cars(frame)]
     pairs = [(car, boxes[number]) for car, number in pairs if number is not None]
@@ -344,12 +278,7 @@ def assert_boxes_turned(answer: object, frame: Frame) -> None:
 
 
 def assert_upright(answer: object) -> None:
-    """Every box has a level floor, right angles, and a corner above each corner.
-
-    Parameters
-    ----------
-    answer : object
-    """
+    """Every box has a level floor, right angles, and a corner above each corner."""
     for box in as_boxes(answer):
         heights = np.sort(box[:, 2])
         if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:

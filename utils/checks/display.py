@@ -68,16 +68,7 @@ class Table:
 
 
 def as_text(story: Story) -> str:
-    """A story as plain text.
-
-    Parameters
-    ----------
-    story : utils.checks.summary.Story
-
-    Returns
-    -------
-    str
-    """
+    """A story as plain text."""
     if story.not_started:
         return f"[not started] {story.first.failure.message}"
     lines = []
@@ -97,16 +88,7 @@ def as_text(story: Story) -> str:
 
 
 def as_html(story: Story) -> str:
-    """A story as an HTML table.
-
-    Parameters
-    ----------
-    story : utils.checks.summary.Story
-
-    Returns
-    -------
-    str
-    """
+    """A story as an HTML table."""
     if story.not_started:
         return _table([_row("not started", "", _line("", story.first.failure.message))])
     rows = []

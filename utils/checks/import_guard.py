@@ -16,12 +16,7 @@ _CYTHON = "cython_function_or_method"
 
 
 class Refusing:
-    """While in here, stand-ins take the place of what some modules hold, wherever it was imported.
-
-    Parameters
-    ----------
-    modules : sequence of str
-    """
+    """Within the context, stand-ins replace the contents of some modules, wherever imported."""
 
     def __init__(self, modules: Sequence[str]) -> None:
         self._modules, self._beginnings = modules, tuple(f"{module}." for module in modules)

@@ -39,10 +39,6 @@ _PAIRS = (
 def as_line(answer: object) -> np.ndarray:
     """An answer as the three numbers of a line.
 
-    Parameters
-    ----------
-    answer : object
-
     Returns
     -------
     numpy.ndarray, shape (3,)
@@ -100,12 +96,7 @@ def assert_on_line(answer: object, p: ArrayLike, q: ArrayLike) -> None:
 
 
 def assert_unit_normal(answer: object) -> None:
-    """The normal of a line has length 1; where the line runs is not looked at.
-
-    Parameters
-    ----------
-    answer : object
-    """
+    """The normal of a line has length 1; where the line runs is not looked at."""
     line = as_line(answer)
     length = _length_of_normal(line)
     if abs(length - 1) > TOLERANCE:

@@ -62,10 +62,6 @@ _SIDES = ((4.2, 1.8, 1.0), (1.0, 2.0, 6.0), (5.0, 0.6, 2.4))
 def as_axes(answer: object) -> np.ndarray:
     """An answer as three directions, one in each column, of any length.
 
-    Parameters
-    ----------
-    answer : object
-
     Returns
     -------
     numpy.ndarray, shape (3, 3)
@@ -138,12 +134,7 @@ def assert_order(answer: object, points: np.ndarray, given: str | None = None) -
 
 
 def assert_right_handed(answer: object) -> None:
-    """The determinant is positive.
-
-    Parameters
-    ----------
-    answer : object
-    """
+    """The determinant is positive."""
     axes = as_axes(answer)
     if np.linalg.det(axes) < 0:
         raise CheckFailed(
@@ -154,12 +145,7 @@ def assert_right_handed(answer: object) -> None:
 
 
 def assert_orthonormal(answer: object) -> None:
-    """Each column has length 1, and all are at right angles to each other.
-
-    Parameters
-    ----------
-    answer : object
-    """
+    """Each column has length 1, and all are at right angles to each other."""
     axes = as_axes(answer)
     lengths = np.linalg.norm(axes, axis=0)
     if np.abs(lengths - 1).max() > 1e-3:

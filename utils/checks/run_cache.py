@@ -33,10 +33,6 @@ def once(assertion: Callable[..., None]) -> Callable[..., None]:
         Takes a student's function, and what it is asked about, if that is hashable; raises
         `CheckFailed`. Whatever else it raises is not remembered: a process that was stopped may
         answer the next time.
-
-    Returns
-    -------
-    callable
     """
 
     @functools.wraps(assertion)
@@ -72,10 +68,6 @@ def answer_to(function: Callable, question: Hashable, *arguments: np.ndarray) ->
         What tells the question from all others that the function is asked.
     arguments : numpy.ndarray
         The function gets copies.
-
-    Returns
-    -------
-    object
     """
     known, key = _KNOWN.get(), (getattr(function, "__name__", None), question)
     if known is not None and key in known:

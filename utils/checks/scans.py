@@ -31,12 +31,7 @@ OWN_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # m from and to, x and y
 
 
 def half_sensor() -> Sensor:
-    """The 64-beam scanner with every second azimuth: half the returns, half the time.
-
-    Returns
-    -------
-    utils.simulator.Sensor
-    """
+    """The 64-beam scanner with every second azimuth: half the returns, half the time."""
     from utils.simulator import hdl64
 
     sensor = hdl64()
@@ -51,10 +46,6 @@ def street(further: float = 0.0) -> Frame:
     ----------
     further : float
         In metres.
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
     """
     from utils.scenes import ROAD
     from utils.simulator.frames import observe
@@ -67,12 +58,7 @@ def street(further: float = 0.0) -> Frame:
 
 
 def street_before() -> Frame:
-    """The street 4 m earlier: its clear cars stand where the other frame has none.
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
+    """The street 4 m earlier: its clear cars stand where the other frame has none."""
     return street(-4.0)
 
 
@@ -82,14 +68,6 @@ def square(seed: int) -> Frame:
 
     Most of what a detector is asked is asked here, so what lies farther away than the cars is
     left out.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
     """
     frames = (_some_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
     frame = next(frame for frame in frames if len(clear_cars(frame)) == 3)
@@ -98,16 +76,7 @@ def square(seed: int) -> Frame:
 
 @functools.lru_cache(maxsize=64)
 def walk(seed: int) -> Frame:
-    """A car and three people around the sensor, all of whom stand free; else as `square`.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
+    """A car and three people around the sensor, all of whom stand free; else as `square`."""
     frames = (_some_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
     return next(
         frame for frame in frames if len(clear_cars(frame)) == 1 and len(clear_people(frame)) == 3
@@ -116,16 +85,7 @@ def walk(seed: int) -> Frame:
 
 @functools.lru_cache(maxsize=64)
 def crossing(seed: int) -> Frame:
-    """A small car that stands across the road ahead, from 8 to 10 m; else as `square`.
-
-    Parameters
-    ----------
-    seed : int
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
+    """A small car that stands across the road ahead, from 8 to 10 m; else as `square`."""
     from utils.simulator.streets import placed
     from utils.simulator.traffic import car
 
@@ -207,16 +167,7 @@ def _rim(thing: Obstacle) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def clear_cars(frame: Frame) -> tuple[Box, ...]:
-    """The cars of a frame that no detector may miss: near, well seen, standing free.
-
-    Parameters
-    ----------
-    frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    tuple of utils.boxes.Box
-    """
+    """The cars of a frame that no detector may miss: near, well seen, standing free."""
     return _clear(frame, "car")
 
 
@@ -246,17 +197,7 @@ def _clear(frame: Frame, kind: str) -> tuple[Box, ...]:
 
 
 def without(car: Box, frame: Frame) -> Frame:
-    """A frame without one of its cars: what it hid stays hidden.
-
-    Parameters
-    ----------
-    car : utils.boxes.Box
-    frame : utils.simulator.frames.Frame
-
-    Returns
-    -------
-    utils.simulator.frames.Frame
-    """
+    """A frame without one of its cars: what it hid stays hidden."""
     boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
     left = _with_rows(frame, frame.scan.objects != car.identity)
     return dataclasses.replace(left, boxes=boxes)
@@ -275,10 +216,6 @@ def own_car(seed: int) -> np.ndarray:
     """Returns (n, 4) of an own car that the beams hit from edge to edge, bonnet and roof.
 
     It lies in the box that lesson 07 gives for it, and is still dense after thinning.
-
-    Parameters
-    ----------
-    seed : int
 
     Returns
     -------

@@ -90,10 +90,6 @@ def resolve(
     place : utils.checks.line_hint.Place, optional
     alone : bool
         Whether one thing alone is proven to be wrong, as it is where there is a place.
-
-    Returns
-    -------
-    Story
     """
     passed = tuple(outcome for outcome in outcomes if outcome.failure is None)
     failed = [outcome for outcome in outcomes if outcome.failure is not None]
@@ -127,10 +123,6 @@ def details(outcome: Outcome, mistake: Mistake | None = None) -> list[tuple[str,
     outcome : Outcome
     mistake : Mistake, optional
         What explains it.
-
-    Returns
-    -------
-    list of tuple of str
     """
     failure = outcome.failure
     said = [

@@ -86,10 +86,6 @@ def told_of(loops: list[Loop], known: str) -> str:
         From `loops_around`.
     known : str
         What the check knows to ask; may be empty.
-
-    Returns
-    -------
-    str
     """
     if not loops:
         return f": {known or ENDLESS}"

@@ -11,14 +11,7 @@ _PASSED: dict[str, Callable] = {}
 
 
 def remember(exercise: str, function: Callable, passed: bool) -> None:
-    """Remember what came of checking a function.
-
-    Parameters
-    ----------
-    exercise : str
-    function : callable
-    passed : bool
-    """
+    """Remember what came of checking a function."""
     if passed:
         _PASSED[exercise] = function
     else:
@@ -30,14 +23,6 @@ def ready(*functions: Callable) -> bool:
 
     For cells in which a wrong one would do worse than fail: compiled, a loop without an end can
     not be stopped.
-
-    Parameters
-    ----------
-    *functions : callable
-
-    Returns
-    -------
-    bool
     """
     waiting = [one for one in map(own, functions) if _PASSED.get(one.__name__) is not one]
     for one in waiting:

@@ -143,10 +143,6 @@ def drive(
     sensor : Sensor
         A coarser one is quicker.
 
-    Returns
-    -------
-    Drive
-
     Raises
     ------
     Exception

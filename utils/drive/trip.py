@@ -16,12 +16,7 @@ from utils.tracking import Tracker
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trip:
-    """A drive; in a notebook it shows itself.
-
-    Attributes
-    ----------
-    drive : Drive
-    """
+    """A drive; in a notebook it shows itself."""
 
     drive: Drive
 

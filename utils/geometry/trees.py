@@ -66,10 +66,6 @@ def grown(
 def places_of(root: Node | None) -> dict[str, Node]:
     """The nodes of a tree by the way to them: "" is the root, "lr" to its left and then right.
 
-    Parameters
-    ----------
-    root : node or None
-
     Returns
     -------
     dict of str to node
@@ -85,10 +81,6 @@ def places_of(root: Node | None) -> dict[str, Node]:
 
 def table_of(root: Node | None) -> tuple[list, list, list, list]:
     """The rows of a tree as `KdTree.plant` takes them.
-
-    Parameters
-    ----------
-    root : node or None
 
     Returns
     -------
@@ -110,10 +102,6 @@ def table_of(root: Node | None) -> tuple[list, list, list, list]:
 
 def regions_of(root: Node) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The region that each node of a right tree falls into.
-
-    Parameters
-    ----------
-    root : node
 
     Returns
     -------

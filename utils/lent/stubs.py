@@ -13,10 +13,6 @@ ASKING = ("check", "replay", "show_broken", "tell_apart")
 def is_written(function: Callable) -> bool:
     """Whether somebody has written a function, or it is still a stub.
 
-    Parameters
-    ----------
-    function : callable
-
     Returns
     -------
     bool

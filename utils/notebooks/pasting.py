@@ -61,10 +61,6 @@ def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
     ----------
     names, cells, origin
         As for `texts_of`.
-
-    Returns
-    -------
-    str
     """
     texts = texts_of(names, cells, origin)
     imports = [text for text in texts if is_import(text)]

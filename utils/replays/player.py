@@ -77,10 +77,6 @@ def play(run: Run) -> None:
     """Show a run in a notebook, step by step.
 
     Without ipywidgets there are a few still pictures, up to the first step that is wrong.
-
-    Parameters
-    ----------
-    run : Run
     """
     import ipywidgets
 

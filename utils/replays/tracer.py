@@ -61,10 +61,6 @@ def record(
     see : callable
         Takes a frame of the notebook, an event and its value, as what `sys.settrace` takes does.
         It raises `Enough` to end the run; another exception ends the recording alone.
-
-    Returns
-    -------
-    Ending
     """
     home, due = getattr(function, "__globals__", None), time.process_time() + SECONDS
 

@@ -15,12 +15,7 @@ class Unrecognised(Exception):
 
 
 class Contradiction(Exception):
-    """A file's name and what stands in it name two lessons; `str()` is the question.
-
-    Attributes
-    ----------
-    lessons : tuple of Lesson
-    """
+    """A file's name and what stands in it name two lessons; `str()` is the question."""
 
     def __init__(self, text: str, lessons: tuple[Lesson, Lesson]) -> None:
         super().__init__(text)

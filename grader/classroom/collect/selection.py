@@ -16,14 +16,7 @@ from grader.classroom.contents import copy_number
 
 @dataclass(frozen=True)
 class File:
-    """A piece of what somebody handed in, and how it came.
-
-    Attributes
-    ----------
-    archive : pathlib.Path
-    handed : Handed
-    piece : Piece
-    """
+    """A piece of what somebody handed in, and how it came."""
 
     archive: Path
     handed: Handed

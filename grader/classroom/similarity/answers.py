@@ -70,11 +70,6 @@ class Work:
 def work_in(handed_in: HandedIn, lesson: Lesson) -> Work:
     """Read what was handed in for a lesson, in a process of its own; no code of it is run.
 
-    Parameters
-    ----------
-    handed_in : grader.intake.submission.HandedIn
-    lesson : grader.course.lessons.Lesson
-
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook

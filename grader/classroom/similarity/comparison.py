@@ -92,10 +92,6 @@ def compare(
         wrote the same function.
     taught : iterable of Answer
         What the lesson leads to.
-
-    Returns
-    -------
-    Comparison
     """
     mine = {student: Document(answer) for student, answer in answers.items()}
     beside = [Document(answer) for answer in kept]

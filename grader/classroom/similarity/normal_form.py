@@ -53,10 +53,6 @@ def steps_of(
         What names stand for that are not the author's own: modules and given functions.
     parameters : sequence of str
         Names of the function's parameters: each is known by its place.
-
-    Yields
-    ------
-    Step
     """
     places = {name: f"parameter {place}" for place, name in enumerate(parameters)}
     return _Reader({**known, **places}).steps([node])

@@ -105,10 +105,6 @@ def compare_stage(
     stage : str
     advance : callable, optional
         Is told how many notebooks are read, and of how many.
-
-    Returns
-    -------
-    StageComparison
     """
     submissions = find_submissions(course, [stage])
     read: list[tuple[Submission, str, Work]] = []

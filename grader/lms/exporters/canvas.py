@@ -33,14 +33,6 @@ CLAIMS = (
 def canvas(order: Order) -> Exported:
     """Fill in the assignment's column of a gradebook that Canvas exported.
 
-    Parameters
-    ----------
-    order : Order
-
-    Returns
-    -------
-    Exported
-
     Raises
     ------
     ExportTrouble

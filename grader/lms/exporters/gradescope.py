@@ -28,10 +28,6 @@ PROGRAMS = ("setup.sh", "run_autograder")
 def gradescope(order: Order) -> Exported:
     """Make an autograder for Gradescope, to be uploaded as it is.
 
-    Parameters
-    ----------
-    order : Order
-
     Returns
     -------
     Exported

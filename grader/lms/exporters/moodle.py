@@ -59,10 +59,6 @@ def moodle(order: Order) -> Exported:
     order : Order
         Its column is the title of the one for the grade.
 
-    Returns
-    -------
-    Exported
-
     Raises
     ------
     ExportTrouble

@@ -16,10 +16,6 @@ from utils.checks.diagnosis import Mistake, mistakes
 def assert_number(answer: object) -> np.ndarray:
     """The answer is one finite number.
 
-    Parameters
-    ----------
-    answer : object
-
     Returns
     -------
     numpy.ndarray, shape ()
@@ -76,12 +72,7 @@ def assert_iterations(answer: object, expected: int, *case: object) -> None:
 
 
 def assert_never(answer: object) -> None:
-    """The answer says that no number is enough: `math.inf`, None, or a number beyond all patience.
-
-    Parameters
-    ----------
-    answer : object
-    """
+    """Assert that no number is enough: `math.inf`, None, or a number of at least a billion."""
     if isinstance(answer, (int, float)) and not isinstance(answer, bool) and answer >= 1e9:
         return
     if answer is None or "beyond 64 bits" in getattr(answer, "type_name", ""):
@@ -225,12 +216,6 @@ common_checks.names(
 
 def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | None:
     """The right answer to `iterations_needed`, counted up with sixty digits.
-
-    Parameters
-    ----------
-    ratio : float
-    size : int
-    confidence : float
 
     Returns
     -------

@@ -46,10 +46,6 @@ LARGE_AND_SMALL = frozen(
 def as_plane(answer: object) -> np.ndarray:
     """An answer as the four numbers of a plane, with a normal of whatever length.
 
-    Parameters
-    ----------
-    answer : object
-
     Returns
     -------
     numpy.ndarray, shape (4,)
@@ -74,12 +70,7 @@ def as_plane(answer: object) -> np.ndarray:
 
 
 def assert_unit_normal(answer: object) -> None:
-    """The normal has length 1; whether it is the right one is another property.
-
-    Parameters
-    ----------
-    answer : object
-    """
+    """The normal has length 1; whether it is the right one is another property."""
     plane = as_plane(answer)
     length = np.linalg.norm(plane[:3])
     if abs(length - 1) > 1e-3:

@@ -84,10 +84,6 @@ def ring_on_a_ramp(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
 
     More than half of all samples are no plane, exactly; all others give this one.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-
     Returns
     -------
     points : numpy.ndarray, shape (48, 3)

@@ -46,11 +46,6 @@ def chain(count: int) -> Node:
 def distinct(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
     """Points of which no two share a coordinate, in random order.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-    n, k : int
-
     Returns
     -------
     numpy.ndarray, shape (n, k)

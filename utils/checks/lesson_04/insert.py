@@ -49,12 +49,7 @@ def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None
 
 @once
 def assert_root(KdTree: Callable) -> None:
-    """The first point becomes the root; where not, a walk down the tree may never end.
-
-    Parameters
-    ----------
-    KdTree : callable
-    """
+    """The first point becomes the root; where not, a walk down the tree may never end."""
     with needs("the first point becomes the root"):
         first_is_root(KdTree)
 

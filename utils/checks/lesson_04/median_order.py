@@ -34,11 +34,6 @@ _SEVEN = frozen(distinct(np.random.default_rng(51), 7, 2))
 def as_order(answer: object, n: int) -> np.ndarray:
     """An answer as a permutation of range(n).
 
-    Parameters
-    ----------
-    answer : object
-    n : int
-
     Returns
     -------
     numpy.ndarray of int, shape (n,)

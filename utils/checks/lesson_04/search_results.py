@@ -13,16 +13,7 @@ from utils.geometry import Node, table_of
 
 
 def as_indices(answer: object) -> list[int]:
-    """What a search returned as a sorted list of whole numbers.
-
-    Parameters
-    ----------
-    answer : object
-
-    Returns
-    -------
-    list of int
-    """
+    """What a search returned as a sorted list of whole numbers."""
     array = as_array(list(answer) if isinstance(answer, set) else answer, what="a list of indices")
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise WrongForm(

@@ -23,10 +23,6 @@ def run_of(euclidean_clustering: Callable) -> Run:
     ----------
     euclidean_clustering : callable
         A student's.
-
-    Returns
-    -------
-    Run
     """
     watch = Watch()
     ending = record(euclidean_clustering, (POINTS.copy(), THRESHOLD), watch.see)

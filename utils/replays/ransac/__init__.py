@@ -33,10 +33,6 @@ def run_of(task: Task, search: Callable) -> Run:
     task : Task
     search : callable
         A student's `ransac_line` or `ransac_plane`.
-
-    Returns
-    -------
-    Run
     """
     through = own(getattr(search, "__globals__", {}).get(task.through))
     watch, points = Watch(task, getattr(through, "__code__", None)), task.points.copy()
