@@ -132,7 +132,11 @@ def everywhere():
     return sorted(roots)
 def f(names, how):
     if how == "removes the importer that refuses":
-        sys.meta_path[:] = [importlib.machinery.PathFinder]
+        # Debian's Python has modules built in that others have as files.
+        machinery = importlib.machinery
+        sys.meta_path[:] = [
+            machinery.BuiltinImporter, machinery.FrozenImporter, machinery.PathFinder
+        ]
     if how == "adds every folder of packages":
         sys.path[:0] = everywhere()
     found = []
