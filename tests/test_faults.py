@@ -896,7 +896,7 @@ def test_the_doctor_compares_dask_where_it_is(monkeypatch, with_dask):
     monkeypatch.setattr(doctor.metadata, "version", version)
     wrong = [finding.text for finding in doctor._versions() if not finding.good]
     assert len(wrong) == 1 + with_dask
-    assert wrong[0].startswith("rich 0.1 instead of ")
+    assert "rich 0.1 instead of " in wrong[0]
     assert wrong[0].endswith(". Run: pip install -r requirements.txt")
     if with_dask:
         assert "dask 0.2 instead of " in wrong[1] and "distributed 0.2 instead of " in wrong[1]
