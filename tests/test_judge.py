@@ -228,7 +228,7 @@ def notebook_of(lesson, variants, folder):
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # what the checks say by themselves
-    verdict = judge(notebook_of(chosen, variants, tmp_path), 7, sandbox, limits=SHORT)
+    verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=SHORT)
     results = {result.name: result for result in verdict.exercises}
     for variant in variants:
         result = results[variant.exercise]
