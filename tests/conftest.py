@@ -31,9 +31,10 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish(session):
-    """Exempt the collected tests from garbage collection, which costs a tenth of the run."""
+    """Keep garbage collection from visiting all collected tests: it took a tenth of the run."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(20_000)
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -211,11 +212,8 @@ A_FEW_OF_MANY = {
     "test_tells_a_hidden_question": (
         "in the cause",
         "in the name of an exception]",
-        "in the name of a class",
         "with commands",
-        "in a place",
         "in a key",
-        "in a warning]",
         "in an assertion",
     ),
     "test_stopped_anywhere_new_work_never_has_the_time_of_old_work": ("us-T",),
@@ -287,6 +285,7 @@ A_FEW_OF_MANY = {
         "ransac",
     ),
     "test_nobody_who_wrote_alone_is_named": ("detect", "search", "voxel"),
+    "test_no_random_street_lets_things_stand_in_each_other": ("1",),
 }
 
 
