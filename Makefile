@@ -87,7 +87,8 @@ check: .venv/ready-dev
 	$(BIN)/ruff format --check .
 
 pictures: .venv/ready-dev
-	$(BIN)/python -m grader.pictures
+	$(BIN)/python -m grader.course.previews
+	PYTHONPATH=. $(BIN)/python solutions/stage4_realtime/12_streaming_obstacles/hero.py
 	$(BIN)/python -m grader build
 
 # One file for every Python: the newest versions that go with what requirements*.txt name.

@@ -11,7 +11,7 @@ import sys
 import traceback
 from dataclasses import dataclass, field
 
-from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
+from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 
 LONGEST = 300  # seconds that an evening may take
 
@@ -43,7 +43,7 @@ def right_answers(lesson):
     """An answer to each exercise of a lesson that earns everything."""
     found = {}
     for exercise in lesson.machine_graded:
-        rights = [one for one in variants_of(exercise.name) if one.right]
+        rights = [one for one in answers_to(exercise.name) if one.right]
         found[exercise.name] = next((one for one in rights if one.follows_hints), rights[0]).source
     return found
 

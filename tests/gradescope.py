@@ -18,8 +18,8 @@ import textwrap
 import zipfile
 from pathlib import Path
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.lms.autograder.package import packed_autograder
 from tests.containers import DOCKER, as_user, deny_what_docker_denies
@@ -131,8 +131,9 @@ HOSTILE = """
 import ctypes, glob, os, socket, subprocess, sys, time
 
 COURSE = "/autograder/source/course/"
-SECRETS = (COURSE + ".course_seed", COURSE + "grader/tests/test_06_filter_ground.py",
-           COURSE + "solutions/stage3_obstacles/06_filter_ground.py",
+SECRETS = (COURSE + ".course_seed",
+           COURSE + "solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
+           COURSE + "solutions/stage3_obstacles/06_filter_ground/lesson.py",
            "/autograder/submission_metadata.json", "/etc/shadow")
 OURS = ("/autograder/results/results.json", "/autograder/run_autograder",
         "/autograder/source/run_autograder", COURSE + "grader/judging/points.py")
@@ -159,7 +160,7 @@ def looks_into_the_judge():
                for n in numbers for name in ("environ", "mem", "maps"))
 
 def imports_what_decides():
-    names = ("grader.judging.judge", "grader.tests.test_06_filter_ground", "sklearn", "_pytest")
+    names = ("grader.judging.judge", "06_filter_ground.hidden_tests", "sklearn", "_pytest")
     return any(can(lambda: __import__(name)) for name in names)
 
 def calls_somebody():
@@ -227,10 +228,10 @@ def submissions():
     """Files by name, of each kind of student."""
     lesson = find_lesson(SIX)
     right, wrong = (
-        next(one.source for one in variants_of("filter_ground") if one.right == is_right)
+        next(one.source for one in answers_to("filter_ground") if one.right == is_right)
         for is_right in (True, False)
     )
-    voxels = next(one.source for one in variants_of("voxel_grid") if one.right)
+    voxels = next(one.source for one in answers_to("voxel_grid") if one.right)
     solved = [one for one in all_lessons() if one.stage == STAGE]
     half = {"filter_ground": wrong, "voxel_grid": voxels}
     full = {"filter_ground": right, "voxel_grid": voxels}

@@ -343,7 +343,7 @@ def look_around():
     secret = [
         f"cat {COURSE}/.course_seed",
         f"cat {COURSE}/gradebook.db",
-        f"ls {COURSE}/grader/tests",
+        f"ls {COURSE}/solutions/stage3_obstacles/06_filter_ground",
         f"ls {COURSE}/submitted/ada",
         f"ls {EXCHANGE}/inbound",
         f"ls {EXCHANGE}/feedback",

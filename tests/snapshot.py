@@ -22,8 +22,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from grader.classroom.pool import Pool  # noqa: E402
+from grader.course.kept_answers import answers_to, fill_in  # noqa: E402
 from grader.course.lessons import all_lessons  # noqa: E402
-from grader.course.variants import fill_in, variants_of  # noqa: E402
 from grader.intake.submission import HandedIn  # noqa: E402
 from grader.judging.judge import judge_handed_in  # noqa: E402
 from grader.sandbox import Limits, choose_sandbox  # noqa: E402
@@ -41,7 +41,7 @@ def answers(wanted: list[str]) -> list[tuple[str, str, int]]:
         for lesson in all_lessons()
         for exercise in lesson.machine_graded
         if not wanted or lesson.name in wanted or exercise.name in wanted
-        for number in range(len(variants_of(exercise.name)))
+        for number in range(len(answers_to(exercise.name)))
     ]
 
 
@@ -49,9 +49,9 @@ def tell(lesson_name: str, exercise: str, number: int) -> dict:
     """What judge and `check` say about one answer, the other exercises being right."""
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
     chosen = {
-        other.name: next(one.source for one in variants_of(other.name) if one.right)
+        other.name: next(one.source for one in answers_to(other.name) if one.right)
         for other in lesson.machine_graded
-    } | {exercise: variants_of(exercise)[number].source}
+    } | {exercise: answers_to(exercise)[number].source}
     notebook = fill_in(lesson, chosen)
     handed_in = HandedIn(f"{lesson.name}.ipynb", notebook.encode())
     verdict = judge_handed_in(handed_in, SEED, choose_sandbox(), lesson, "", LIMITS).as_dict()
@@ -89,7 +89,7 @@ def write(path: Path, wanted: list[str]) -> None:
             except Exception as error:
                 told = {"error": f"{type(error).__name__}: {error}"}
             lesson, exercise, number = job
-            found[f"{exercise}: {variants_of(exercise)[number].name}"] = told
+            found[f"{exercise}: {answers_to(exercise)[number].name}"] = told
             print(f"\r{done}/{len(jobs)} {lesson} {exercise}".ljust(70), end="", flush=True)
     print()
     path.write_text(json.dumps(found, indent=1, ensure_ascii=False), "utf-8")

@@ -27,8 +27,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, all_lessons, lesson_of, load_reference
-from grader.course.variants import fill_in, variants_of
 from grader.intake.submission import HandedIn
 from grader.judging.judge import program_for
 from grader.judging.program_run import Setting, ask
@@ -114,7 +114,7 @@ class Mutant:
         return self.edit.text.strip()
 
 
-def answers_to(exercise):
+def answers_in_notebooks(exercise):
     """The solution, and the right answers of the variants, in notebooks that are right else."""
     lesson = lesson_of(exercise)
     yield answer_in(lesson, exercise, SOLUTION, lesson.solved.read_bytes())
@@ -127,7 +127,7 @@ def answers_to(exercise):
 
 def right_functions(exercise):
     """Right answers that are functions: who writes a class is asked in the sandbox alone."""
-    for variant in variants_of(exercise):
+    for variant in answers_to(exercise):
         if variant.right and any(exercise in one.binds for one in statements_of(variant)):
             yield variant
 
@@ -463,7 +463,7 @@ def losses_of(exercise, sandbox, most=SAMPLE):
 
     Those that lose nothing are left out, and so are those that are no functions.
     """
-    answer = next(answers_to(exercise))
+    answer = next(answers_in_notebooks(exercise))
     mutants = list(mutants_of(answer))
     random.Random(exercise).shuffle(mutants)
     lost = []
@@ -496,7 +496,7 @@ def main():
     heads = ("edits", "alike", "escaped", "judged", "median", "> 60 %")
     print(f"{'exercise':34}" + "".join(f"{head:>9}" for head in heads))
     for exercise in sys.argv[1:] or EXERCISES:
-        answers = list(answers_to(exercise))
+        answers = list(answers_in_notebooks(exercise))
         found = survey(exercise, answers if sys.argv[1:] else answers[:1])
         lost = [share for share, _ in losses_of(exercise, sandbox)]
         everything += lost

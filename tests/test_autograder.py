@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from grader import cli, commands
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
 from grader.lms.autograder import __main__ as program
@@ -281,8 +281,8 @@ def test_whoever_is_not_root_is_refused(root, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("right", [True, False])
 def test_judges_as_at_home(root, sandbox, right, capsys):
-    answer = next(one for one in variants_of("filter_ground") if one.right == right)
-    voxels = next(one for one in variants_of("voxel_grid") if one.right)
+    answer = next(one for one in answers_to("filter_ground") if one.right == right)
+    voxels = next(one for one in answers_to("voxel_grid") if one.right)
     path = root / "submission" / f"{SIX.name}.ipynb"
     path.write_text(
         fill_in(SIX, {"filter_ground": answer.source, "voxel_grid": voxels.source}), "utf-8"
@@ -314,7 +314,11 @@ def test_the_same_course_is_the_same_zip(packed):
 def test_holds_what_judging_reads_and_nothing_of_a_class(packed):
     archive = zipfile.ZipFile(io.BytesIO(packed))
     names = set(archive.namelist())
-    assert {"setup.sh", "run_autograder", "course/grader/tests/test_06_filter_ground.py"} <= names
+    assert {
+        "setup.sh",
+        "run_autograder",
+        "course/solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
+    } <= names
     for name in ("setup.sh", "run_autograder"):
         assert archive.getinfo(name).external_attr >> 16 & stat.S_IXUSR
         assert archive.read(name).startswith(b"#!/bin/sh\n") and b"\r" not in archive.read(name)

@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
-from tests.lessons.taught import source_of
+from tests.lesson_texts import source_of
 from utils import breaking
 from utils.breaking.puzzles import PUZZLES
 

@@ -3,18 +3,21 @@
 import inspect
 import json
 import os
+import re
+import shutil
 
 import jupytext
 import nbformat
 import numpy as np
 import pytest
 from nbgrader.apps.api import NbGraderAPI
+from nbgrader.converters import GenerateAssignment
 from nbgrader.coursedir import CourseDirectory
 from traitlets.config import Config
 
 from grader.course import build, durations, earlier_lessons
 from grader.course.lessons import all_lessons, find_lesson, load_reference, stages
-from grader.course.nbgrader_settings import STUB, configure
+from grader.course.nbgrader_settings import STUB, configure, converter
 from grader.course.paths import PROJECT
 from utils.checks import checks_of
 
@@ -101,8 +104,21 @@ def test_three_hints_for_each_exercise(built, lesson):
 def test_every_picture_is_inside_and_has_a_description(built, lesson):
     for cell in cells_of(built[lesson.released]):
         text = source_of(cell)
-        assert "](pictures/" not in text
+        assert not re.search(r"\]\((?!attachment:)[^)]*\.(png|gif)\)", text)
         assert "![](" not in text
+
+
+def test_nbgrader_releases_notebooks_and_nothing_else(tmp_path):
+    """A stage's folder holds hidden tests, kept answers and sources of its lessons, too."""
+    stage = "stage2_clustering"
+    shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
+    (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
+    generate = converter(GenerateAssignment, tmp_path, stage)
+    generate.no_database = True
+    generate.preprocessors = generate.preprocessors[:1]
+    generate.start()
+    released = {path.name for path in (tmp_path / "notebooks" / stage).rglob("*")}
+    assert released == {"04_kd_tree.ipynb", "05_euclidean_clustering.ipynb"}
 
 
 def test_a_planted_leak_is_found(built):
@@ -243,7 +259,8 @@ print(x)
 @pytest.fixture(scope="module")
 def toy(tmp_path_factory):
     class Toy(type(all_lessons()[0])):
-        source = tmp_path_factory.mktemp("toy") / "01_toy.py"
+        folder = tmp_path_factory.mktemp("toy")
+        source = folder / "lesson.py"
 
     Toy.source.write_text(TOY)
     return build.solved_notebook(Toy("01_toy", "stage1_ransac"), build.Origin("", "main"))

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from grader.course.kept_answers import ANOTHER_CELL, answers_to
 from grader.course.lessons import all_lessons, find_lesson, load_reference
-from grader.course.variants import ANOTHER_CELL, variants_of
 from grader.judging.runner import run_tests
 from tests.students import student_with
 from utils.checks.lesson_12.match_boxes import cubes
@@ -478,7 +478,7 @@ def test_what_is_right_in_part_earns_its_part(exercise):
 
 def lost(variant_of, name, lesson_name):
     """Names of the tests that a variant fails, in a notebook of right answers."""
-    variant = next(one for one in variants_of(variant_of) if one.name == name)
+    variant = next(one for one in answers_to(variant_of) if one.name == name)
     reference = load_reference(lesson_name)
     space = {**vars(reference), "np": np}
     exec(variant.source.replace(ANOTHER_CELL, ""), space)

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import lesson_of
-from grader.course.variants import fill_in
 from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.judging.runner import hidden_questions, run_tests, shown_questions

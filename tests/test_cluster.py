@@ -26,9 +26,9 @@ from grader.classroom import cluster, grade
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import only_one
 from grader.classroom.protocol import ExecutorLost, room
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import Course
 from grader.course.portable_files import TRAVELS
-from grader.course.variants import fill_in, variants_of
 from grader.judging.verdict import read_verdict
 from tests.prerequisites import without_bubblewrap
 from tests.test_course import rows
@@ -203,7 +203,7 @@ HOSTILE = {
 
 def hostile(body, before=""):
     text = f"{before}\ndef filter_ground(cloud, ground_level=-1.2):\n    {body}\n"
-    right = next(one.source for one in variants_of("voxel_grid") if one.right)
+    right = next(one.source for one in answers_to("voxel_grid") if one.right)
     return fill_in(LESSON, {"filter_ground": text, "voxel_grid": right})
 
 
@@ -428,7 +428,10 @@ def test_what_travels_is_what_judging_reads():
     packed = cluster.packed_course()
     assert packed == cluster.packed_course()
     names = set(zipfile.ZipFile(BytesIO(packed)).namelist())
-    assert "data/cloud.txt" in names and "grader/tests/test_06_filter_ground.py" in names
+    lesson = "solutions/stage3_obstacles/06_filter_ground"
+    assert {"data/cloud.txt", f"{lesson}.ipynb"} < names
+    read = {name for name in names if name.startswith(f"{lesson}/")}
+    assert read == {f"{lesson}/lesson.py", f"{lesson}/hidden_tests.py"}
     assert {name.split("/")[0] for name in names} == set(TRAVELS)
     assert not [name for name in names if "/." in name or "pycache" in name]
     assert len(packed) < 5e6

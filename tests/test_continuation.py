@@ -5,8 +5,8 @@ import random
 
 import pytest
 
+from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
-from grader.course.variants import variants_of
 from tests.continuation_runs import evening, evenings, right_answers
 from utils import lent
 from utils.lent.rerun import key_of_cell, plan
@@ -241,7 +241,7 @@ def test_every_cell_below_a_wrong_answer_comes_to_its_end(lesson):
     A fixed draw of them: each runs a whole notebook.
     """
     for exercise in lesson.machine_graded:
-        wrong = [one for one in variants_of(exercise.name) if not one.right]
+        wrong = [one for one in answers_to(exercise.name) if not one.right]
         wrong = random.Random(exercise.name).sample(wrong, 2)
         for one, cells in zip(
             wrong, evenings(lesson, exercise.name, [one.source for one in wrong]), strict=True

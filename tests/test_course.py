@@ -21,9 +21,9 @@ from grader import cli, commands
 from grader.classroom.executors import EXECUTORS
 from grader.classroom.lock import AlreadyRunning, only_one
 from grader.course import paths
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
-from grader.course.variants import fill_in, variants_of
 from grader.lms import gradebook, gradebook_writer
 from grader.lms.late import PercentPerDay
 from tests.postgresql import NotInstalled, server
@@ -49,7 +49,7 @@ REPORT = "I widened the region to 18.5 m, because of the lorry."
 
 
 def matching():
-    return next(variant.source for variant in variants_of("match_boxes") if variant.right)
+    return next(variant.source for variant in answers_to("match_boxes") if variant.right)
 
 
 def with_report(text):

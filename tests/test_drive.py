@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 from sklearn.cluster import DBSCAN
 
 from grader.course.drive_standards import drive_all
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons
-from grader.course.variants import fill_in, variants_of
 from utils.drive import STREETS, Trip, askew, chain, drive_street, occupied_squares, on_time
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
@@ -833,7 +833,7 @@ WRONG = [
 @pytest.mark.proof
 @pytest.mark.parametrize(("name", "street", "words"), WRONG, ids=[row[0] for row in WRONG])
 def test_a_wrong_detector_does_worse_for_the_reason_it_should(name, street, words, tmp_path):
-    (variant,) = [one for one in variants_of("detect_obstacles") if one.name == name]
+    (variant,) = [one for one in answers_to("detect_obstacles") if one.name == name]
     (lesson,) = [one for one in all_lessons() if one.number == "12"]
     notebook = tmp_path / "12_streaming_obstacles.ipynb"
     notebook.write_text(fill_in(lesson, {"detect_obstacles": variant.source}), "utf-8")

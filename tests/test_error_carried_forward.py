@@ -5,8 +5,8 @@ import shutil
 
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
 from grader.judging.judge import judge
 from utils.notebooks import slicing
@@ -19,7 +19,7 @@ def source_of(exercise, name=""):
     if not name:
         statements, _ = slicing.parse_notebook([LESSON.source.read_text("utf-8")])
         return next(ast.unparse(one.node) for one in statements if exercise in one.binds)
-    return next(one.source for one in variants_of(exercise) if one.name == name)
+    return next(one.source for one in answers_to(exercise) if one.name == name)
 
 
 def judged(answers, sandbox, tmp_path):
@@ -86,11 +86,12 @@ PLANE = find_lesson("03_ransac_plane")
 @pytest.fixture
 def moved(tmp_path, monkeypatch):
     """The lesson on planes, of which source and solution lie where a test can spoil them."""
-    folder = tmp_path / "solutions"
-    folder.mkdir()
-    for path in (PLANE.source, PLANE.solved):
-        shutil.copy(path, folder)
-    monkeypatch.setattr(Lesson, "source", property(lambda lesson: folder / f"{lesson.name}.py"))
+    folder = tmp_path / "solutions" / PLANE.name
+    folder.mkdir(parents=True)
+    shutil.copy(PLANE.source, folder)
+    shutil.copy(PLANE.solved, folder.parent)
+    monkeypatch.setattr(Lesson, "source", folder / PLANE.source.name)
+    monkeypatch.setattr(Lesson, "solved", folder.parent / PLANE.solved.name)
     monkeypatch.setattr(judging, "verdict_key", lambda *about: "")  # is of the project's own files
     return Lesson(PLANE.name, PLANE.stage)
 

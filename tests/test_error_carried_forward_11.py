@@ -2,8 +2,8 @@
 
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from utils.checks import check
 from utils.checks.core import ChecksFailed
@@ -32,7 +32,7 @@ STUB = "def principal_axes(points):\n    raise NotImplementedError\n"
 
 
 def wrong_axes(name):
-    return next(one.source for one in variants_of("principal_axes") if one.name == name)
+    return next(one.source for one in answers_to("principal_axes") if one.name == name)
 
 
 def results(axes, boxes, sandbox, folder):

@@ -20,9 +20,9 @@ from grader.classroom.pool import Pool
 from grader.classroom.protocol import ExecutorLost
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.console import progress_bar
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.course.variants import fill_in, variants_of
 from grader.judging import judge as judging
 from grader.judging import program_run
 from grader.judging.runner import JudgeFault, run_tests
@@ -39,10 +39,10 @@ from tests.test_grade import rehearsed
 SEED = 20_170_405
 LESSON = find_lesson("06_filter_ground")
 RIGHT = {
-    exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+    exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
     for exercise in ("filter_ground", "voxel_grid")
 }
-WRONG = {"voxel_grid": next(one.source for one in variants_of("voxel_grid") if not one.right)}
+WRONG = {"voxel_grid": next(one.source for one in answers_to("voxel_grid") if not one.right)}
 
 
 WORK = """

@@ -17,11 +17,11 @@ from grader import cli, commands
 from grader.classroom.collect import collection
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.nbgrader_settings import converter
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.course.variants import fill_in
 from grader.judging.verdict import (
     JUDGED,
     CheckResult,

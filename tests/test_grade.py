@@ -17,9 +17,9 @@ from grader.classroom.executors import EXECUTORS
 from grader.classroom.rehearsals import note_of
 from grader.classroom.submissions import find_submissions
 from grader.course.atomic_files import write_atomically
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.paths import PROJECT, Course
-from grader.course.variants import fill_in, variants_of
 from grader.lms import gradebook
 from grader.lms.gradebook_writer import enter
 from grader.lms.registration import register
@@ -62,7 +62,7 @@ def answer(*wrong):
         {
             exercise: next(
                 variant.source
-                for variant in variants_of(exercise)
+                for variant in answers_to(exercise)
                 if variant.right == (exercise not in wrong)
             )
             for exercise in ("filter_ground", "voxel_grid")
@@ -218,7 +218,7 @@ def test_nbgraders_own_commands_give_the_same_scores_and_show_no_hidden_test(cou
 def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
     lesson = find_lesson("12_streaming_obstacles")
     report = "I widened the region to 18.5 m.\n\n| before | after |\n|---|---|\n| 0.67 | 1.00 |"
-    right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
+    right = next(variant.source for variant in answers_to("match_boxes") if variant.right)
     course = make_course(
         tmp_path / "course",
         lesson,

@@ -14,9 +14,9 @@ from nbgrader.api import GradeCell, MissingEntry, SolutionCell, SourceCell
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
 from grader.course.deadlines import Deadlines
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.course.variants import fill_in
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences

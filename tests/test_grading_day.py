@@ -9,9 +9,9 @@ import pytest
 
 from grader import cli, commands
 from grader.course import paths
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
-from grader.course.variants import fill_in, variants_of
 from tests.archives import canvas_files, moodle_files, worksheet, zipped
 from tests.platforms import Canvas, CanvasStudent, Moodle, MoodleStudent
 from tests.test_course import REPORT, by_hand, with_report
@@ -65,7 +65,7 @@ def course(tmp_path, sandbox, monkeypatch):
 
 def half():
     """A notebook of lesson 06 in which the ground is right, and the voxels are not begun."""
-    (right, *_) = (one.source for one in variants_of("filter_ground") if one.right)
+    (right, *_) = (one.source for one in answers_to("filter_ground") if one.right)
     return fill_in(SIX, {"filter_ground": right}).encode()
 
 

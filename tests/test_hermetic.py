@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
-from grader.course.variants import fill_in, variants_of
 from tests.prerequisites import without_bubblewrap
 
 SEED = 20_170_405
@@ -29,8 +29,8 @@ print(json.dumps(verdict.as_dict()))
 def half(tmp_path_factory):
     """A notebook of lesson 06 that earns some points and loses others."""
     lesson = find_lesson("06_filter_ground")
-    wrong = next(variant.source for variant in variants_of("filter_ground") if not variant.right)
-    right = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
+    wrong = next(variant.source for variant in answers_to("filter_ground") if not variant.right)
+    right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     path = tmp_path_factory.mktemp("course") / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, {"filter_ground": wrong, "voxel_grid": right}), "utf-8")
     return path

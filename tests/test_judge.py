@@ -11,10 +11,10 @@ import sys
 import matplotlib.pyplot as plt
 import pytest
 
+from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.course.standalone import standalone
-from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.intake import preflight
 from grader.intake.notebook import read_notebook
 from grader.intake.submission import read_handed_in
@@ -65,7 +65,7 @@ def notebooks(right, few):
         names = [exercise.name for exercise in lesson.machine_graded]
         columns, alone = [], []
         for name in names:
-            mine = [variant for variant in variants_of(name) if variant.right == right]
+            mine = [variant for variant in answers_to(name) if variant.right == right]
             others = "|".join(other for other in names if other != name) or "no other"
             brings = [
                 not right and bool(re.search(rf"^def ({others})\b", one.source, re.M))
@@ -143,7 +143,7 @@ def test_detector_of_the_lessons_own_functions_earns_everything(sandbox, tmp_pat
         )
     lesson = find_lesson("12_streaming_obstacles")
     path = tmp_path / f"{lesson.name}.ipynb"
-    right = next(variant.source for variant in variants_of("match_boxes") if variant.right)
+    right = next(variant.source for variant in answers_to("match_boxes") if variant.right)
     path.write_text(
         fill_in(
             lesson,
@@ -195,7 +195,7 @@ def test_what_is_not_as_it_was_released_is_asked(change):
 def test_enough_variants(lesson):
     for exercise in lesson.exercises:
         if not exercise.by_hand:
-            right = [variant.right for variant in variants_of(exercise.name)]
+            right = [variant.right for variant in answers_to(exercise.name)]
             assert right.count(True) >= 5, exercise.name
             assert right.count(False) >= 8, exercise.name
 
@@ -293,7 +293,7 @@ def test_unreadable_file_gets_a_verdict_that_says_so(content, sentence, sandbox,
 def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     answers = {
-        exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+        exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
         for exercise in ("filter_ground", "voxel_grid")
     }
     text = fill_in(find_lesson("06_filter_ground"), answers)
@@ -315,7 +315,7 @@ def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
 
 def test_one_bad_cell_does_not_cost_the_other_exercise(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
-    good = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
+    good = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     path.write_text(
         fill_in(
             find_lesson("06_filter_ground"),
@@ -333,7 +333,7 @@ def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox
     lesson = find_lesson("09_filter_clusters")
     content = json.loads(lesson.released.read_text("utf-8"))
     first = next(cell for cell in content["cells"] if cell["cell_type"] == "code")
-    right = next(one.source for one in variants_of("filter_clusters") if one.right)
+    right = next(one.source for one in answers_to("filter_clusters") if one.right)
     first["source"] = "".join(first["source"]) + "\n\n" + right
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(json.dumps(content), "utf-8")
@@ -343,7 +343,7 @@ def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox
 def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path, monkeypatch):
     lesson, asked = find_lesson("09_filter_clusters"), []
     right, wrong = (
-        next(one.source for one in variants_of("filter_clusters") if one.right is wanted)
+        next(one.source for one in answers_to("filter_clusters") if one.right is wanted)
         for wanted in (True, False)
     )
 

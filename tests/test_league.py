@@ -33,8 +33,8 @@ from grader.classroom.league.season import (
     lesson_of_league,
 )
 from grader.classroom.league.streets import streets_of
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import PROJECT, Course
-from grader.course.variants import fill_in, variants_of
 from grader.judging.key import with_all_they_run
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
@@ -528,7 +528,7 @@ def test_the_film_is_of_the_best_in_the_street_that_stopped_most(monkeypatch):
 @pytest.mark.proof
 def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
     """Real submissions, from the command line, in the first two streets."""
-    answers = {one.name: one.source for one in variants_of(DETECTOR)}
+    answers = {one.name: one.source for one in answers_to(DETECTOR)}
     handed_in = {
         "right": answers["the functions of the lessons, pasted into cells of their own"],
         "blind": answers["nothing is ever in the way"],

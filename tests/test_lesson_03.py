@@ -4,8 +4,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from utils.checks import CheckFailed
 from utils.checks.lesson_03.fit_plane import assert_through_the_mean
@@ -30,11 +30,11 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 
 def answer_to(exercise, name):
-    return next(one.source for one in variants_of(exercise) if one.name == name)
+    return next(one.source for one in answers_to(exercise) if one.name == name)
 
 
 def right_one(exercise):
-    return next(one.source for one in variants_of(exercise) if one.right)
+    return next(one.source for one in answers_to(exercise) if one.right)
 
 
 @pytest.mark.slow

@@ -302,8 +302,8 @@ def test_numbers_of_the_task_are_told_of_a_hidden_check_too():
 FAILURES = ("CheckFailed", "WrongForm", "FarTooMuch")
 SAY_SO = [
     path
-    for folder in ("utils/checks", "grader/tests")
-    for path in sorted((PROJECT / folder).rglob("*.py"))
+    for pattern in ("utils/checks/**/*.py", "solutions/**/hidden_tests.py")
+    for path in sorted(PROJECT.glob(pattern))
     if path.name != "failures.py"
 ]
 

@@ -4,15 +4,15 @@ import json
 
 import pytest
 
+from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.judging.judge import judge
 from utils.checks import check
 from utils.notebooks import slicing
 
 LESSON = find_lesson("04_kd_tree")
 RIGHT = {
-    name: next(one.source for one in variants_of(name) if one.right)
+    name: next(one.source for one in answers_to(name) if one.right)
     for name in ("insert", "search", "median_order")
 }
 GIVEN = "class KdTree:"  # a line of the cell that the lesson gives its classes in

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from grader.classroom.item_analysis import hardest_checks
-from grader.course.variants import fill_in, variants_of
+from grader.course.kept_answers import answers_to, fill_in
 from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.judging.points import points_of, shares, total
@@ -69,7 +69,7 @@ def test_a_verdict_adds_up(lesson, sandbox):
     """Right, wrong and untouched exercises side by side."""
     answers = {}
     for number, exercise in enumerate(lesson.machine_graded):
-        kept = variants_of(exercise.name)
+        kept = answers_to(exercise.name)
         if number % 3 != 2:
             answers[exercise.name] = next(one.source for one in kept if one.right == bool(number))
     handed_in = HandedIn(f"{lesson.name}.ipynb", fill_in(lesson, answers).encode())

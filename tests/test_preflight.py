@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from nbconvert.exporters import HTMLExporter
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.intake import preflight
 from grader.intake.preflight import Answer, Prepared, ToJudge, prepare, prepare_to_show
 from grader.intake.submission import HandedIn
@@ -28,7 +28,7 @@ REPORT = "I widened the region to 18.5 m, because the lorry *stands* at 17 m."
 
 
 def right(exercise):
-    return next(variant.source for variant in variants_of(exercise) if variant.right)
+    return next(variant.source for variant in answers_to(exercise) if variant.right)
 
 
 def whole():

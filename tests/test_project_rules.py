@@ -99,7 +99,9 @@ def test_what_only_proof_runs_is_there(request):
         for plugin in request.config.pluginmanager.get_plugins()
         if getattr(plugin, "A_FEW_OF_MANY", None)
     )
-    source = "\n".join(path.read_text("utf-8") for path in (PROJECT / "tests").rglob("test_*.py"))
+    folders = (PROJECT / "tests", PROJECT / "solutions")
+    files = (path for folder in folders for path in folder.rglob("test_*.py"))
+    source = "\n".join(path.read_text("utf-8") for path in files)
     for name in conftest.A_FEW_OF_MANY:
         assert source.count(f"def {name}(") == 1, name
 
@@ -115,7 +117,7 @@ def test_a_test_that_stands_still_is_named(processes, tmp_path):
         "def test_quick(number): pass\n"
     )
     command = [sys.executable, "-m", "pytest", "-c", PROJECT / "pyproject.toml", "-n", processes]
-    options = ["-p", "tests.conftest", "-o", "faulthandler_timeout=1", "-v", "test_still.py"]
+    options = ["-p", "conftest", "-o", "faulthandler_timeout=1", "-v", "test_still.py"]
     done = subprocess.run(
         [*map(str, command), *options],
         cwd=tmp_path,

@@ -4,8 +4,8 @@ import contextlib
 
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson, load_reference
-from grader.course.variants import fill_in, variants_of
 from grader.intake.notebook import read_notebook
 from grader.judging.judge import judge
 from tests.students import answers_in
@@ -244,7 +244,7 @@ def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
 def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
     """Its plan, with the `components` that a cell above the exercise gives."""
     lesson = find_lesson(TEN[0])
-    plan = next(variant.source for variant in variants_of(TEN[1]) if variant.right)
+    plan = next(variant.source for variant in answers_to(TEN[1]) if variant.right)
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, {TEN[1]: plan}), "utf-8")
     function = answers_in(lesson, read_notebook(path).code)[TEN[1]]

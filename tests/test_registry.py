@@ -14,9 +14,9 @@ import pytest
 from grader import cli, commands
 from grader.course import build, lessons
 from grader.course.header import Header, read_header
+from grader.course.kept_answers import answers_to
 from grader.course.lessons import all_lessons, find_lesson, lesson_of
 from grader.course.paths import PROJECT
-from grader.course.variants import variants_of
 from utils.checks import checks_of, core
 
 HEAD = """\
@@ -48,9 +48,9 @@ TEST = {
     "points": 7,
     "solution": False,
 }
-# What the author guide asks for: five files and no list.
+# What the author guide asks for: a folder, a file of checks, and no list.
 TOY = {
-    "solutions/stage4_realtime/14_toy.py": """\
+    "solutions/stage4_realtime/14_toy/lesson.py": """\
 # ---
 # jupyter:
 #   kernelspec:
@@ -65,7 +65,7 @@ TOY = {
 # %% [markdown]
 # # 14 · The highest point
 #
-# ![Two points, the higher one circled.](pictures/14_preview.png)
+# ![Two points, the higher one circled.](14_preview.png)
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -110,7 +110,7 @@ def finds_it(highest):
     if highest([[0.0, 0.0, 1.0], [0.0, 0.0, 3.0]]) != 3.0:
         raise CheckFailed("That is not the highest.")
 """,
-    "grader/tests/test_14_toy.py": """\
+    "solutions/stage4_realtime/14_toy/hidden_tests.py": """\
 from grader.judging.hidden_tests import hidden
 
 
@@ -120,7 +120,7 @@ def test_object(student):
     one.see([[0.0, 0.0, -2.0], [0.0, 0.0, -1.0]])
     assert one.z == -1.0
 """,
-    "grader/variants/highest.py": """\
+    "solutions/stage4_realtime/14_toy/answers/highest.py": """\
 # %% right: a loop
 def highest(cloud):
     z = cloud[0][2]
@@ -141,7 +141,7 @@ def highest(cloud):
     import statistics
     return statistics.quantiles([row[2] for row in cloud])[-1]
 """,
-    "grader/pictures/lesson_14.py": """\
+    "solutions/stage4_realtime/14_toy/preview.py": """\
 import matplotlib.pyplot as plt
 
 
@@ -157,11 +157,11 @@ JUDGE_VARIANTS = """
 import json, sys
 from pathlib import Path
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
+from grader.course.kept_answers import fill_in, answers_to
 from grader.judging.judge import judge
 from grader.sandbox import SANDBOXES
 lesson, path = find_lesson("14_toy"), Path("14_toy.ipynb")
-for variant in variants_of("highest"):
+for variant in answers_to("highest"):
     path.write_text(fill_in(lesson, {"highest": variant.source}), "utf-8")
     print(json.dumps(judge(path, 1, SANDBOXES[sys.argv[1]]).as_dict()))
 """
@@ -178,6 +178,7 @@ def copy(tmp_path_factory):
     shutil.copy(PROJECT / "pyproject.toml", root)
     for path, text in TOY.items():
         assert not (root / path).exists()
+        (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_text(
             text.replace("{SOLUTION}", json.dumps(SOLUTION)).replace("{TEST}", json.dumps(TEST)),
             "utf-8",
@@ -198,7 +199,7 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
+def test_a_lesson_is_added_by_its_two_places(copy, sandbox):
     guide = (PROJECT / "solutions" / "README.md").read_text("utf-8")
     places = {
         path.replace("stage4_realtime", "<stage>")
@@ -209,7 +210,7 @@ def test_a_lesson_is_added_by_its_five_files(copy, sandbox):
     }
     assert all(f"| `{place}` |" in guide for place in places)
 
-    assert "14_preview.png" in run(copy, "grader.pictures", 14)
+    assert "14_preview.png" in run(copy, "grader.course.previews", 14)
     written = run(copy, "grader", "build").splitlines()
     assert sorted(written) == [
         "wrote notebooks/stage4_realtime/14_toy.ipynb",
@@ -263,20 +264,28 @@ GRADED = f"# %% nbgrader={json.dumps(TEST)}\ncheck(highest)\n"
 
 
 def test_a_course_in_order_has_no_faults(registry):
-    assert registry({"stage1_a/01_one.py": GRADED, "optional/02_two.py": ""}) == []
+    assert registry({"stage1_a/01_one/lesson.py": GRADED, "optional/02_two/lesson.py": ""}) == []
     assert lessons.every_lesson()[0].name == "01_one"
 
 
 @pytest.mark.parametrize(
     ("sources", "said"),
     [
-        ({"extra/14_toy.py": ""}, "solutions/extra/14_toy.py is ignored. Move it into a folder"),
         (
-            {"stage1_a/01_one.py": "", "stage2_b/01_two.py": ""},
+            {"extra/14_toy/lesson.py": ""},
+            "solutions/extra/14_toy/lesson.py is ignored. Move it to solutions/STAGE/NN_NAME/",
+        ),
+        (
+            {"stage1_a/14_toy.py": ""},
+            "solutions/stage1_a/14_toy.py is ignored. Move it to "
+            "solutions/stage1_a/14_toy/lesson.py.",
+        ),
+        (
+            {"stage1_a/01_one/lesson.py": "", "stage2_b/01_two/lesson.py": ""},
             "01_one and 01_two have the same number. Renumber one of them",
         ),
         (
-            {"stage1_a/01_one.py": GRADED, "stage1_a/02_two.py": GRADED},
+            {"stage1_a/01_one/lesson.py": GRADED, "stage1_a/02_two/lesson.py": GRADED},
             "01_one and 02_two both have an exercise highest. Give one of the two another name.",
         ),
     ],
@@ -318,7 +327,7 @@ def test_every_answer_claims_checks_that_there_are(lesson):
     hidden = set(re.findall(r"^def (test_\w+)", lesson.tests.read_text("utf-8"), re.M))
     for exercise in lesson.machine_graded:
         known = hidden | {check.name for check in checks_of(exercise.name)}
-        for variant in variants_of(exercise.name):
+        for variant in answers_to(exercise.name):
             for claim in variant.loses:  # the beginning of a name, perhaps with a parameter
                 begin = claim.partition("[")[0]
                 assert any(name.startswith(begin) for name in known), f"{variant.name}: {claim}"
@@ -328,9 +337,9 @@ def test_every_lesson_has_its_files(lesson):
     assert lesson.tests.is_file()
     checks = PROJECT / "utils" / "checks" / f"lesson_{lesson.number}"
     assert checks.with_suffix(".py").is_file() != checks.is_dir()
-    assert (PROJECT / "grader" / "pictures" / f"lesson_{lesson.number}.py").is_file()
+    assert (lesson.folder / "preview.py").is_file()
     for exercise in lesson.machine_graded:
-        assert (PROJECT / "grader" / "variants" / f"{exercise.name}.py").is_file()
+        assert (lesson.folder / "answers" / f"{exercise.name}.py").is_file()
         assert checks_of(exercise.name)
         assert lesson_of(exercise.name) == lesson
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in
 from grader.intake.submission import HandedIn
 from grader.judging import repair, results
 from grader.judging.judge import judge_handed_in

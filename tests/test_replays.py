@@ -16,8 +16,8 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist, pdist
 
-from grader.course.variants import variants_of
-from tests.lessons.taught import source_of
+from grader.course.kept_answers import answers_to
+from tests.lesson_texts import source_of
 from utils import replay, static_widgets
 from utils.geometry import grown
 from utils.replays import clustering, play, player, ransac, tracer, walk
@@ -53,7 +53,7 @@ def run_of(exercise, name="the hints followed to the letter", source=None):
 
 
 def named(exercise, right):
-    return [one.name for one in variants_of(exercise) if one.right is right]
+    return [one.name for one in answers_to(exercise) if one.right is right]
 
 
 # ---- the scenes --------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ def test_nobody_who_is_right_is_accused(exercise, name):
 def test_the_answer_is_the_same_as_without_being_watched(exercise):
     task = {"ransac_line": LINE, "ransac_plane": PLANE}.get(exercise)
     asked = (POINTS, THRESHOLD) if task is None else (task.points, ROUNDS, task.tolerance, 3)
-    for one in variants_of(exercise):
+    for one in answers_to(exercise):
         if one.right:
             function = function_of(exercise, one.source)
             with contextlib.redirect_stdout(io.StringIO()):
@@ -388,7 +388,7 @@ def walked(search, points=FIFTEEN, goes_left=None):
 
 SEARCHES = [
     one
-    for one in variants_of("search")
+    for one in answers_to("search")
     if not re.search("class KdTree|NotImplementedError", one.source) and "SciPy" not in one.name
 ]
 

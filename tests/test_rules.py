@@ -11,9 +11,9 @@ import pytest
 
 from grader.classroom import grade
 from grader.course.deadlines import Deadlines
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.course.variants import fill_in
 from grader.intake.preflight import prepare
 from grader.intake.submission import HandedIn
 from grader.judging import error_carried_forward

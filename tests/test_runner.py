@@ -38,13 +38,17 @@ def made(tmp_path, monkeypatch):
     """A function that makes a lesson of two exercises from hidden tests and shown checks."""
 
     def make(hidden="", shown=()):
-        tests = tmp_path / "test_06_made_here.py"
+        tests = tmp_path / "06_made_here" / "hidden_tests.py"
+        tests.parent.mkdir(exist_ok=True)
         tests.write_text(HEAD + hidden)
         monkeypatch.setattr(
             runner, "checks_of", lambda name: [one for one in shown if one.exercise == name]
         )
         return SimpleNamespace(
-            number="06", tests=tests, machine_graded=[SimpleNamespace(name=one) for one in "fg"]
+            name="06_made_here",
+            number="06",
+            tests=tests,
+            machine_graded=[SimpleNamespace(name=one) for one in "fg"],
         )
 
     return make
@@ -159,7 +163,7 @@ def test_some_checks_are_questions_that_can_be_asked_again(made):
 @pytest.mark.parametrize(
     ("hidden", "says"),
     [
-        ("", "pytest ran 0 of 0 tests in test_06_made_here.py (exit code 5)"),
+        ("", "pytest ran 0 of 0 tests in 06_made_here/hidden_tests.py (exit code 5)"),
         ("import nothing_of_this_name", "No module named 'nothing_of_this_name'"),
         (TWO + "\nopen('there is no such file')", "there is no such file"),
     ],
@@ -176,7 +180,7 @@ def test_what_was_collected_and_never_asked_is_our_fault(made, monkeypatch):
     monkeypatch.setattr(runner, "_OPTIONS", (*runner._OPTIONS, "--maxfail=1"))
     failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
     three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
-    with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in test_06_made_here.py"):
+    with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in 06_made_here/hidden_tests.py"):
         run_tests(made(three), Nobody(), SEED)
 
 

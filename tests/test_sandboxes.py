@@ -9,8 +9,8 @@ import time
 import pytest
 
 from grader import cli
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.sandbox import SANDBOXES, Limits, choose_sandbox
 from grader.sandbox.boundary import WORKER
 from grader.sandbox.failures import StudentStopped
@@ -79,10 +79,10 @@ def test_a_third_sandbox_judges_by_its_name(container, tmp_path, capsys):
     """The whole way from the command line to the points."""
     lesson = find_lesson("06_filter_ground")
     right, wrong = (
-        next(answer for answer in variants_of("voxel_grid") if answer.right == is_right)
+        next(answer for answer in answers_to("voxel_grid") if answer.right == is_right)
         for is_right in (True, False)
     )
-    ground = next(answer.source for answer in variants_of("filter_ground") if answer.right)
+    ground = next(answer.source for answer in answers_to("filter_ground") if answer.right)
     lost = {}
     for answer in (right, wrong):
         path = tmp_path / "06_filter_ground.ipynb"

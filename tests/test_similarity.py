@@ -18,9 +18,9 @@ from grader.classroom.similarity.answers import (
 from grader.classroom.similarity.comparison import compare
 from grader.classroom.similarity.page import percent, write_similarity
 from grader.classroom.similarity.stage import compare_stage
+from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import lesson_of
 from grader.course.paths import PROJECT, Course
-from grader.course.variants import ANOTHER_CELL, fill_in, variants_of
 from grader.intake.submission import HandedIn
 
 ALL = tuple(sorted(path.stem for path in (PROJECT / "grader" / "variants").glob("*.py")))
@@ -36,7 +36,7 @@ def written(exercise, right=None):
     """The kept answers, by name: each stands for a student."""
     found = {
         variant.name: answer(exercise, variant.source)
-        for variant in variants_of(exercise)
+        for variant in answers_to(exercise)
         if right in (None, variant.right)
     }
     return {name: one for name, one in found.items() if one}
@@ -303,7 +303,7 @@ AS_TAUGHT = {
 def test_a_copy_of_any_long_answer_is_found_and_nobody_else(exercise):
     class_ = written(exercise, right=True)
     missed = set()
-    for variant in variants_of(exercise):
+    for variant in answers_to(exercise):
         if not variant.right or re.search("^%", variant.source, re.MULTILINE):
             continue
         copy = answer(exercise, renamed(variant.source))
@@ -367,7 +367,7 @@ def hand_in(course, student, text, lesson=LESSON):
 def course(tmp_path):
     """Six who wrote by themselves, and two of whom one copied."""
     course = Course(tmp_path)
-    others = [v for v in variants_of("get_bounding_boxes") if v.right]
+    others = [v for v in answers_to("get_bounding_boxes") if v.right]
     others = [v.source for v in others if not v.name.startswith("a dictionary")]
     for number, source in enumerate([*others, ORIGINAL, DISGUISED["other names"]]):
         hand_in(course, f"s{number}", fill_in(LESSON, {"get_bounding_boxes": source}))
@@ -487,4 +487,4 @@ def test_a_function_in_a_module_beside_the_notebook_counts():
 
 def test_every_kept_answer_is_read():
     for exercise, answers in kept_answers(lesson_of("search")).items():
-        assert len(answers) == sum(variant.right for variant in variants_of(exercise))
+        assert len(answers) == sum(variant.right for variant in answers_to(exercise))

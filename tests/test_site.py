@@ -261,9 +261,7 @@ def test_a_guide_links_to_pages_to_files_or_to_nothing():
     assert "(authors.md)" in here
     assert "](lms/late.py)" not in here and "[lms/late.py](" not in here
     assert "[lms/late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
-    assert "](pictures/name.png)" in guides.page("authors", PUBLIC, Pictures()), (
-        "code is left alone"
-    )
+    assert "](name.png)" in guides.page("authors", PUBLIC, Pictures()), "code is left alone"
 
 
 @pytest.mark.slow

@@ -3,19 +3,17 @@
 import ast
 import importlib
 import textwrap
-from pathlib import Path
 
 import pytest
 
-from grader.course.lessons import lesson_of, load_reference
+from grader.course.lessons import all_lessons, lesson_of, load_reference
 from grader.judging.runner import run_tests
-from tests import slips
 from tests.students import student_with
 
 SEED = 7
 TABLES = {
-    path.stem: importlib.import_module(f"tests.slips.{path.stem}").SLIPS
-    for path in sorted(Path(slips.__file__).parent.glob("lesson_*.py"))
+    lesson.name: importlib.import_module(f"solutions.{lesson.stage}.{lesson.name}.slips").SLIPS
+    for lesson in all_lessons()
 }
 ALL = {
     f"{exercise}: {slip.title}": (exercise, slip)

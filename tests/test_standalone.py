@@ -15,9 +15,9 @@ import pytest
 
 from grader import cli
 from grader.course import standalone
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
-from grader.course.variants import fill_in, variants_of
 from grader.intake.preflight import prepare
 from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
@@ -132,7 +132,7 @@ def test_a_damaged_cell_says_so(tmp_path):
 def test_handed_in_it_is_judged_like_any_other(sandbox):
     notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
     answers = {
-        name: next(one.source for one in variants_of(name) if one.right)
+        name: next(one.source for one in answers_to(name) if one.right)
         for name in ("filter_ground", "voxel_grid")
     }
     filled = json.loads(fill_in(LESSON, answers))

@@ -5,7 +5,15 @@
 
 import pytest
 
-from tests.survey import EXERCISES, MOST, SOLUTION, answers_to, losses_of, right_functions, survey
+from tests.survey import (
+    EXERCISES,
+    MOST,
+    SOLUTION,
+    answers_in_notebooks,
+    losses_of,
+    right_functions,
+    survey,
+)
 
 ANSWERS = {
     f"{exercise}: {name}": (exercise, name)
@@ -125,7 +133,7 @@ SLOW = (
 @pytest.mark.parametrize("case", ANSWERS)
 def test_an_edit_of_a_right_answer_loses_points_or_is_right(case):
     exercise, name = ANSWERS[case]
-    answer = next(one for one in answers_to(exercise) if one.name == name)
+    answer = next(one for one in answers_in_notebooks(exercise) if one.name == name)
     found = survey(exercise, [answer], 5 if exercise in SLOW and name != SOLUTION else 1)
     assert len(found.wrong) > 20
     escaped = [(one.before, one.after) for one, _ in found.escaped]

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
-from grader.course.variants import fill_in, variants_of
 from grader.intake.submission import HandedIn
 from grader.judging import key
 from grader.judging.key import files_that_decide
@@ -64,7 +64,7 @@ def mistaken(lesson):
     """A mistake in every answer, told by its name where there is one that is."""
     answers = {
         one.name: max(
-            (variant for variant in variants_of(one.name) if not variant.right),
+            (variant for variant in answers_to(one.name) if not variant.right),
             key=lambda variant: bool(variant.told),
         ).source
         for one in lesson.machine_graded
@@ -154,7 +154,7 @@ def test_what_is_imported_in_the_code_is_in_the_key(lesson):
 @functools.cache
 def modules_of(file):
     """Dotted names that a file imports something by, or from; a lesson's source is a notebook."""
-    if file.is_relative_to(PROJECT / "solutions"):
+    if file.name == "lesson.py":
         return frozenset()
     names = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
@@ -216,7 +216,7 @@ def later():
     "data/cloud.txt": "1 2 3",
     "data/truth.npz": "4",
     "data/frames.npz": "5",
-    "solutions/06.py": "a",
+    "solutions/06/lesson.py": "a",
     "solutions/06.ipynb": "b",
     "notebooks/06.ipynb": "c",
     "tests/test_06.py": "import utils.clouds",
@@ -228,7 +228,7 @@ DECIDE = {
     *("utils/__init__.py", "utils/clouds.py", "utils/sliders/__init__.py", "utils/plotted.py"),
     *("utils/checks/__init__.py", "utils/checks/core.py", "utils/checks/lesson_06.py"),
     *("inside/worker.py", "inside/deep/wire.py", "data/cloud.txt", "data/truth.npz"),
-    *("solutions/06.py", "solutions/06.ipynb", "notebooks/06.ipynb", "tests/test_06.py"),
+    *("solutions/06/lesson.py", "solutions/06.ipynb", "notebooks/06.ipynb", "tests/test_06.py"),
 }
 
 
@@ -239,7 +239,7 @@ class MadeUp:
     root: Path
     name: str = "06"
     number = "06"
-    source = property(lambda self: self.root / "solutions" / "06.py")
+    source = property(lambda self: self.root / "solutions" / "06" / "lesson.py")
     solved = property(lambda self: self.root / "solutions" / "06.ipynb")
     released = property(lambda self: self.root / "notebooks" / "06.ipynb")
     tests = property(lambda self: self.root / "tests" / "test_06.py")
@@ -376,6 +376,8 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
         "grader/course/build.py",
         "grader/lms/gradebook_writer.py",
         "solutions/footer_cell.md",
+        "solutions/stage3_obstacles/06_filter_ground/slips.py",
+        "solutions/stage3_obstacles/06_filter_ground/answers/voxel_grid.py",
     )
     with contextlib.ExitStack() as stack:
         for name in elsewhere:
@@ -389,8 +391,11 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
     [
         ("grader/sandbox/inside/worker.py", ALL),
         ("data/cloud.txt", ALL),
-        ("grader/tests/test_06_filter_ground.py", ("06",)),
-        ("solutions/stage2_clustering/05_euclidean_clustering.py", ("05",)),  # what is forbidden
+        ("solutions/stage3_obstacles/06_filter_ground/hidden_tests.py", ("06",)),
+        (
+            "solutions/stage2_clustering/05_euclidean_clustering/lesson.py",
+            ("05",),
+        ),  # what is forbidden
         ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # right helpers
         ("utils/checks/clusters.py", ("05", "10")),
     ],

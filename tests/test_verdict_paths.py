@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import HandedIn
 from grader.judging import judge as judging

@@ -5,9 +5,9 @@ import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT, Course
-from grader.course.variants import fill_in, variants_of
 
 DEMO = PROJECT / "demo"
 STAGE = "stage3_obstacles"  # handed in unless others are asked for
@@ -58,7 +58,7 @@ HOSTILE = """\
 import os, sys, gc
 
 def {name}(*arguments, **keywords):
-    for path in ("grader/tests", "solutions", "gradebook.db", ".course_seed"):
+    for path in ("solutions", "gradebook.db", ".course_seed"):
         try:
             print(os.listdir(path) if os.path.isdir(path) else open(path).read())
         except OSError:
@@ -98,7 +98,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
         shutil.copytree(
             PROJECT / folder / stage,
             course.root / folder / stage,
-            ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"),
+            ignore=lambda folder, names: [name for name in names if not name.endswith(".ipynb")],
         )
     (course.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(project=str(PROJECT)), "utf-8"
@@ -154,7 +154,7 @@ def answers(lesson: Lesson, number: int) -> dict[str, str]:
     chosen = {}
     for exercise in lesson.machine_graded:
         right = number % 3 != 2
-        pool = [variant for variant in variants_of(exercise.name) if variant.right == right]
+        pool = [variant for variant in answers_to(exercise.name) if variant.right == right]
         chosen[exercise.name] = pool[(number // 3 if not right else number) % len(pool)].source
     return chosen
 
@@ -162,6 +162,6 @@ def answers(lesson: Lesson, number: int) -> dict[str, str]:
 def best_answers(lesson: Lesson) -> dict[str, str]:
     """A right answer to every exercise."""
     return {
-        exercise.name: next(answer.source for answer in variants_of(exercise.name) if answer.right)
+        exercise.name: next(answer.source for answer in answers_to(exercise.name) if answer.right)
         for exercise in lesson.machine_graded
     }

@@ -1,6 +1,6 @@
 """From the one source of a lesson to its two notebooks.
 
-``solutions/<stage>/<NN_name>.py`` becomes the instructor's notebook beside it through
+``solutions/<stage>/<NN_name>/lesson.py`` becomes the instructor's notebook beside it through
 jupytext, and that the student's notebook in ``notebooks/`` through nbgrader's own
 GenerateAssignment. The same source gives the same bytes each time.
 """
@@ -156,7 +156,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
             cell.source = earlier_lessons.filled(cell.source)
         if cell.cell_type == "markdown":
             cell.source = NEXT.sub(functools.partial(_linked, lesson), cell.source)
-            _attach_pictures(cell, lesson.source.parent)
+            _attach_pictures(cell, lesson.folder)
         else:
             _show_as_meant(cell)
         cell.id = _stable_id(cell, seen)
@@ -354,12 +354,12 @@ def _let_run_all_go_on(notebook: NotebookNode) -> None:
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
     """Put pictures into the notebook itself, so that it can travel alone."""
-    for name in dict.fromkeys(re.findall(r"\]\(pictures/([\w.-]+\.png)\)", cell.source)):
-        if not (folder / "pictures" / name).exists():
+    for name in dict.fromkeys(re.findall(r"\]\(([\w.-]+\.png)\)", cell.source)):
+        if not (folder / name).exists():
             continue  # a new lesson: its picture is drawn with its own solution
-        data = base64.b64encode((folder / "pictures" / name).read_bytes()).decode()
+        data = base64.b64encode((folder / name).read_bytes()).decode()
         cell.setdefault("attachments", {})[name] = {"image/png": data}
-        cell.source = cell.source.replace(f"(pictures/{name})", f"(attachment:{name})")
+        cell.source = cell.source.replace(f"({name})", f"(attachment:{name})")
 
 
 def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:

@@ -71,7 +71,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     list of str
         One for each statement, in the order of the lesson.
     """
-    path = next((PROJECT / "solutions").glob(f"*/{lesson}.py"), None)
+    path = next((PROJECT / "solutions").glob(f"*/{lesson}/lesson.py"), None)
     if path is None:
         raise ValueError(f"There is no lesson {lesson!r}, from which functions are wanted.")
     try:

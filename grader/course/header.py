@@ -60,7 +60,8 @@ def read_header(source: Path) -> Header:
     found = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", source.read_text("utf-8"))
     if not found:
         raise ValueError(
-            f"{source.name} has no header: it begins with a line `# ---`; see solutions/README.md."
+            f"{source.parent.name}/{source.name} has no header: it begins with a line `# ---`; see "
+            "solutions/README.md."
         )
     content = yaml.safe_load(re.sub(r"^# ?", "", found[1], flags=re.M))
     settings = content["jupyter"].get("lidar_obstacle_lab", {})
@@ -68,7 +69,7 @@ def read_header(source: Path) -> Header:
     for name, value in settings.items():
         if name not in known or not isinstance(value, list):
             raise ValueError(
-                f"{source.name}: the header says `{name}: {value}`. Below lidar_obstacle_lab "
-                f"stand lists of names: {' and '.join(known)}."
+                f"{source.parent.name}/{source.name}: the header says `{name}: {value}`. Below "
+                f"lidar_obstacle_lab stand lists of names: {' and '.join(known)}."
             )
     return Header(**{name: tuple(value) for name, value in settings.items()})

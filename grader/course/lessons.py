@@ -55,9 +55,14 @@ class Lesson:
         return self.name[:2]
 
     @property
+    def folder(self) -> Path:
+        """Everything about the lesson that students must not see, but for the solved notebook."""
+        return PROJECT / "solutions" / self.stage / self.name
+
+    @property
     def source(self) -> Path:
         """The one file in which the lesson is written."""
-        return PROJECT / "solutions" / self.stage / f"{self.name}.py"
+        return self.folder / "lesson.py"
 
     @property
     def text(self) -> str:
@@ -72,12 +77,12 @@ class Lesson:
     @property
     def solved(self) -> Path:
         """The instructor's notebook."""
-        return self.source.with_suffix(".ipynb")
+        return self.folder.with_name(f"{self.name}.ipynb")
 
     @property
     def tests(self) -> Path:
         """The judge's tests."""
-        return PROJECT / "grader" / "tests" / f"test_{self.name}.py"
+        return self.folder / "hidden_tests.py"
 
     @functools.cached_property
     def header(self) -> Header:
@@ -137,15 +142,18 @@ class Lesson:
 @functools.cache
 def all_lessons() -> tuple[Lesson, ...]:
     """Every lesson, in the order of the course."""
-    sources = sorted((PROJECT / "solutions").glob("stage*/[0-9][0-9]_*.py"))
-    return tuple(Lesson(source.stem, source.parent.name) for source in sources)
+    return _lessons_in("stage*")
 
 
 @functools.cache
 def optional_lessons() -> tuple[Lesson, ...]:
     """Lessons beside the course: in no stage, without points, handed in by nobody."""
-    sources = sorted((PROJECT / "solutions" / OPTIONAL).glob("[0-9][0-9]_*.py"))
-    return tuple(Lesson(source.stem, OPTIONAL) for source in sources)
+    return _lessons_in(OPTIONAL)
+
+
+def _lessons_in(stage: str) -> tuple[Lesson, ...]:
+    sources = sorted((PROJECT / "solutions").glob(f"{stage}/[0-9][0-9]_*/lesson.py"))
+    return tuple(Lesson(source.parent.name, source.parents[1].name) for source in sources)
 
 
 def every_lesson() -> tuple[Lesson, ...]:
@@ -163,11 +171,16 @@ def registry_faults() -> list[str]:
     """
     lessons, faults = every_lesson(), []
     known = {lesson.source for lesson in lessons}
-    for source in sorted((PROJECT / "solutions").glob("*/[0-9][0-9]_*.py")):
-        if source not in known:
+    for source in sorted((PROJECT / "solutions").rglob("*.py")):
+        if source.name == "lesson.py" and source not in known:
             faults.append(
-                f"{source.relative_to(PROJECT)} is ignored. Move it into a folder whose name "
-                f"begins with stage, or into {OPTIONAL}/."
+                f"{source.relative_to(PROJECT)} is ignored. Move it to "
+                f"solutions/STAGE/NN_NAME/lesson.py; STAGE begins with stage, or is {OPTIONAL}."
+            )
+        elif re.fullmatch(r"\d\d_\w+", source.stem) and source.parent != PROJECT / "solutions":
+            faults.append(
+                f"{source.relative_to(PROJECT)} is ignored. Move it to "
+                f"{source.relative_to(PROJECT).with_suffix('') / 'lesson.py'}."
             )
     by_number: dict[str, Lesson] = {}
     by_exercise: dict[str, Lesson] = {}
@@ -229,7 +242,7 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
-        raise ValueError(f"{lesson.source.name}: {problems[0]}")
+        raise ValueError(f"{lesson.name}: {problems[0]}")
     names = (*lesson.names, *others)
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(names, statements):

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
-# Solutions are written in .py files beside the notebooks that nbgrader reads.
-IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py", "pictures"]
+# nbgrader copies what lies next to a notebook; a student's modules are collected in another way.
+IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
 # What nbgrader does to a notebook before students get it, in its own order.
 RELEASE_STEPS = (
     "IncludeHeaderFooter",
@@ -54,7 +54,9 @@ def configure(c: Config, root: Path) -> Config:
     c.CourseDirectory.course_id = COURSE
     c.CourseDirectory.source_directory = "solutions"
     c.CourseDirectory.release_directory = "notebooks"
-    c.CourseDirectory.ignore = IGNORED
+    # Next to each solved notebook is the folder with everything else about its lesson.
+    folders = (root / "solutions").glob("*/[0-9][0-9]_*/")
+    c.CourseDirectory.ignore = [*IGNORED, *sorted(folder.name for folder in folders)]
     c.ClearSolutions.code_stub = {"python": STUB}
 
     c.GenerateAssignment.preprocessors = [

@@ -1,9 +1,11 @@
-"""What of this project travels to wherever notebooks are judged: all that judging reads."""
+"""The files of this project that judging reads, for machines elsewhere that judge."""
+
+from pathlib import Path
 
 from grader.course.paths import PROJECT
 
 TRAVELS = ("grader", "utils", "solutions", "notebooks", "data")
-STAYS_AT_HOME = ("__pycache__", "pictures", "variants")
+OF_A_LESSON = ("lesson.py", "hidden_tests.py")
 
 
 def files_to_judge_with() -> dict[str, bytes]:
@@ -12,7 +14,13 @@ def files_to_judge_with() -> dict[str, bytes]:
     for folder in TRAVELS:
         for path in sorted((PROJECT / folder).rglob("*")):
             name = path.relative_to(PROJECT)
-            hidden = any(part.startswith(".") for part in name.parts)
-            if path.is_file() and not hidden and not set(STAYS_AT_HOME) & set(name.parts[:-1]):
+            if path.is_file() and _is_read(name):
                 found[name.as_posix()] = path.read_bytes()
     return found
+
+
+def _is_read(name: Path) -> bool:
+    if "__pycache__" in name.parts or any(part.startswith(".") for part in name.parts):
+        return False
+    folder, *below = name.parts
+    return folder != "solutions" or len(below) < 3 or below[2] in OF_A_LESSON

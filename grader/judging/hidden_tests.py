@@ -8,7 +8,7 @@ from utils.checks import Check
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
-    """Mark a test of `grader/tests`, which is not in the notebook.
+    """Mark a test of a lesson's ``hidden_tests.py``, which students do not see.
 
     Parameters
     ----------

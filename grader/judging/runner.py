@@ -131,7 +131,8 @@ class _Asking:
     @pytest.fixture
     def seed(self, request: pytest.FixtureRequest) -> int:
         """A number that the course's secret decides, one for each lesson."""
-        text = f"{self.course_seed} {request.path.name}"
+        # Verdicts of earlier releases rest on this very text.
+        text = f"{self.course_seed} test_{request.path.parent.name}.py"
         return int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
 
     @pytest.hookimpl(wrapper=True)
@@ -270,7 +271,7 @@ def _run(lesson: Lesson, asking: _Asking) -> list[Outcome]:
     if not asking.tests or missing:
         raise JudgeFault(
             f"pytest ran {asking.tests - len(missing)} of {asking.tests} tests in "
-            f"{lesson.tests.name} (exit code {code}). Run it by hand to see why."
+            f"{lesson.name}/{lesson.tests.name} (exit code {code}). Run it by hand to see why."
             + "".join(f"\n{said}" for said in asking.said)
         )
     return [*asking.outcomes.values()]

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in
 from grader.judging.judge import judge
 from grader.sandbox import Limits
 from tests.attacks.attack import SEED, SHORT, WALLS

@@ -11,9 +11,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.course.variants import fill_in
 from grader.intake import preflight
 from grader.intake.submission import HandedIn
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict

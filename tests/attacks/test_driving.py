@@ -49,7 +49,7 @@ def test_what_drives_finds_neither_the_street_nor_the_seed_nor_others(tmp_path):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("a secret")
     inside = [str(path) for path in (tmp_path, *sorted(tmp_path.rglob("*")))]
-    ours = [str(PROJECT / name) for name in ("grader/classroom", "grader/tests", "utils/drive")]
+    ours = [str(PROJECT / name) for name in ("grader/classroom", "solutions", "utils/drive")]
     source = LOOKING.format(paths=[*inside, *ours])
     assert answers_of(WALLS, source) == {100.0}
     assert min(answers_of(SANDBOXES["process"], source)) > 103.0

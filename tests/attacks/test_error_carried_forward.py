@@ -4,8 +4,8 @@ import ast
 
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from tests.attacks.attack import WALLS
 
@@ -110,7 +110,7 @@ def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
     )
     two_throws = "ASKED, MINE = [], []\n" + RANSAC.replace("def ransac_line", "def honest") + turn
     answers = {"line_through": counts, "ransac_line": two_throws}
-    right = next(one.source for one in variants_of("point_line_distance") if one.right)
+    right = next(one.source for one in answers_to("point_line_distance") if one.right)
     results, _ = judged(LINE, tmp_path, point_line_distance=right, **answers)
     assert results["line_through"].score < results["line_through"].max_score
     mine = results["ransac_line"]

@@ -9,8 +9,8 @@ import pytest
 
 from grader.classroom.grade import judge_and_store, stored_verdict
 from grader.classroom.submissions import Submission, find_submissions
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import Course
-from grader.course.variants import fill_in, variants_of
 from grader.intake.notebook import read_notebook
 from grader.intake.submission import read_handed_in
 from grader.judging.judge import judge_handed_in
@@ -310,7 +310,7 @@ def course(tmp_path, filtering):
     stage = course.submitted / "good" / filtering.stage
     stage.mkdir(parents=True)
     right = {
-        exercise: next(variant.source for variant in variants_of(exercise) if variant.right)
+        exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
         for exercise in ("filter_ground", "voxel_grid")
     }
     (stage / f"{filtering.name}.ipynb").write_text(fill_in(filtering, right))

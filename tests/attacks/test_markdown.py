@@ -10,8 +10,8 @@ from markdown_it import MarkdownIt
 from nbconvert.exporters import HTMLExporter
 from nbconvert.filters import markdown2html
 
+from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
-from grader.course.variants import fill_in
 from grader.intake.preflight import prepare
 from grader.intake.submission import HandedIn
 from grader.lms.autograded import build_copy
@@ -56,7 +56,7 @@ def obeyed(page):
 
 
 SCRIPTS = {
-    "a picture that fails": "<img src=x onerror=\"fetch('/api/contents/grader/tests')\">",
+    "a picture that fails": "<img src=x onerror=\"fetch('/api/contents/solutions')\">",
     "a script": "<script>alert(1)</script>",
     "a script in capitals": "<SCRIPT>alert(1)</SCRIPT>",
     "a drawing": '<svg onload="alert(1)"><script>alert(1)</script></svg>',

@@ -10,9 +10,9 @@ import types
 import numpy as np
 import pytest
 
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.course.paths import PROJECT
-from grader.course.variants import fill_in, variants_of
 from grader.judging.judge import judge
 from grader.judging.runner import run_tests
 from grader.sandbox import Limits
@@ -127,7 +127,7 @@ def test_takes_the_answer_from_somewhere(exercise, source, hand_in):
 
 def test_a_right_answer_handed_in_like_these_earns_everything(hand_in):
     """So that nothing above fails for another reason."""
-    right = next(variant.source for variant in variants_of("voxel_grid") if variant.right)
+    right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     verdict = hand_in({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
     assert share(verdict, "voxel_grid") == 1
 
@@ -387,7 +387,7 @@ def test_changes_what_the_lesson_gives(cell, hand_in):
     notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
     extra = {"cell_type": "code", "id": "x", "metadata": {}, "outputs": [], "execution_count": None}
     notebook["cells"].append({**extra, "source": cell})
-    right = next(variant.source for variant in variants_of("insert") if variant.right)
+    right = next(variant.source for variant in answers_to("insert") if variant.right)
     notebook["cells"].insert(1, {**extra, "id": "y", "source": cell})
     text = json.dumps(notebook)
     verdict = hand_in(text=text, lesson=lesson)
@@ -446,7 +446,7 @@ def test_forges_metadata_outputs_and_keys(hand_in, filtering):
 @tried(
     "source",
     {
-        "looks for the tests": "import grader.tests",
+        "looks for the tests": "import solutions",
         "takes the failure of a check away": "import utils.checks as c; "
         "c.core.CheckFailed = KeyError",
         "ends pytest": "import pytest; pytest.exit('all passed', 0)",

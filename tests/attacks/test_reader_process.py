@@ -8,9 +8,9 @@ import nbformat
 import pytest
 
 from grader import commands
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.course.variants import fill_in, variants_of
 from grader.intake import preflight, reader_process
 from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
@@ -25,7 +25,7 @@ SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
 HOSTILE = "This holds the class up."
 RIGHT = {
-    exercise.name: next(one.source for one in variants_of(exercise.name) if one.right)
+    exercise.name: next(one.source for one in answers_to(exercise.name) if one.right)
     for exercise in LESSON.machine_graded
 }
 

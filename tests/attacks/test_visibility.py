@@ -59,7 +59,7 @@ def test_walks_the_project_and_every_home():
 @tried(
     "path",
     {
-        "reads the hidden tests": "grader/tests/test_06_filter_ground.py",
+        "reads the hidden tests": "solutions/stage3_obstacles/06_filter_ground/hidden_tests.py",
         "reads the visible checks": "utils/checks/lesson_04/search.py",
         "reads the judge": "grader/judging/judge.py",
         "reads the samples": "grader/judging/samples.py",
@@ -67,10 +67,10 @@ def test_walks_the_project_and_every_home():
         "reads the geometry of boxes": "utils/boxes/containment.py",
         "reads the geometry of planes": "utils/geometry/planes.py",
         "reads the geometry of trees": "utils/geometry/trees.py",
-        "reads a solution": "solutions/stage2_clustering/04_kd_tree.py",
+        "reads a solution": "solutions/stage2_clustering/04_kd_tree/lesson.py",
         "reads a solved notebook": "solutions/stage2_clustering/04_kd_tree.ipynb",
         "reads a released notebook": "notebooks/stage2_clustering/04_kd_tree.ipynb",
-        "reads a right variant": "grader/variants/insert.py",
+        "reads a right variant": "solutions/stage2_clustering/04_kd_tree/answers/insert.py",
         "reads what is true of the course's cloud": "data/cloud_truth.npz",
         "reads the course's history": ".git",
     },
@@ -388,7 +388,11 @@ def elsewhere(tmp_path, monkeypatch):
 
     def put(project, prefix, base, system=()):
         project, prefix, base = (tmp_path / place for place in (project, prefix, base))
-        for path in ("grader/tests/secret.py", "grader/sandbox/inside/worker.py", ".course_seed"):
+        for path in (
+            "solutions/stage1/01_secret/hidden_tests.py",
+            "grader/sandbox/inside/worker.py",
+            ".course_seed",
+        ):
             (project / path).parent.mkdir(parents=True, exist_ok=True)
             (project / path).write_text("")
         installed = prefix / "lib" / "python3.11" / "site-packages"

@@ -18,9 +18,9 @@ from grader.classroom.cluster import connect
 from grader.classroom.executors import processors
 from grader.classroom.grade import judge_class, judge_one
 from grader.classroom.submissions import find_submissions
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons
 from grader.course.paths import Course
-from grader.course.variants import fill_in, variants_of
 from grader.sandbox import choose_sandbox
 
 SEED = 1
@@ -37,7 +37,7 @@ def make_class(root, students):
         for lesson in all_lessons():
             answers = {}
             for exercise in lesson.machine_graded:
-                variants = variants_of(exercise.name)
+                variants = answers_to(exercise.name)
                 answers[exercise.name] = variants[number % len(variants)].source
             path = course.submitted / f"student{number}" / lesson.stage / f"{lesson.name}.ipynb"
             path.parent.mkdir(parents=True, exist_ok=True)

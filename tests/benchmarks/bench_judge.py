@@ -79,7 +79,7 @@ def make_course(root, students, lessons):
         shutil.copytree(
             PROJECT / folder,
             root / folder,
-            ignore=shutil.ignore_patterns("*.py", "*.md", "pictures"),
+            ignore=shutil.ignore_patterns("*.py", "*.md", "*.png", "*.gif"),
         )
     # nbgrader runs notebooks where they lie and these look for the course above them.
     for name in ("utils", "data"):

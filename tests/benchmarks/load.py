@@ -22,9 +22,9 @@ from grader.classroom.executors import EXECUTORS, processors
 from grader.classroom.grade import judge_class
 from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission
+from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons
 from grader.course.paths import Course
-from grader.course.variants import fill_in, variants_of
 from grader.sandbox import choose_sandbox
 
 LOADS = (0, 1, 2, 4)  # processes that never rest, for each processor
@@ -37,7 +37,7 @@ def hand_in(course, count):
     for number, lesson in zip(range(count), itertools.cycle(all_lessons()), strict=False):
         answers = {}
         for exercise in lesson.machine_graded:
-            right = [one for one in variants_of(exercise.name) if one.right]
+            right = [one for one in answers_to(exercise.name) if one.right]
             answers[exercise.name] = right[number // len(all_lessons()) % len(right)].source
         path = course.submitted / f"student{number:03}" / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)

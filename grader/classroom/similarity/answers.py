@@ -12,8 +12,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from grader.classroom.similarity.normal_form import Step, steps_of
+from grader.course.kept_answers import ANOTHER_CELL, answers_to
 from grader.course.lessons import Lesson, all_lessons
-from grader.course.variants import ANOTHER_CELL, variants_of
 from grader.intake.preflight import prepare
 from grader.intake.reader_process import apart
 from grader.intake.submission import HandedIn
@@ -204,7 +204,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[Answer, ...]]:
     return {
         exercise.name: tuple(
             answer
-            for variant in variants_of(exercise.name)
+            for variant in answers_to(exercise.name)
             if variant.right
             for answer in [_kept(lesson, exercise.name, variant.source)]
             if answer
@@ -221,7 +221,7 @@ def taught_answers(lesson: Lesson) -> dict[str, tuple[Answer, ...]]:
     for exercise in lesson.machine_graded:
         hints = [
             _kept(lesson, exercise.name, variant.source)
-            for variant in variants_of(exercise.name)
+            for variant in answers_to(exercise.name)
             if variant.follows_hints
         ]
         found[exercise.name] = tuple(filter(None, [solved.get(exercise.name), *hints]))

@@ -1,0 +1,370 @@
+"""What the project's own tests share."""
+
+import gc
+import os
+import shutil
+import signal
+import sys
+from collections import Counter
+from pathlib import Path
+
+import nbgrader.api
+import pytest
+
+from grader.course.lessons import Lesson, all_lessons, every_lesson
+from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
+from tests.prerequisites import RECORDINGS, demand_walls
+
+MEMORY = Path("/dev/shm")
+ENOUGH = 2**31  # bytes
+
+
+def pytest_configure(config):
+    """Hear Ctrl-C, which tests press, and write to memory, as gradebooks wait for the disk.
+
+    A script that runs tests in the background lets them ignore Ctrl-C.
+    """
+    if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > ENOUGH:
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish(session):
+    """Keep garbage collection from visiting all collected tests: it took a tenth of the run."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def one_cache_of_statements():
+    """Let all gradebooks of a process share the SQL statements that SQLAlchemy has compiled.
+
+    SQLAlchemy keeps them for each engine, and each gradebook has an engine of its own.
+    """
+    create_engine, engines = nbgrader.api.create_engine, {}
+
+    def create_engine_that_shares(*arguments, **options):
+        engine = create_engine(*arguments, **options)
+        first = engines.setdefault(engine.dialect.name, engine)
+        engine.dialect = engine.pool._dialect = first.dialect
+        engine._compiled_cache = first._compiled_cache
+        return engine
+
+    nbgrader.api.create_engine = create_engine_that_shares
+    yield
+    nbgrader.api.create_engine = create_engine
+
+
+def pytest_unconfigure(config):
+    """Say below the summary what was skipped, and how to get what was missing."""
+    reporter = config.pluginmanager.getplugin("terminalreporter")
+    if reporter is None:  # a worker of pytest-xdist
+        return
+    reasons = Counter(report.longrepr[2] for report in reporter.stats.get("skipped", ()))
+    if reasons:
+        reporter.write_line("Skipped, each for want of:")
+    for reason, count in reasons.most_common():
+        reporter.write_line(f"{count:6}  {reason.removeprefix('Skipped: ')}")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers():
+    """One process more than processors, as many tests wait: for a clock or another's end."""
+    return len(os.sched_getaffinity(0)) + 1
+
+
+@pytest.fixture(scope="session")
+def sandbox():
+    """The sandbox to run code with: bubblewrap, or a plain process for the tests' own code."""
+    if os.environ.get("REQUIRE_SANDBOX") == "1":
+        return demand_walls()
+    try:
+        return choose_sandbox()
+    except SandboxUnavailable:
+        return SANDBOXES["process"]
+
+
+@pytest.fixture(scope="session")
+def real_clouds():
+    """Folder of real recordings, named by REAL_CLOUDS; tests that need it skip without."""
+    folder = os.environ.get("REAL_CLOUDS")
+    if not folder:
+        pytest.skip(RECORDINGS)
+    return Path(folder)
+
+
+@pytest.fixture(autouse=True)
+def no_figures_of_others():
+    """A test that counts figures meets none that an earlier test left open."""
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
+
+
+@pytest.fixture(autouse=True)
+def recursion_limit_of_its_own():
+    """A variant that is run in this process may raise the limit; the next test starts as Python."""
+    before = sys.getrecursionlimit()
+    yield
+    sys.setrecursionlimit(before)
+
+
+# Of what is tried many times over, or takes very long, `make test` runs those whose parameters
+# begin like this, and `make proof` all. What is not in the table runs in both.
+A_FEW_OF_MANY = {
+    "test_solution_earns_everything_on_four_more_seeds": ("01",),
+    "test_no_cheap_answer_earns_more_than_a_tenth": ("01",),
+    "test_what_is_right_in_part_earns_its_part": (),
+    "test_no_cheap_answer_is_one_edit_from_a_right_one": (),
+    "test_an_edit_of_a_right_answer_loses_points_or_is_right": (),
+    "test_few_lose_more_than_three_fifths_for_one_edit": (),
+    "test_a_mistake_that_a_cheap_answer_makes_says_so": (),
+    "test_an_endless_loop_costs_no_process_for_each_edit": (),
+    "test_a_slip_in_a_helper_of_ones_own_is_a_slip": (),
+    "test_what_an_exercise_is_about_is_no_slip": (),
+    "test_a_teacher_would_sign_what_a_slip_earns": ("line_through",),
+    "test_keeps_the_class_waiting": ("stops",),
+    "test_a_notebook_that_sleeps_everywhere_has_one_budget": (),
+    "test_tells_another_notebook": ("locks files", "reads pages into memory, and asks for"),
+    "test_a_cell_is_looked_at_once": ("brackets-", "blank lines"),
+    "test_a_file_is_looked_at_once": ("brackets", "blank lines", "quotation"),
+    "test_hands_in_everything_that_is_shown_as_the_answer_to_everything": ("08",),
+    "test_claims_more_than_any_answer_has": ("three thousand",),
+    "test_claims_something_huge_or_strange": ("a dict", "a number of thirty", "infin"),
+    "test_spoils_every_argument_of_every_call": ("08",),
+    "test_a_huge_claim_is_refused_at_once": ("a dict", "a la", "boxes", "dig", "dim", "many", "ne"),
+    "test_a_function_that_ruins_its_arguments_loses_nothing_but_that": ("01", "08", "09"),
+    "test_a_coin_earns_no_more_than_whoever_writes_its_wrong_side_down": (),
+    "test_takes_the_answer_from_somewhere": ("the points in a box, from the b", "the reference,"),
+    "test_makes_the_question_fit_its_answer": ("finds nothing", "empties"),
+    "test_changes_what_the_lesson_gives": ("a given class that is changed by name",),
+    "test_reaches_for_the_judge": ("takes", "makes", "equals"),
+    "test_tells_a_neighbours_secret_by_a_cell_that_fails": (
+        "in the words",
+        "in a name",
+        "in a module that is missing",
+        "in a line",
+    ),
+    "test_tells_a_neighbours_secret_by_an_answer": ("in values", "in a type"),
+    "test_whoever_answers_otherwise_the_second_time_gains_nothing": (),
+    "test_an_edit_is_looked_for_in_what_calls_a_wrong_function": (),
+    "test_a_wrong_loop_stays_wrong_with_right_helpers": (),
+    "test_what_shows_students_words_is_asked_before_any_hidden_question": ("02", "08", "12"),
+    "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k",),
+    "test_connected_components_are_allowed_in_10": (),
+    "test_detector_of_the_lessons_own_functions_earns_everything": (),
+    "test_messages_of_hidden_tests_hold_no_word_of_the_student": ("01", "08"),
+    "test_a_local_cluster_of_processes": (),
+    "test_unfit_workers_are_refused_and_named": (),
+    "test_what_calls_a_wrong_helper_keeps_its_points": ("line_through-the",),
+    "test_tells_in_other_lessons": ("08",),
+    "test_real_frame_goes_through_the_references": (),
+    "test_real_frames_survive_every_encoding": (),
+    "test_reports_wait_for_a_person_and_keep_their_marks": (),
+    "test_killed_in_the_middle_nothing_is_lost": (),
+    "test_a_worker_is_killed_and_another_joins_later": (),
+    "test_killed_at_many_moments_the_same_command_ends_the_same": (),
+    "test_stopped_or_killed_the_same_command_goes_on": (),
+    "test_the_scheduler_is_lost_and_nothing_is_judged_twice": (),
+    "test_a_course_from_release_to_export": (),
+    "test_demo_grades_its_class": (),
+    "test_a_full_disk_is_named_and_loses_nothing": ("3",),
+    "test_clouds_of_every_size_are_drawn": ("some not finite",),
+    "test_exercises_of_solved_lessons_work": ("01", "06"),
+    "test_every_file_that_is_read_while_judging_is_in_the_key": ("09",),
+    "test_what_is_imported_in_the_code_is_in_the_key": ("03", "12"),
+    "test_a_right_loop_earns_everything_whatever_it_calls": (),
+    "test_the_same_bytes_again": (),
+    "test_a_gradebook_on_a_server": (),
+    "test_many_files_of_any_content": (),
+    "test_many_recordings_of_any_content": (),
+    "test_solved_notebook_runs_to_its_end_and_gives_what_is_lent": (),
+    "test_untouched_notebook_runs_to_its_end": (),
+    "test_every_cell_below_a_wrong_answer_comes_to_its_end": (),
+    "test_a_right_answer_to_a_lesson_shows_no_banner": (),
+    "test_everything_that_a_lesson_allows_can_be_imported": (),
+    "test_right_classes_earn_everything_in_the_judge": (
+        "private helpers that call each other-in the cell",
+        "a nested class for nodes, which do the work-beside",
+        "a subclass of the lesson's class-in the cell",
+        "methods hung on later-in the place",
+    ),
+    "test_right_classes_pass_in_the_notebook": (
+        "private helpers that call each other-in the place",
+        "data classes with a count and a cached property-in the cell",
+    ),
+    "test_a_verdict_adds_up": ("08",),
+    "test_who_shares_the_processor_has_as_much_of_it_as_another": ("3",),
+    "test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep": (),
+    "test_there_are_at_least_a_hundred_attacks_and_each_says_what_it_tries": (),
+    "test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved": (),
+    "test_a_search_for_neighbours_earns_everything_in_05": ("scikit-learn's tree]", "SciPy"),
+    "test_a_browser_obeys_none_of_them": (),
+    "test_a_verdict_is_looked_at_once": (
+        "brackets]",
+        "spaces in",
+        "environments]",
+        "formulas that",
+    ),
+    "test_many_cells_are_looked_at_once": ("kinds1",),
+    "test_markdown_is_looked_at_once": ("brackets]", "colours", "fences", "tags", "quotes"),
+    "test_tells_a_hidden_question": (
+        "in the cause",
+        "in the name of an exception]",
+        "with commands",
+        "in a key",
+        "in an assertion",
+    ),
+    "test_stopped_anywhere_new_work_never_has_the_time_of_old_work": ("us-T",),
+    "test_refuses_without_the_right": ("sys_chroot", "setuid"),
+    "test_has_no_right": ("becomes root]", "looks", "mounts", "makes a socket]", "makes a root"),
+    "test_what_breaks_readers_costs_its_author_only": ("brackets", "ifs", "long"),
+    "test_nothing_that_crosses_tells_what_another_question_is_drawn_from": ("02", "03", "05", "08"),
+    "test_the_class_goes_on": ("grader.lms",),
+    "test_the_largest_file_is_read_or_refused_in_little_memory": ("<lambda>1",),
+    "test_calls_itself_something_strange": ("not UTF-8", "markup of the web", "a folder", "two"),
+    "test_nothing_of_it_is_in_memory_after_libraries_have_imported_it": ("05",),
+    "test_whole_page_of_a_hostile_notebook_obeys_nothing": ("markdown",),
+    "test_twenty_thousand_cells_that_all_define_the_exercise": (),
+    "test_what_a_library_holds_is_refused_in_05": ("a name in a library]",),
+    "test_right_boxes_over_wrong_axes_earn_everything": ("ascending",),
+    "test_whoever_makes_a_mistake_is_no_slower_than_any_answer_may_be": ("some",),
+    "test_other_wrong_axes_cost_the_boxes_nothing": ("not centred",),
+    "test_on_a_server_dates_are_the_same": (),
+    "test_a_browser_fetches_nothing_for_a_page_and_draws_its_formulas": (),
+    "test_what_is_off_by_a_little_is_wrong": ("3-",),
+    "test_the_largest_cloud_crosses_as_a_list_of_rows": (),
+    "test_principal_axes_are_what_makes_the_curve_fall": (),
+    "test_naive_squares_are_many_on_road_and_on_the_own_car": (),
+    "test_what_six_tenths_gain_is_one_stray_point": (),
+    "test_the_list_of_all_pairs_against_the_tree": (),
+    "test_what_the_two_sweeps_say": (),
+    "test_a_lesson_is_added_by_its_two_places": (),
+    "test_nobody_works": (),
+    "test_nbgrader_enters_nothing_that_was_replaced_after_it_was_judged": (),
+    "test_a_processor_cannot_be_hidden_in_children_of_children_that_are_gone": (),
+    "test_plain_nbgrader_still_grades_by_the_visible_checks": (),
+    "test_a_dead_worker_costs_one_retry_of_one_notebook": ("1",),
+    "test_a_test_that_stands_still_is_named": ("2",),
+    "test_judges_as_at_home": ("False",),
+    "test_nothing_is_written_to_standard_error_and_the_environment_stays": ("]",),
+    "test_cheap_detectors_earn_nothing_to_speak_of": ("no boxes",),
+    "test_draws_into_given_axes_and_returns_them": (
+        "from_above",
+        "clusters]",
+        "boxes]",
+        "no boxes",
+        "plane_model, None",
+        "kd_tree, empty",
+        "histogram, NaN",
+        "label_confusion]",
+    ),
+    "test_small_figures_open_one_new_figure": ("graph]", "boxes, flat", "kd_tree, large", "comp"),
+    "test_what_draws_loads_matplotlib_and_nothing_else_heavy": ("utils.plots", "utils.drive"),
+    "test_a_cell_made_to_break_parsers": ("ninety", "a text", "a hund", "an f", "a power", "a key"),
+    "test_breaks_off_the_conversation": ("sends a", "sends half", "stops", "kills", "becomes"),
+    "test_returns_a_value_that_lies": ("that is", "of a type"),
+    "test_fails_in_a_strange_way": ("a huge", "an exception with", "the end", "endless"),
+    "test_what_is_forbidden_is_not_in_memory_either": ("forbidden0", "forbidden3"),
+    "test_fills_the_kernels_memory_with_empty_files": ("300,000 empty files in /dev",),
+    "test_a_processor_cannot_be_hidden_in_children_that_nobody_reaps": ("by a word", "at an"),
+    "test_what_costs_no_points_is_a_note": ("labels of another type-05", "nothing-10"),
+    "test_what_differs_from_the_release_arrives_and_what_does_not_costs_nothing": ("p", "one"),
+    "test_a_change_judges_those_again_whom_it_concerns": ("grader", "solutions/stage1"),
+    "test_who_writes_into_an_argument_loses_that_check": ("match", "ransac", "crop", "get"),
+    "test_who_breaks_a_promise_loses_that_check": (
+        "match",
+        "ransac",
+        "euclidean_clustering ",
+        "get",
+    ),
+    "test_of_the_wrong_answers_only_those_are_named_that_are_one_text_with_a_change": (
+        "crop",
+        "insert",
+        "ransac",
+    ),
+    "test_nobody_who_wrote_alone_is_named": ("detect", "search", "voxel"),
+    "test_no_random_street_lets_things_stand_in_each_other": ("1",),
+}
+
+
+# What is costly to make is made once in a process, so these run in one: a module for itself, or
+# with others that need the same.
+TOGETHER = {
+    **{name: name for name in ("test_build", "test_scenes", "test_hermetic", "test_markdown")},
+    "test_chroot": "folders for a root",
+    **dict.fromkeys(("test_standalone", "test_site", "test_release"), "standalone notebooks"),
+    "test_requirements": "standalone notebooks",  # as test_release, it looks for all imports
+}
+
+
+# The name of a lesson by itself, and by each of its exercises.
+LESSONS = {
+    key: lesson.name
+    for lesson in every_lesson()
+    for key in (lesson.name, *(exercise.name for exercise in lesson.machine_graded))
+}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_itemcollected(item):
+    """Mark what only `make proof` runs and what runs in one process, before marks are looked at.
+
+    Scenes, right answers and notebooks are made once in a process.
+    """
+    begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
+    if begins is not None and not item.name.partition("[")[2].startswith(begins):
+        item.add_marker(pytest.mark.proof)
+    if group := TOGETHER.get(item.path.stem) or _lesson_of(item):
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
+# What takes longest comes first, so that no processor waits for another in the end.
+LONGEST = (
+    *("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_site", "test_course"),
+    *("test_text", "test_judge", "test_cheap_answers"),
+)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """Sort the tests by length."""
+    names = [item.path.stem for item in items]
+    order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}
+    # Later lessons work on larger clouds.
+    items.sort(key=lambda item: (order[item.path.stem], -_number(item)))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node, error):
+    """End the run when a process dies in a test, as one does that stands still: it is named.
+
+    pytest-xdist would hand that test to the next process, and kill it, too, or wait for ever.
+    """
+    if error:
+        node.config.pluginmanager.getplugin("dsession").triggershutdown()
+
+
+def _lesson_of(item):
+    """Name of the lesson that a test is about: by its file, its marker or its parameters."""
+    if item.path.parent.name in LESSONS:
+        return item.path.parent.name
+    values = getattr(item, "callspec", None) and item.callspec.params.values()
+    for value in values or ():
+        if isinstance(value, Lesson):
+            return value.name
+        if isinstance(value, str) and value in LESSONS:
+            return LESSONS[value]
+    return None
+
+
+def _number(item):
+    group = item.get_closest_marker("xdist_group")
+    return int(group.args[0][:2]) if group and group.args[0][0].isdigit() else 0
+
+
+def pytest_generate_tests(metafunc):
+    """Run a test that takes `lesson` once for each lesson of the course."""
+    if "lesson" in metafunc.fixturenames:
+        metafunc.parametrize("lesson", all_lessons(), ids=lambda lesson: lesson.name)

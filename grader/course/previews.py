@@ -1,0 +1,43 @@
+"""Draw the preview pictures of the lessons: ``python -m grader.course.previews [05 06 ...]``.
+
+Each lesson has a ``preview.py`` with a function `draw` that returns a matplotlib figure.
+"""
+
+import importlib
+import sys
+from collections.abc import Sequence
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+from PIL import Image  # noqa: E402
+
+from grader.course.lessons import all_lessons  # noqa: E402
+
+DOTS_PER_INCH = 110
+# A preview travels inside its notebook, and with so few colours it looks the same in half as
+# many bytes.
+COLOURS = 128
+
+
+def main(numbers: Sequence[str]) -> None:
+    """Draw the previews of the lessons with these numbers, or of all lessons."""
+    for lesson in all_lessons():
+        if numbers and lesson.number not in numbers:
+            continue
+        preview = f"solutions.{lesson.stage}.{lesson.name}.preview"
+        figure = importlib.import_module(preview).draw()
+        path = lesson.folder / f"{lesson.number}_preview.png"
+        # Without the version of matplotlib in it, the same picture is the same file.
+        figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
+        plt.close(figure)
+        with Image.open(path) as drawn:
+            few = drawn.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        few.save(path, optimize=True)
+        print(f"drew {path.name}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

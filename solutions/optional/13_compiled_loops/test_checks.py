@@ -1,0 +1,231 @@
+"""The checks of the optional lesson: right and wrong answers, as Python and compiled."""
+
+import contextlib
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+from grader.course.kept_answers import answers_to
+from grader.course.lessons import load_reference, optional_lessons
+from tests.prerequisites import NUMBA
+from utils.checks import check, checks_of, core
+from utils.checks.compiled import as_python
+from utils.checks.core import ChecksFailed, notes_of, run_check
+from utils.checks.diagnosis import diagnose, known_mistakes
+from utils.checks.waiting_cells import ready
+
+(LESSON,) = (lesson for lesson in optional_lessons() if lesson.number == "13")
+ANSWERS = [(name, variant) for name in LESSON.steps for variant in answers_to(f"{name}")]
+RIGHT = [(name, variant) for name, variant in ANSWERS if variant.right]
+
+
+def named(answers):
+    return [pytest.param(*one, id=f"{one[0]}: {one[1].name}") for one in answers]
+
+
+def namespace_of(decorator=lambda function: function):
+    """What a cell of the lesson finds; `decorator` stands for `njit`."""
+    turns = np.radians(np.arange(90))
+    names = {"np": np, "njit": decorator, "cosines": np.cos(turns), "sines": np.sin(turns)}
+    (taught,) = (one for one in answers_to("root_of") if one.follows_hints)
+    exec(f"@njit\n{taught.source}", names)
+    return names
+
+
+def function_of(name, variant, decorator=lambda function: function):
+    names = namespace_of(decorator)
+    exec(f"@njit\n{variant.source}", names)
+    return names[name]
+
+
+def failures_of(name, function):
+    outcomes = [run_check(one, as_python(function)) for one in checks_of(name)]
+    return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
+
+
+def test_each_function_that_is_written_has_checks_and_none_gives_points():
+    text = LESSON.source.read_text("utf-8")
+    assert len(LESSON.steps) == 5 and LESSON.exercises == ()
+    for name in LESSON.steps:
+        assert text.count(f"\ncheck({name})\n") == 1 and len(notes_of(name)) == 1
+        assert {one.lesson for one in checks_of(name)} == {"lesson_13"}
+        right = [variant.right for variant in answers_to(f"{name}")]
+        assert sum(right) >= 5 and len(right) - sum(right) >= 8
+
+
+@pytest.mark.parametrize("name", LESSON.steps)
+def test_the_lessons_own_answer_passes(name):
+    function = getattr(load_reference(LESSON.name, *LESSON.steps), name)
+    assert not failures_of(name, function) and diagnose(name, as_python(function)) is None
+    assert not run_check(notes_of(name)[0], as_python(function)).failure
+
+
+@pytest.mark.parametrize(("name", "variant"), named(ANSWERS))
+def test_answers_pass_or_lose_what_they_say(name, variant, monkeypatch):
+    monkeypatch.setattr(core, "SECONDS", 1)
+    function = function_of(name, variant)
+    failed = failures_of(name, function)
+    if variant.right:
+        assert not failed and diagnose(name, function) is None
+        return
+    if "did not come back" in variant.says:
+        # What hangs is asked no further.
+        failed = dict([*failed.items()][:1])
+    assert set(variant.loses) <= set(failed), sorted(failed)
+    assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
+    said = " ".join(f"{one.check.title} {one.failure.message} {one.failure.given} "
+                    f"{one.failure.hint} {one.check.hint}" for one in failed.values())  # fmt: skip
+    assert variant.says in said, said
+    mistake = None if "did not come back" in variant.says else diagnose(name, function)
+    assert bool(mistake) == bool(variant.told), mistake
+    assert variant.told in (mistake.says if mistake else "")
+
+
+def test_every_mistake_has_somebody_who_makes_it():
+    for name in LESSON.steps:
+        told = [variant.told for one, variant in ANSWERS if one == name and variant.told]
+        for mistake in known_mistakes(name):
+            assert any(words in mistake.says for words in told), mistake.says
+
+
+class Compiled:
+    """A function of Numba's, as far as `check` looks: it hides what it was made of."""
+
+    def __init__(self, py_func, answer=None):
+        self.py_func, self.__wrapped__, self.__code__ = py_func, py_func, py_func.__code__
+        self.__name__, self.answer = py_func.__name__, answer or py_func
+
+    def __call__(self, *arguments):
+        return self.answer(*arguments)
+
+
+@pytest.fixture
+def numba(monkeypatch):
+    """Numba, if it made nothing faster."""
+    module = ModuleType("numba")
+    module.njit = module.jit = Compiled
+    monkeypatch.setitem(sys.modules, "numba", module)
+    return module
+
+
+def endless(*arguments):
+    raise AssertionError("compiled, nobody could stop it")
+
+
+def test_what_is_compiled_is_asked_as_python(numba, monkeypatch, capsys):
+    monkeypatch.setattr(core, "SECONDS", 0.2)
+    (hangs,) = (one for one in answers_to("root_of") if "did not come back" in one.says)
+    function = function_of("root_of", hangs, lambda made: Compiled(made, endless))
+    with pytest.raises(ChecksFailed):
+        check(function)
+    shown = capsys.readouterr().out
+    assert "did not come back after 0.2 s: does each round of the loop go on" in shown
+    assert not ready(function) and "root_of has not passed" in capsys.readouterr().out
+
+
+def test_what_it_calls_is_asked_as_python_too(numba):
+    (right,) = (one for one in answers_to("unite") if one.follows_hints)
+    function = function_of("unite", right, lambda made: Compiled(made, endless))
+    assert not failures_of("unite", function)
+
+
+def test_a_wrong_helper_is_named(numba, capsys):
+    names = namespace_of(Compiled)
+    for name, which in (("root_of", "the parent"), ("unite", "the hints followed to the letter")):
+        (variant,) = (one for one in answers_to(f"{name}") if one.name == which)
+        exec(f"@njit\n{variant.source}", names)
+    with pytest.raises(ChecksFailed):
+        check(names["unite"])
+    assert "root_of, which this calls, does not pass its own checks" in capsys.readouterr().out
+
+
+def complains(*arguments):
+    raise TypeError(
+        "Failed in nopython mode pipeline\nCannot unify x at 0xf00 and y, defined at /b.py (2)\n\n"
+        f'File "a.py", line {complains.line}:\n'
+    )
+
+
+complains.line = 2
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (complains, "It says of line 2, ``: Cannot unify x and y."),
+        (lambda *arguments: 7, "Compiled, it answers 7, and as Python 5"),
+    ],
+)
+def test_a_note_tells_what_the_compiler_makes_of_it(numba, capsys, answer, words):
+    (right,) = (one for one in answers_to("count_near") if one.follows_hints)
+    function = function_of("count_near", right, lambda made: Compiled(made, answer))
+    check(function)
+    shown = capsys.readouterr().out
+    assert "[note]" in shown and words in shown
+    assert not ready(function)
+    check(right_one := function_of("count_near", right, Compiled))
+    assert "[note]" not in capsys.readouterr().out and ready(right_one)
+
+
+def test_who_forgets_to_compile_is_told_where_there_is_numba(numba, capsys):
+    (right,) = (one for one in answers_to("any_close") if one.follows_hints)
+    function = function_of("any_close", right)
+    check(function)
+    assert "`@njit` above its first line" in capsys.readouterr().out
+    del sys.modules["numba"]
+    check(function)
+    assert "[note]" not in capsys.readouterr().out and ready(function)
+
+
+def test_a_cell_waits_for_what_is_not_written_not_passed_or_written_anew(capsys):
+    def stub(points):
+        raise NotImplementedError
+
+    (right,) = (one for one in answers_to("snuggest_turn") if one.follows_hints)
+    stub.__name__ = "snuggest_turn"
+    with pytest.raises(ChecksFailed):
+        check(stub)
+    capsys.readouterr()
+    assert not ready(stub)
+    said = "snuggest_turn is not written yet: this cell waits for it."
+    assert said in capsys.readouterr().out
+    for function in (function_of("snuggest_turn", right), function_of("snuggest_turn", right)):
+        assert not ready(function)
+        assert (
+            "has not passed its check, or not without a note: this cell waits"
+            in capsys.readouterr().out
+        )
+        check(function)
+        capsys.readouterr()
+        assert ready(function) and not capsys.readouterr().out
+    wrong = next(one for one in answers_to("snuggest_turn") if not one.right)
+    with contextlib.suppress(ChecksFailed):
+        check(function_of("snuggest_turn", wrong))
+    assert not ready(function), "a wrong one came after it"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "variant"), named(RIGHT))
+def test_numba_makes_of_each_right_answer_what_python_does(name, variant):
+    numba = pytest.importorskip("numba", reason=NUMBA)
+    function = as_python(function_of(name, variant, numba.njit))
+    assert function.compiled.py_func and not failures_of(name, function)
+    outcome = run_check(notes_of(name)[0], function)
+    assert not outcome.failure, outcome.failure
+    assert function.compiled.signatures, "it was compiled"
+
+
+@pytest.mark.slow
+def test_numbas_own_words_are_told_with_the_line(tmp_path):
+    numba = pytest.importorskip("numba", reason=NUMBA)
+    file = tmp_path / "cell.py"
+    file.write_text("@njit\ndef any_close(points, a, a_end, b, b_end, limit):\n"
+                    "    rows = [*zip(points[a:a_end], points[b:b_end], strict=True)]\n"
+                    "    return len(rows)\n")  # fmt: skip
+    names = {"njit": numba.njit}
+    exec(compile(file.read_text(), file, "exec"), names)
+    notes = SimpleNamespace(python=as_python(names["any_close"]))
+    outcome = run_check(notes_of("any_close")[0], notes.python)
+    assert "Numba cannot compile it. It says" in outcome.failure.message

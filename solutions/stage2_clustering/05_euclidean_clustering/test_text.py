@@ -1,0 +1,219 @@
+"""What lesson 05 says in prose, with the answer that its hints lead to."""
+
+from collections import deque
+
+import numpy as np
+import pytest
+from sklearn.cluster import DBSCAN
+
+from tests.lesson_texts import names_of, taught
+
+LESSON = "05_euclidean_clustering"
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    return taught("euclidean_clustering")
+
+
+@pytest.fixture(scope="module")
+def street():
+    """All that the lesson's cells define."""
+    return names_of(
+        LESSON, "objects", "kinds", "yard", "in_yard", "true_number", "seven", "close_pairs",
+        "balls", "car", "member", "near", "which_thresholds", "two_errors",
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def labels(street, cluster):
+    return cluster(street["obstacles"])
+
+
+def same_partition(one, other):
+    pairs = np.unique(np.stack([one, other]), axis=1)
+    return pairs.shape[1] == len(np.unique(one)) == len(np.unique(other))
+
+
+def in_space(points):
+    return np.column_stack([points, np.zeros(len(points))])
+
+
+def test_what_is_closer_than_two_metres_comes_from_our_own_car(street):
+    names = street["truth"]["class_names"][street["truth"]["classes"]]
+    close = (np.hypot(street["x"], street["y"]) <= 2) & (street["z"] > -1.2)
+    assert set(names[close]) == {"ego", "invalid"}
+    assert "ego" not in names[street["standing"]]
+
+
+def test_with_the_road_nearly_everything_is_one_cluster(street):
+    x, y = street["x"], street["y"]
+    around = (x > -8) & (x < 22) & (np.abs(y) < 9) & (np.hypot(x, y) > 2)
+    points = street["cloud"][around][::4, :3]
+    sizes = np.bincount(DBSCAN(eps=0.5, min_samples=1).fit_predict(points))
+    assert sizes.max() > 0.9 * len(points)
+
+
+def test_no_ball_is_right(street):
+    obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
+    for radius in (0.5, 3.0):
+        number = street["balls"](obstacles, radius)
+        assert len(np.unique(number[objects == 30])) > 4  # the long wall
+    swallowed = [set(kinds[number == one]) for one in np.unique(number)]
+    assert any({"pedestrian", "car"} <= kinds for kinds in swallowed)
+    # The ring is the ball itself: around its first point, and as wide.
+    ball = number == number[np.argmin(np.hypot(obstacles[:, 0] - 8.9, obstacles[:, 1] + 0.3))]
+    assert {"pedestrian", "car"} == set(kinds[ball])
+    middle = obstacles[np.argmax(ball), :2]
+    assert np.allclose(middle, (8.9, -0.3), atol=0.05)
+    assert np.hypot(*(obstacles[ball, :2] - middle).T).max() < 3.0
+
+
+def test_the_seven_points_are_the_table(street, cluster):
+    seven = street["seven"]
+    pairs = street["close_pairs"](seven, 0.8).tolist()
+    assert pairs == [[0, 2], [0, 4], [1, 3], [2, 4], [2, 5], [4, 5]]
+    assert np.linalg.norm(seven[0] - seven[5]) == pytest.approx(0.91)
+    assert cluster(in_space(seven), 0.8).tolist() == [1, 2, 1, 2, 1, 1, 3]
+
+
+def labelled_on_leaving(points, threshold, most):
+    """The queue's entries when a point gets its label on leaving; and how many left it."""
+    labelled, entries = np.zeros(len(points), dtype=bool), [0]
+    queue = deque(entries)
+    while queue and len(entries) < most:
+        point = queue.popleft()
+        labelled[point] = True
+        close = np.linalg.norm(points[:, :3] - points[point, :3], axis=1) < threshold
+        new = np.flatnonzero(close & ~labelled).tolist()
+        queue.extend(new)
+        entries += new
+    return entries, labelled.sum()
+
+
+def test_a_point_labelled_on_leaving_enters_the_queue_again(street):
+    entries, _ = labelled_on_leaving(in_space(street["seven"]), 0.8, 1000)
+    assert entries == [0, 2, 4, 4, 5, 5, 5]
+    car = street["obstacles"][street["objects"] == 1]
+    gaps = np.linalg.norm(car[:, None, :3] - car[None, :, :3], axis=2)
+    assert 18 < np.mean(np.sum(gaps < 0.5, axis=1) - 1) < 22
+    entries, done = labelled_on_leaving(car, 0.5, 50 * len(car))
+    assert len(entries) >= 50 * len(car) and done < 0.6 * len(car)
+
+
+def test_a_car_grows_as_far_as_the_car(street, cluster):
+    car = street["car"]
+    labels = cluster(car)
+    assert labels.max() == 2  # the car, and the pedestrian that stays grey
+    first = np.argmin(car @ [1, 1, 0])
+    assert np.sum(labels == labels[first]) > 0.8 * len(car)
+    assert (street["states"][-1] > 0).tolist() == (labels == labels[first]).tolist()
+    assert (street["states"][-2] > 0).sum() < (street["states"][-1] > 0).sum()
+
+
+def test_the_longest_cluster_is_three_walls(street, labels):
+    lengths = [
+        np.ptp(street["obstacles"][labels == one, :2], axis=0).max()
+        for one in range(1, labels.max() + 1)
+    ]
+    inside = street["objects"][labels == 1 + np.argmax(lengths)]
+    assert np.unique(inside).tolist() == [29, 30, 36]
+    # The ring is around the short one, which touches the other two.
+    middle = street["obstacles"][street["objects"] == 36, :2].mean(axis=0)
+    assert np.allclose(middle, (-2.0, -8.2), atol=0.3)
+
+
+def test_two_errors_cancel_at_half_a_metre(street, cluster):
+    yard, things = street["yard"], street["objects"][street["in_yard"]]
+    found = cluster(yard, 0.5)
+    assert found.max() == len(np.unique(things))
+    for threshold in (0.25, 0.5):  # both panels have both rings
+        found = cluster(yard, threshold)
+        assert set(found[things == 15]) & set(found[things == 16])
+        assert len(np.unique(found[things == 10])) > 1
+
+
+def test_cyclist_and_car_ride_as_one_at_a_metre_and_a_half(street, cluster):
+    found, things = cluster(street["yard"], 1.5), street["objects"][street["in_yard"]]
+    assert set(found[things == 12]) == set(found[things == 10])
+
+
+def test_no_threshold_is_right_for_both(street):
+    tried = np.array([0.1, 0.15, 0.2, 0.25, 0.3, 0.5, 0.65, 0.7, 1.0, 2.5])
+    apart, whole = street["which_thresholds"](tried)
+    assert apart.any() and whole.any() and not (apart & whole).any()
+
+
+@pytest.mark.slow
+def test_nowhere_are_both_errors_zero(street):
+    torn, joined = street["two_errors"](np.array([0.2, 0.25, 0.5, 0.7, 2.0]))
+    assert (torn + joined > 0).all()
+    assert (np.diff(torn) <= 0).all() and (np.diff(joined) >= 0).all()
+    assert torn[2] > joined[2]  # the default is to the left of the crossing
+
+
+@pytest.mark.slow
+def test_what_six_tenths_gain_is_one_stray_point(street, cluster):
+    torn, joined = street["two_errors"](np.array([0.5, 0.6, 0.65]))
+    assert np.round(18 * torn).tolist() == [5, 4, 2]
+    assert np.round(18 * joined).tolist() == [2, 2, 4]  # one more pair
+    mended = []
+    for car in np.unique(street["objects"][street["kinds"] == "car"]):
+        mine = street["objects"] == car
+        sizes = [
+            np.unique(cluster(street["obstacles"], threshold)[mine], return_counts=True)[1]
+            for threshold in (0.5, 0.6)
+        ]
+        if len(sizes[0]) > len(sizes[1]) == 1:
+            mended.append(sorted(sizes[0].tolist()))
+    assert mended == [[1, 228]]
+
+
+def test_common_mistakes_are_what_the_table_says(street, cluster, labels):
+    obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
+    # 0.71 mends the slanted car and joins two others.
+    wider = cluster(obstacles, 0.5**0.5)
+    assert len(np.unique(labels[objects == 10])) == 2 and len(np.unique(wider[objects == 10])) == 1
+    cars = np.unique(objects[kinds == "car"])
+    together = [
+        (a, b)
+        for a in cars
+        for b in cars[cars > a]
+        if set(wider[objects == a]) & set(wider[objects == b])
+    ]
+    assert together
+    assert not any(set(labels[objects == a]) & set(labels[objects == b]) for a, b in together)
+    # Four columns: nothing here, and confetti where intensities end at 255.
+    for scale, same in ((1, True), (255, False)):
+        four = obstacles * [1, 1, 1, scale]
+        found = DBSCAN(eps=0.5, min_samples=1).fit_predict(four)
+        assert same_partition(found, labels) == same
+    assert found.max() > 10 * labels.max()
+
+
+def test_scikit_learn_gives_the_same_clusters(street, labels):
+    found = DBSCAN(eps=0.5, min_samples=1).fit_predict(street["obstacles"][:, :3]) + 1
+    assert same_partition(found, labels) and found.min() == 1
+
+
+def test_beams_spread_as_far_as_it_says(street):
+    cloud, beams = street["cloud"], street["truth"]["beams"]
+    far = np.hypot(cloud[:, 0], cloud[:, 1]) > 5
+    up = np.degrees(np.arctan2(cloud[:, 2], np.hypot(cloud[:, 0], cloud[:, 1])))
+    angles = [np.median(up[far & (beams == beam)]) for beam in range(2, 12)]
+    step = -np.mean(np.diff(angles))
+    assert step == pytest.approx(1 / 3, abs=0.02)
+    assert [round(100 * r * np.radians(1 / 3)) for r in (30, 80)] == [17, 47]
+
+
+def test_far_cars_lie_in_pieces(street):
+    cloud, truth = street["cloud"], street["truth"]
+    kinds = truth["class_names"][truth["classes"]]
+    far = (truth["objects"] > 0) & (np.hypot(cloud[:, 0], cloud[:, 1]) > 30)
+    found = DBSCAN(eps=0.5, min_samples=1).fit_predict(cloud[far, :3])
+    pieces = {}
+    for car in np.unique(truth["objects"][far & (kinds == "car")]):
+        mine = truth["objects"][far] == car
+        if mine.sum() >= 10 and np.hypot(*cloud[far][mine, :2].mean(axis=0)) > 40:
+            pieces[car] = len(np.unique(found[mine]))
+    assert len(pieces) > 5 and min(pieces.values()) > 1

@@ -1,0 +1,176 @@
+"""What lesson 07 says is so, for who follows its hints to the letter."""
+
+import numpy as np
+import pytest
+
+from tests.lesson_texts import taught
+from utils import load_cloud
+from utils.datasets import DATA
+from utils.drive import STREETS
+from utils.simulator import Sensor, World, hdl64, layers, scan
+from utils.simulator.ground import Ground
+from utils.simulator.streets import numbered, placed
+from utils.simulator.traffic import pedestrian
+
+REGION = (-10, -5, -2), (30, 6, 1)
+EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
+
+
+filter_by_distance = taught("filter_by_distance")
+crop_region = taught("crop_region")
+remove_ego_returns = taught("remove_ego_returns")
+
+CLOUD = load_cloud("cloud.txt")
+TRUTH = np.load(DATA / "cloud_truth.npz")
+NAMES = TRUTH["class_names"].tolist()
+UPRIGHT = CLOUD[:, 2] >= -1.2
+USER = UPRIGHT & np.isin(
+    TRUTH["classes"], [NAMES.index(kind) for kind in ("car", "truck", "pedestrian", "cyclist")]
+)
+USERS = np.column_stack([CLOUD[:, :3], TRUTH["objects"]])[USER]
+
+
+def of_kind(kind):
+    return TRUTH["classes"] == NAMES.index(kind)
+
+
+def seen(rows, at_least=20):
+    """Numbers of the objects that have so many returns among x, y, z, number."""
+    numbers, counts = np.unique(rows[:, 3], return_counts=True)
+    return set(numbers[counts >= at_least].astype(int).tolist())
+
+
+def test_the_tiny_cases_end_as_the_text_says():
+    four = np.array([[11.0, 1, 0, 0.1], [6, 2, 9, 0.1], [4, 3, -12, 0.1], [13, 2, -0.2, 0.1]])
+    assert filter_by_distance(four).tolist() == [[6, 2, 9, 0.1], [4, 3, -12, 0.1]]
+    assert np.hypot(four[:, 0], four[:, 1])[[1, 2]] == pytest.approx([6.3, 5.0], abs=0.05)
+    six = np.array([[-11.0, 2, -1], [31, 2, -1], [1, 2, -1], [1, -6, -1], [1, 7, -1], [1, 2, 1.5]])
+    assert crop_region(six, *REGION).tolist() == [[1, 2, -1]]
+    five = np.array([[0.9, 1, -0.6], [9, 0, -0.7], [-4, 0, -0.7], [0.5, 6, -0.7], [0.5, -3, -0.7]])
+    assert remove_ego_returns(five, *EGO_BOX).tolist() == five[1:].tolist()
+    inside = (five >= EGO_BOX[0]) & (five <= EGO_BOX[1])
+    assert inside.sum(axis=1).tolist() == [3, 2, 2, 2, 2]
+
+
+def test_the_length_of_the_row_empties_the_street_only_with_bright_intensities():
+    kept = np.linalg.norm(CLOUD * [1, 1, 1, 255], axis=1) <= 10
+    assert not (kept & of_kind("car")).any()
+    near = np.hypot(CLOUD[:, 0], CLOUD[:, 1]) <= 10
+    in_space = np.linalg.norm(CLOUD[:, :3], axis=1) <= 10
+    assert ((np.linalg.norm(CLOUD, axis=1) <= 10) != in_space).mean() < 0.001, "hardly shows"
+    assert near.mean() > 0.5, "more than the 1.6 % of the area"
+
+
+def test_a_ball_loses_the_child_and_a_cylinder_keeps_it():
+    sensor = Sensor(
+        elevations=layers(64, -50, 15), azimuth_step=np.radians(0.3), origin=(0, 0, 3.4)
+    )
+    yard = World(Ground(), numbered([placed(pedestrian(1.2), 5.7, 0)]))
+    view = scan(yard, sensor, seed=7)
+    child = view.cloud[view.objects > 0]
+    assert len(child) > 100
+    assert not (np.linalg.norm(child[:, :3], axis=1) <= 6).any()
+    assert len(filter_by_distance(child, 6.0)) == len(child)
+    low, high = child[:, 2].min(), child[:, 2].max()
+    assert low < -3.1 and high > -2.3, "from head to feet"
+
+
+def test_a_metre_more_brings_thousands_near_and_dozens_where_the_slider_ends():
+    obstacles = CLOUD[~(of_kind("invalid") | of_kind("ground") | of_kind("ego"))]
+    distances = np.hypot(obstacles[:, 0], obstacles[:, 1])
+    brought = np.histogram(distances, np.arange(61))[0]
+    assert min(brought[4:12]) > 2000
+    assert 24 < np.median(brought[40:]) < 99
+
+
+def test_half_of_what_stands_is_house_front():
+    assert (UPRIGHT & of_kind("wall")).sum() / UPRIGHT.sum() > 0.5
+
+
+def test_the_car_ahead_is_in_our_lane_and_alone_in_it():
+    ahead = CLOUD[TRUTH["objects"] == 11]
+    assert np.abs(ahead[:, 1].mean()) < 0.3
+    radius = next(r for r in range(1, 81) if len(filter_by_distance(ahead, r)) >= 20)
+    assert 20 <= radius <= 22
+    obstacles = CLOUD[~(of_kind("invalid") | of_kind("ground") | of_kind("ego"))]
+    assert len(filter_by_distance(obstacles, 30)) / len(obstacles) > 0.95, "stops growing"
+
+
+def test_the_far_points_cost_little_and_the_far_users_are_many():
+    """Beyond the stop from 50 km/h few points are left to save, and many road users to lose."""
+    stops = {speed: 2.6 + 0.5 * speed / 3.6 + (speed / 3.6) ** 2 / 14 for speed in (30, 50)}
+    near = {
+        speed: len(filter_by_distance(CLOUD[UPRIGHT], stop)) / UPRIGHT.sum()
+        for speed, stop in stops.items()
+    }
+    users = {
+        speed: len(seen(filter_by_distance(USERS, stop))) / len(seen(USERS))
+        for speed, stop in stops.items()
+    }
+    assert near[50] > 0.9 and near[50] ** 2 > 0.8
+    assert users[50] < 0.75
+    assert users[30] < users[50]
+    assert 10 < stops[30] < 12 < stops[50], "10 m are not enough for 30 km/h"
+
+
+def test_who_drives_towards_us_takes_part_of_the_way():
+    seconds = 0.5 + 50 / 3.6 / 7
+    assert seconds == pytest.approx(2.5, abs=0.05)
+    car = np.flatnonzero(TRUTH["box_identities"] == 119)[0]
+    place, velocity = TRUTH["box_centres"][car, :2], TRUTH["box_velocities"][car]
+    assert np.hypot(*place) == pytest.approx(55, abs=0.5)
+    assert -(velocity @ place) / np.hypot(*place) * seconds == pytest.approx(13, abs=0.5)
+
+
+def test_the_box_sees_far_with_fewer_points_than_the_small_circle_and_no_wall():
+    box = crop_region(CLOUD[UPRIGHT], *REGION)
+    assert len(box) < len(filter_by_distance(CLOUD[UPRIGHT], 10))
+    assert len(crop_region(CLOUD[UPRIGHT & of_kind("wall")], *REGION)) == 0
+    ahead = USERS[USERS[:, 0] > 0]
+    in_street = ahead[np.abs(ahead[:, 1] - 0.5) < 5.5]
+    big = seen(filter_by_distance(in_street, 30))
+    assert seen(crop_region(in_street, *REGION)) == big, "as far ahead as the big circle"
+    lost = seen(filter_by_distance(ahead, 30)) - seen(crop_region(ahead, *REGION))
+    kinds = dict(zip(TRUTH["box_identities"].tolist(), TRUTH["box_kinds"].tolist(), strict=True))
+    assert lost and {kinds[number] for number in lost} == {"pedestrian"}, "who walks there"
+
+
+def test_our_own_car_and_invalid_returns_are_the_nearest():
+    close = filter_by_distance(CLOUD[UPRIGHT])
+    distances = np.sort(np.hypot(close[:, 0], close[:, 1]))
+    invalid = int(of_kind("invalid").sum())
+    assert (distances == 0).sum() == invalid > 0
+    assert distances[invalid] == pytest.approx(1.3, abs=0.01), "always 1.3 m off"
+    assert (distances < 3).sum() == invalid + of_kind("ego").sum(), "and nothing else"
+    mirrors = np.abs(CLOUD[of_kind("ego"), 1]).max()
+    assert EGO_BOX[1][1] - mirrors == pytest.approx(0.6, abs=0.05), "generous"
+    assert hdl64().minimum_range == 1.0
+    free = remove_ego_returns(close, *EGO_BOX)
+    assert len(close) - len(free) == of_kind("ego").sum()
+    rest = remove_ego_returns(free, (-0.1,) * 3, (0.1,) * 3)
+    assert len(free) - len(rest) == invalid
+    assert np.hypot(rest[:, 0], rest[:, 1]).min() > 3
+
+
+def test_outside_in_all_three_loses_the_car_ahead():
+    outside = (CLOUD[:, :3] < EGO_BOX[0]) | (CLOUD[:, :3] > EGO_BOX[1])
+    ahead = TRUTH["objects"] == 11
+    assert not outside.all(axis=1)[ahead].any()
+    assert outside.any(axis=1)[ahead].all()
+
+
+def test_common_mistakes_look_as_they_are_described():
+    x, y = CLOUD[:, 0], CLOUD[:, 1]
+    assert np.hypot(10, 10) / 10 == pytest.approx(1.41, abs=0.005)
+    assert np.sqrt(10) == pytest.approx(3.2, abs=0.05)
+    square = (np.abs(x) <= 10) & (np.abs(y) <= 10)
+    assert np.hypot(x, y)[square].max() > 13
+    inside = (CLOUD[:, :3] >= REGION[0]) & (CLOUD[:, :3] <= REGION[1])
+    assert inside.any(axis=1).mean() > 0.99, "nearly everything stays"
+    assert inside[:, 2].mean() > 0.95, "since most heights are inside"
+
+
+def test_the_child_runs_out_when_the_text_says():
+    (street,) = (one for one in STREETS if one.number == 2)
+    (running,) = street.actors
+    assert int(running.begins / street.limit) == 5

@@ -1,0 +1,210 @@
+"""What lesson 08 says is so, for who follows its hints to the letter."""
+
+import importlib
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from grader.course.lessons import find_lesson
+from tests.lesson_texts import FOLLOWED, source_of, taught
+from utils import load_cloud
+from utils.datasets import DATA
+from utils.plots import corners
+
+LOOPS = "the corners from three nested loops, as the text offers"
+
+
+get_bounding_boxes = taught("get_bounding_boxes")
+
+CLOUD = load_cloud("cloud.txt")
+TRUTH = np.load(DATA / "cloud_truth.npz")
+NEAR = (CLOUD[:, 2] >= -1.2) & (np.hypot(CLOUD[:, 0], CLOUD[:, 1]) < 20)
+LABELS = np.where(NEAR, TRUTH["objects"], 0)
+PRESENT = [label for label in np.unique(LABELS).tolist() if label > 0]
+KINDS = dict(zip(TRUTH["box_identities"].tolist(), TRUTH["box_kinds"].tolist(), strict=True))
+
+
+@pytest.fixture(scope="module")
+def boxes():
+    return get_bounding_boxes(CLOUD, LABELS)
+
+
+def points_of(label, labels=LABELS):
+    return CLOUD[labels == label, :3]
+
+
+def area(box):
+    return float(np.prod(np.ptp(box[:, :2], axis=0)))
+
+
+def shape_of(label):
+    row = np.flatnonzero(TRUTH["box_identities"] == label)[0]
+    return TRUTH["box_centres"][row], TRUTH["box_sizes"][row], TRUTH["box_yaws"][row]
+
+
+def test_the_promised_length_is_that_of_the_hints():
+    promise = int(
+        re.search(r"roughly (\d+) lines", find_lesson("08_bounding_boxes").source.read_text())[1]
+    )
+    lines = source_of("get_bounding_boxes").replace(",\n", ", ").strip().splitlines()[1:]
+    assert len(lines) == promise
+
+
+def test_a_cluster_is_hundreds_of_points_or_thousands():
+    sizes = np.unique(LABELS[LABELS > 0], return_counts=True)[1]
+    assert np.median(sizes) > 100 and sizes.max() > 1000
+
+
+def distance_from_edges(corner, drawn):
+    """How far a corner is drawn from the edges that do not end in it, in units of the drawing."""
+    far = []
+    for start in range(8):
+        for axis in (1, 2, 4):
+            end = start | axis
+            if end != start and corner not in (start, end):
+                along = drawn[end] - drawn[start]
+                share = np.clip((drawn[corner] - drawn[start]) @ along / (along @ along), 0, 1)
+                far.append(np.linalg.norm(drawn[corner] - drawn[start] - share * along))
+    return min(far) / np.ptp(drawn, axis=0).max()
+
+
+@pytest.mark.parametrize("low, high", [((0, 0, 0), (4, 2, 1.5)), ((-2, -1.5, -1.2), (3, 2.5, 0.8))])
+def test_no_number_of_a_corner_is_drawn_on_another_edge(low, high):
+    drawn = corners._oblique(get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0])
+    assert min(distance_from_edges(corner, drawn) for corner in range(8)) > 0.1
+
+
+def test_one_box_is_as_the_text_says():
+    seven = np.array(
+        [
+            [0.5, 0.2, -0.1],
+            [-2.0, 0.4, 0.3],
+            [3.0, -0.3, 0.2],
+            [0.1, -1.5, -0.4],
+            [-0.6, 2.5, 0.1],
+            [1.0, 0.7, -1.2],
+            [-0.2, -0.5, 0.8],
+        ]
+    )
+    box = get_bounding_boxes(seven, np.ones(7, dtype=int))
+    assert box.shape == (1, 8, 3)
+    assert box[0, [0, 7]].tolist() == [[-2, -1.5, -1.2], [3, 2.5, 0.8]]
+
+
+@pytest.mark.parametrize("name", [FOLLOWED, LOOPS])
+def test_the_table_of_corners(name):
+    """The rows of the table in the text, read from the lesson itself."""
+    text = find_lesson("08_bounding_boxes").source.read_text()
+    corner = np.array([[1.0, 2, 3], [4, 5, 6]])
+    box = taught("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
+    for axis, letter in enumerate("xyz"):
+        row = re.search(rf"^# \| {letter} \|(.+)\|$", text, re.M)[1].replace("*", "").split("|")
+        expected = [corner[int(word.strip() == "max"), axis] for word in row]
+        assert box[:, axis].tolist() == expected
+    assert (box[4:, :2] == box[:4, :2]).all(), "the roof stands straight above the floor"
+
+
+def test_labels_have_gaps_and_the_picture_shows_as_many_boxes_as_the_lesson(boxes):
+    assert max(PRESENT) > len(PRESENT) == len(boxes)
+    figure = importlib.import_module("solutions.stage3_obstacles.08_bounding_boxes.preview").draw()
+    legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    plt.close(figure)
+    assert f"boxes: {len(boxes)}" in legend
+
+
+def test_nothing_of_a_cluster_is_outside(boxes):
+    for label, box in zip(PRESENT, boxes, strict=True):
+        points = points_of(label)
+        assert (points >= box.min(axis=0)).all() and (points <= box.max(axis=0)).all()
+        assert not ((box.min(axis=0) <= 0) & (box.max(axis=0) >= 0)).all(), "reaches the sensor"
+
+
+def test_circles_block_the_lane(boxes):
+    circles, obstacles = set(), set()
+    for label in PRESENT:
+        xy = points_of(label)[:, :2]
+        middle = xy.mean(axis=0)
+        radius = np.linalg.norm(xy - middle, axis=1).max()
+        if abs(middle[1]) - radius < 1:
+            circles.add(label)
+        if (np.abs(xy[:, 1]) < 1).any():
+            obstacles.add(label)
+    assert obstacles < circles
+    assert {"car", "wall"} <= {KINDS[label] for label in circles - obstacles}
+
+
+def test_the_box_of_the_diagonal_car_is_larger_than_the_car_and_smaller_than_for_all_of_it(boxes):
+    _, size, yaw = shape_of(10)
+    length, width = size[:2]
+    cosine, sine = abs(np.cos(yaw)), abs(np.sin(yaw))
+    whole = (length * cosine + width * sine) * (length * sine + width * cosine)
+    assert 1.3 * length * width < area(boxes[PRESENT.index(10)]) < 0.8 * whole
+
+
+def test_the_box_of_the_whole_car_is_largest_at_45_degrees_and_then_a_square():
+    _, size, _ = shape_of(10)
+    length, width = size[:2]
+    angles = np.radians(np.arange(0, 91, 5))
+    along = length * np.cos(angles) + width * np.sin(angles)
+    aside = length * np.sin(angles) + width * np.cos(angles)
+    formula = length * width + (length**2 + width**2) * np.sin(2 * angles) / 2
+    assert along * aside == pytest.approx(formula)
+    assert (along * aside).argmax() == 9
+    assert along[9] == pytest.approx(aside[9])
+    assert length * width / formula[9] < 0.5, "more than half is air"
+
+
+def test_what_was_not_seen_sticks_out(boxes):
+    across = np.linspace(-0.5, 0.5, 50)
+    spots = np.array([(x, y) for x in across for y in across])
+    for label in (10, 4, 13):
+        centre, size, yaw = shape_of(label)
+        turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+        footprint = (spots * size[:2]) @ turn.T + centre[:2]
+        box = boxes[PRESENT.index(label), :, :2]
+        outside = ((footprint < box.min(axis=0)) | (footprint > box.max(axis=0))).any(axis=1)
+        assert outside.mean() > 0.15
+
+
+def test_one_vehicle_stands_out_as_diagonal():
+    vehicles = np.isin(TRUTH["box_kinds"], ["car", "truck", "cyclist"])
+    vehicles &= np.isin(TRUTH["box_identities"], PRESENT)
+    off = np.degrees(TRUTH["box_yaws"][vehicles]) % 90
+    off = np.minimum(off, 90 - off)
+    assert np.count_nonzero(off >= 10) == 1
+
+
+def test_a_hundred_questions_pay_for_the_boxes(boxes):
+    by_point, by_box = 6 * np.count_nonzero(LABELS), 6 * len(boxes)
+    assert by_point + by_box > by_point, "one question: nothing is gained"
+    assert by_point + 100 * by_box < 100 * by_point / 50
+
+
+def test_elif_is_right_for_most_maxima_and_wrong_mostly_for_heights():
+    wrong = []
+    for label in PRESENT:
+        points = points_of(label)
+        for axis in range(3):
+            values = points[:, axis]
+            # A value that is a new minimum is never tried as a maximum.
+            tried = values[1:][values[1:] >= np.minimum.accumulate(values)[:-1]]
+            if len(tried) and tried.max() < values.max():
+                wrong.append(axis)
+    assert 0 < len(wrong) < 3 * len(PRESENT) / 4, "right for most"
+    assert wrong.count(2) > len(wrong) / 2, "mostly heights"
+
+
+def test_common_mistakes_look_as_they_are_described():
+    box = get_bounding_boxes(CLOUD, (LABELS == 0).astype(int))[0]
+    assert (box.min(axis=0) < 0).all() and (box.max(axis=0) > 0).all(), "with us inside"
+    assert np.ptp(box[:, 0]) > 100, "over the whole street"
+    assert np.array([]).shape == (0,)
+    points = points_of(10)
+    cube = get_bounding_boxes(np.array([[points.min()] * 3, [points.max()] * 3]), np.array([1, 1]))[
+        0
+    ]
+    assert np.ptp(np.ptp(cube, axis=0)) == 0
+    with pytest.raises(ValueError):
+        points_of(8).min(axis=0)  # a gap

@@ -1,0 +1,41 @@
+"""The three steps of lesson 10: right and wrong answers, and what their checks say of them."""
+
+import pytest
+
+from grader.course.kept_answers import answers_to
+from grader.course.lessons import load_reference
+from utils.checks import checks_of
+from utils.checks.core import run_check
+
+STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
+LESSON = load_reference("10_accelerated_clustering", *STEPS)
+ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(f"{name}")]
+
+
+def failures_of(name, function):
+    outcomes = [run_check(one, function) for one in checks_of(name)]
+    return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_the_lessons_own_answer_passes(name):
+    assert not failures_of(name, getattr(LESSON, name))
+
+
+@pytest.mark.parametrize(
+    ("name", "variant"),
+    [pytest.param(*one, id=f"{one[0]}: {one[1].name}") for one in ANSWERS],
+)
+def test_answers_pass_or_lose_what_they_say(name, variant):
+    space = dict(getattr(LESSON, name).__globals__)  # with all that the lesson gives
+    exec(variant.source, space)
+    failed = failures_of(name, space[name])
+    if variant.right:
+        assert not failed
+        return
+    assert set(variant.loses) <= set(failed), sorted(failed)
+    assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
+    said = [
+        f"{one.failure.message} {one.failure.hint or one.check.hint}" for one in failed.values()
+    ]
+    assert variant.says in " ".join(said), said

@@ -1,0 +1,314 @@
+"""What lesson 10 says holds for the plan that it teaches."""
+
+import json
+from time import process_time
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from grader.course.kept_answers import answers_to
+from grader.course.lessons import find_lesson, load_reference
+from grader.intake.preflight import prepare
+from grader.intake.submission import HandedIn
+from grader.judging.runner import _own_time
+from grader.lms.autograded import build_copy
+from utils import load_cloud
+from utils.checks.core import notes_of, run_check
+from utils.checks.lesson_10.accelerated import _seconds_to_find_neighbours
+
+NAME = "10_accelerated_clustering"
+STEPS = ("points_in_cells", "join_cheaply", "join_exactly")
+GIVEN = (
+    "components",
+    "join_all_pairs",
+    "seconds_of",
+    "clusters_by",
+    "neighbours_by_tree",
+    "same_clusters",
+    "on_floors",
+    "as_numbers",
+    "spring_the_trap",
+)
+LESSON = load_reference(
+    NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "after_two_steps"
+)
+
+
+@pytest.fixture(scope="module")
+def obstacles():
+    cloud = load_cloud("cloud.txt")
+    own_car = np.hypot(cloud[:, 0], cloud[:, 1]) < 2
+    return cloud[(cloud[:, 2] > -1.2) & ~own_car, :3]
+
+
+@pytest.fixture(scope="module")
+def right(obstacles):
+    return LESSON.join_all_pairs(obstacles)
+
+
+def open_pairs(label, pairs):
+    return label[pairs[:, 0]] != label[pairs[:, 1]]
+
+
+def test_the_steps_on_seven_points():
+    """What the notebook prints beside "expected" stands there as text."""
+    text, seven, wide = find_lesson(NAME).source.read_text("utf-8"), LESSON.seven, np.sqrt(3)
+    cells, first, cell_of_point = LESSON.points_in_cells(seven, wide)
+    assert f"[{', '.join(str(one) for one in cells[:, :2].astype(int).tolist())}]" in text
+    assert str(first.tolist()) in text and str(cell_of_point.tolist()) in text
+    pairs, label = LESSON.join_cheaply(seven, cells, first, wide)
+    assert str(sorted(pairs.tolist())) in text
+    gaps = np.linalg.norm(seven[first[pairs[:, 0]]] - seven[first[pairs[:, 1]]], axis=1)
+    # "Seven are neighbours. Three are joined, that settles a fourth by a detour. Three are left."
+    assert (len(pairs), (gaps < wide).sum(), open_pairs(label, pairs).sum()) == (7, 3, 3)
+    assert label[4] == label[5]  # who renames cell 4 alone leaves cell 5 behind, and sees it
+    before = label.copy()
+    exact = LESSON.join_exactly(seven, cell_of_point, pairs, label, wide)
+    assert np.array_equal(label, before)
+    assert len(set(exact[1:])) == 1 and len(set(exact)) == 2
+    found = LESSON.euclidean_clustering_accelerated(seven, wide)
+    assert f"expected: {found}" in text
+
+
+def test_of_each_open_pair_one_cell_visits_the_other_on_its_floor(obstacles):
+    points = obstacles[::3]
+    cells, first, cell_of_point = LESSON.points_in_cells(points, 0.4)
+    pairs, label = LESSON.join_cheaply(points, cells, first, 0.4)
+    chosen = pairs[open_pairs(label, pairs)]
+    p, q, pair_of_q = LESSON.on_floors(points, cell_of_point, chosen, 0.4)
+    floor_of_p, floor_of_q = (np.rint(one[:, 3] / 0.8).astype(int) for one in (p, q))
+    assert np.allclose(p[:, 3], 0.8 * floor_of_p) and np.allclose(q[:, 3], 0.8 * floor_of_q)
+    assert len(chosen) > 100
+    many, visited = np.bincount(cell_of_point), 0
+    assert (np.bincount(floor_of_p, minlength=len(many)) <= many).all()  # each is at home once
+    for number, (one, other) in enumerate(chosen):
+        host, guest = (one, other) if many[one] >= many[other] else (other, one)
+        mine, theirs = (points[cell_of_point == cell] for cell in (host, guest))
+        gaps = np.linalg.norm(mine[:, None] - theirs, axis=2)
+        for found, whole, gap in (
+            (p[floor_of_p == host], mine, gaps.min(axis=1)),
+            (q[pair_of_q == number], theirs, gaps.min(axis=0)),
+        ):
+            found = {*map(tuple, found[:, :3].tolist())}
+            left_out = np.array([tuple(point) not in found for point in whole.tolist()])
+            assert found <= {*map(tuple, whole.tolist())}
+            assert not left_out.any() or len(whole) >= 100
+            assert (gap[left_out] >= 0.4).all()  # these join nothing
+        assert {*floor_of_q[pair_of_q == number]} <= {host}
+        visited += (pair_of_q == number).any()
+    assert visited > 100
+
+
+def test_heaps_end_to_end_are_not_asked_about_point_by_point():
+    """One tree for all knows no box around each heap: it took 14 s for what lies crosswise."""
+    rng = np.random.default_rng(5)
+    rods = rng.uniform(0, [0.04, 0.002, 0.002], (4, 5000, 3))
+    rods += [[[x, 0.0, 0.0]] for x in (0.0, 0.542, 6.0, 6.542)]
+    points = rods.reshape(-1, 3) @ np.linalg.qr(rng.normal(size=(3, 3)))[0] + [3.0, -7.0, 1.0]
+    cells, first, cell_of_point = LESSON.points_in_cells(points, 0.5)
+    pairs, label = LESSON.join_cheaply(points, cells, first, 0.5)
+    chosen = pairs[open_pairs(label, pairs)]
+    p, q, _ = LESSON.on_floors(points, cell_of_point, chosen, 0.5)
+    assert len(chosen) >= 2 and len(p) + len(q) < len(points) / 10
+    pieces = LESSON.join_exactly(points, cell_of_point, pairs, label, 0.5)
+    assert len(set(pieces[cell_of_point])) == 4
+
+
+@pytest.mark.parametrize("radius", [0.001, 0.2, 1.0])
+def test_the_plan_is_exact_for_a_heap_within_a_shell(radius):
+    """Each point of the heap is as near to all of the shell: once it took seven seconds."""
+    rng = np.random.default_rng(7)
+    v = rng.normal(size=(2, 4000, 3))
+    v /= np.linalg.norm(v, axis=2, keepdims=True)
+    for gap, clusters in ((0.5001, 2), (0.4999, 1)):
+        points = np.concatenate([radius * v[0], (radius + gap) * v[1]])
+        points[4000] = (radius + gap) * v[0, 0]  # the nearest is as near as the gap
+        for way in (LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed):
+            labels = way(points, 0.5)
+            assert labels.max() == clusters and len(set(labels[:4000])) == 1
+
+
+def test_no_open_pair_has_no_floor():
+    none = np.empty((0, 2), dtype=int)
+    p, q, pair_of_q = LESSON.on_floors(LESSON.seven, np.arange(7), none, 0.5)
+    assert p.shape == q.shape == (0, 4) and pair_of_q.shape == (0,)
+
+
+@pytest.mark.parametrize("far", [1.0, 1e6, 1e13, 1e300])
+def test_equal_rows_and_no_others_have_equal_numbers(far):
+    rows = np.array([[0, 0, -3], [1, 0, 0], [0, 1, 0], [1, 0, 0], [-1, 0, 3], [0, 0, -3.0]]) * far
+    different, kind = np.unique(rows, axis=0, return_inverse=True)
+    numbers = LESSON.as_numbers(rows)
+    assert np.array_equal(np.unique(numbers, return_inverse=True)[1], kind.ravel())
+    assert len(np.unique(numbers)) == len(different)
+
+
+def test_no_gap_of_the_seven_points_is_close_to_the_threshold():
+    gaps = cKDTree(LESSON.seven).sparse_distance_matrix(cKDTree(LESSON.seven), 9.0).toarray()
+    assert np.abs(gaps[gaps > 0] - np.sqrt(3)).min() > 0.05
+
+
+@pytest.mark.slow
+def test_the_cheap_step_settles_nearly_all(obstacles, right):
+    labels, cells, pairs, still_open = LESSON.after_two_steps(obstacles)
+    assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
+    assert len(obstacles) / cells < 10  # "a handful of points" in a cell
+    assert 0.01 < still_open / pairs < 0.03  # "about one pair in fifty"
+    assert labels.max() > right.max() + 1  # torn, and nothing runs together:
+    for part in np.unique(labels):
+        assert len(np.unique(right[labels == part])) == 1
+
+
+@pytest.mark.slow
+def test_both_versions_are_exact_and_number_alike(obstacles, right):
+    for points, threshold in ((obstacles, 0.5), (obstacles[::5], 0.23), (obstacles[::9], 1.4)):
+        taught = LESSON.euclidean_clustering_accelerated(points, threshold)
+        assert np.array_equal(taught, LESSON.clustering_at_full_speed(points, threshold))
+        exact = right if points is obstacles else LESSON.join_all_pairs(points, threshold)
+        assert LESSON.same_clusters(taught, exact)
+
+
+def test_what_is_said_about_pairs(obstacles):
+    few, tree = obstacles[::20], cKDTree(obstacles)
+
+    def company(tree, points, threshold):
+        return (tree.query_ball_point(points, threshold, return_length=True) - 1).mean()
+
+    assert company(tree, few, 0.5) > 100  # hundreds; and n - 1 pairs would be enough
+    for threshold in (0.25, 0.5, 1.0):  # "two or three times as long"
+        longer = company(tree, few, 2 * threshold) / company(tree, few, threshold)
+        assert 2 < longer < 3.4
+    half = np.random.default_rng(0).permutation(obstacles)[: len(obstacles) // 2]
+    pairs = len(obstacles) * company(tree, few, 0.5)
+    assert pairs / (len(half) * company(cKDTree(half), half[::10], 0.5)) == pytest.approx(
+        4, rel=0.1
+    )
+
+
+@pytest.mark.slow
+def test_the_list_of_all_pairs_against_the_tree(obstacles):
+    """About as long as asking the tree alone; much quicker than asking it and joining."""
+    by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
+    few = np.random.default_rng(1).permutation(obstacles)[:6000]
+    for points in (few, obstacles):
+        listed = LESSON.seconds_of(LESSON.join_all_pairs, points)
+        assert LESSON.seconds_of(by_tree, points) > 2 * listed
+    asking = LESSON.seconds_of(LESSON.neighbours_by_tree, obstacles, obstacles)
+    assert listed < 1.5 * asking
+
+
+def test_fewer_cells_and_open_pairs_at_larger_thresholds(obstacles):
+    counts = [LESSON.after_two_steps(obstacles[::3], one)[1:] for one in (0.2, 0.5, 1.0)]
+    assert (np.diff(counts, axis=0) < 0).all()
+
+
+def test_joining_without_measuring_is_like_a_threshold_half_as_large_again(obstacles):
+    cells, _, which = LESSON.points_in_cells(obstacles, 0.5)
+    pairs, _ = LESSON.join_cheaply(obstacles, cells, np.zeros(len(cells), int), 0.5)
+    joined = LESSON.components(len(cells), pairs).max() + 1
+    small, large = (LESSON.euclidean_clustering_accelerated(obstacles, one) for one in (0.85, 0.65))
+    assert small.max() < joined < large.max()
+
+
+def test_one_thing_in_five_tears_where_only_the_next_cells_are_looked_at(obstacles, right):
+    cells, first, which = LESSON.points_in_cells(obstacles, 0.5)
+    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
+    label = LESSON.join_exactly(obstacles, which, pairs, np.arange(len(cells)), 0.5)[which]
+    parts = np.unique(np.stack([right, label]), axis=1)[0]
+    assert np.mean(np.bincount(parts) > 1) == pytest.approx(0.2, abs=0.03)
+
+
+def test_an_order_taken_for_ranks_is_noted():
+    def clustering(cloud, threshold=0.5):
+        points = cloud[:, :3]
+        cells, first, cell_of_point = LESSON.points_in_cells(points, threshold)
+        pairs, label = LESSON.join_cheaply(points, cells, first, threshold)
+        label = LESSON.join_exactly(points, cell_of_point, pairs, label, threshold)
+        _, start, which = np.unique(label[cell_of_point], return_index=True, return_inverse=True)
+        return np.argsort(start)[which] + 1
+
+    notes = notes_of("euclidean_clustering_accelerated")
+    failed = {one.name for one in notes if run_check(one, clustering).failure}
+    assert failed == {"numbers_by_appearance"}
+
+
+def test_a_partition_is_compared_both_ways():
+    assert LESSON.same_clusters(np.array([5, 5, 2]), np.array([0, 0, 1]))
+    assert not LESSON.same_clusters(np.array([1, 2, 3]), np.array([0, 0, 1]))
+    assert not LESSON.same_clusters(np.array([0, 0, 1]), np.array([1, 2, 3]))
+
+
+def test_the_solution_is_as_long_as_promised():
+    """Lines between the marks, wrapped ones counted once, against "roughly N lines"."""
+    text = find_lesson(NAME).source.read_text("utf-8")
+    for name in (*STEPS, "euclidean_clustering_accelerated"):
+        body = text[text.index(f"\ndef {name}(") :]
+        promised = int(body.split("# roughly ")[1].split()[0])
+        solution = body.split("### BEGIN SOLUTION\n")[1].split("### END")[0]
+        lines = [line for line in solution.splitlines() if len(line) - len(line.lstrip()) < 24]
+        assert abs(len(lines) - promised) <= 1, name
+
+
+@pytest.mark.slow
+def test_the_fast_version_is_faster(obstacles):
+    def seconds(way):
+        begin = process_time()
+        way(obstacles)
+        return process_time() - begin
+
+    # In turn, so that a busy machine slows both alike; it is about two.
+    ways = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
+    ratios = [seconds(ways[0]) / seconds(ways[1]) for _ in range(5)]
+    assert np.median(ratios) > 1.3
+
+
+def test_the_fast_version_is_not_given_out():
+    released = find_lesson(NAME).released.read_text("utf-8")
+    for word in ("sort_into_cells", "join_by_tree", "searchsorted"):
+        assert word not in released
+
+
+@pytest.mark.parametrize("quadratic", [True, False])
+def test_the_trap_stops_what_would_fill_the_memory(quadratic, capsys):
+    asked = []
+
+    def pretend(cloud):
+        asked.append(len(cloud))
+        n = len(cloud) / 1000
+        until = process_time() + (0.03 * n**2 if quadratic else 0.03 * n)
+        while process_time() < until:
+            pass
+        return np.zeros(len(cloud), int)
+
+    LESSON.spring_the_trap(pretend, most=6_000)
+    said = capsys.readouterr().out
+    assert ("Stopped" in said) == quadratic
+    assert (max(asked) == 6_000) == quadratic  # 3,000 in each heap, and no more
+    assert "GB" in said.split("Stopped")[0]
+
+
+def test_the_hints_to_the_letter_are_a_right_answer():
+    names = [variant.name for variant in answers_to("euclidean_clustering_accelerated")]
+    assert "the hints followed to the letter, in three steps" in names
+
+
+def test_steps_stay_the_students_own_in_the_autograded_copy():
+    """They carry no points, but without them the graded function does nothing."""
+    lesson = find_lesson(NAME)
+    notebook = json.loads(lesson.released.read_text("utf-8"))
+    for cell in notebook["cells"]:
+        if cell["metadata"].get("nbgrader", {}).get("grade_id") in STEPS:
+            cell["source"] = [f"{cell['metadata']['nbgrader']['grade_id']} = print  # mine"]
+    copy = build_copy(prepare(HandedIn(f"{NAME}.ipynb", json.dumps(notebook).encode()), lesson))
+    for name in STEPS:
+        found = [cell for cell in copy.cells if f"{name} = print" in cell.source]
+        assert [cell.metadata.nbgrader.grade_id for cell in found] == [name]
+        assert not any(f"def {name}(" in cell.source for cell in copy.cells)
+
+
+def test_a_search_for_neighbours_takes_time_also_while_the_judge_waits():
+    """A yardstick of nothing would make every answer slow, on machines that are quick."""
+    cloud = np.random.default_rng(1).normal(size=(50, 3))
+    with _own_time(60):
+        assert min(_seconds_to_find_neighbours(cloud) for _ in range(200)) > 0

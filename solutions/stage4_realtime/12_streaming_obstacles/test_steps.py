@@ -1,0 +1,84 @@
+"""The steps of the tracker in lesson 12: right and wrong answers, and what theory says of gains."""
+
+import numpy as np
+import pytest
+
+from grader.course.kept_answers import answers_to
+from grader.course.lessons import find_lesson, load_reference
+from tests.lesson_texts import names_of
+from utils.checks import checks_of
+from utils.checks.core import run_check
+from utils.checks.diagnosis import diagnose, known_mistakes
+
+LESSON = find_lesson("12_streaming_obstacles")
+STEPS = ("predict_boxes", "correct_boxes", "coast")
+ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(f"{name}")]
+
+
+def function_of(name, variant):
+    namespace = {"np": np}
+    exec(variant.source, namespace)
+    return namespace[name]
+
+
+def failures_of(name, function):
+    outcomes = [run_check(one, function) for one in checks_of(name)]
+    return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_the_lessons_own_answer_passes(name):
+    step = getattr(load_reference(LESSON.name, *STEPS), name)
+    assert not failures_of(name, step) and diagnose(name, step) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "variant"),
+    [pytest.param(*one, id=f"{one[0]}: {one[1].name}") for one in ANSWERS],
+)
+def test_answers_pass_or_lose_what_they_say(name, variant):
+    function = function_of(name, variant)
+    failed = failures_of(name, function)
+    if variant.right:
+        assert not failed and diagnose(name, function) is None
+        return
+    assert set(variant.loses) <= set(failed), sorted(failed)
+    assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
+    said = " ".join(f"{one.failure.message} {one.failure.hint} {one.check.hint}"
+                    for one in failed.values())  # fmt: skip
+    assert variant.says in said, said
+    mistake = diagnose(name, function)
+    assert bool(mistake) == bool(variant.told), mistake
+    assert variant.told in (mistake.says if mistake else "")
+
+
+def test_every_mistake_has_somebody_who_makes_it():
+    for name in STEPS:
+        told = [variant.told for one, variant in ANSWERS if one == name and variant.told]
+        for mistake in known_mistakes(name):
+            assert any(words in mistake.says for words in told), mistake.says
+
+
+def settled(wobble, acceleration, seconds):
+    """The gains at which a Kalman filter for constant velocity ends, by the Riccati recursion."""
+    step = np.array([[1, seconds], [0, 1]])
+    push = np.array([seconds**2 / 2, seconds]) * acceleration
+    noise, state = np.outer(push, push), np.eye(2) * 100.0
+    for _ in range(20_000):
+        ahead = step @ state @ step.T + noise
+        gains = ahead[:, 0] / (ahead[0, 0] + wobble**2)
+        state = ahead - np.outer(gains, ahead[0])
+    return gains
+
+
+@pytest.mark.parametrize(
+    ("wobble", "acceleration", "seconds"), [(0.085, 2.0, 0.1), (0.02, 3.0, 0.1), (0.3, 0.7, 0.25)]
+)
+def test_the_gains_are_those_of_a_settled_kalman_filter(wobble, acceleration, seconds):
+    lesson = names_of(LESSON.name, "gain_for", "correct_boxes")
+    alpha, beta_per_second = settled(wobble, acceleration, seconds)
+    gain = lesson["gain_for"](wobble, acceleration, seconds)
+    assert gain == pytest.approx(alpha, rel=1e-6)
+    box = np.zeros((1, 8, 3))
+    _, velocity = lesson["correct_boxes"](box, np.zeros((1, 3)), box + 1.0, gain, seconds)
+    assert velocity[0, 0] == pytest.approx(beta_per_second, rel=1e-6)
