@@ -120,7 +120,7 @@ def test_object(student):
     one.see([[0.0, 0.0, -2.0], [0.0, 0.0, -1.0]])
     assert one.z == -1.0
 """,
-    "solutions/stage4_realtime/14_toy/answers/highest.py": """\
+    "solutions/stage4_realtime/14_toy/answers/highest.txt": """\
 # %% right: a loop
 def highest(cloud):
     z = cloud[0][2]
@@ -339,7 +339,7 @@ def test_every_lesson_has_its_files(lesson):
     assert checks.with_suffix(".py").is_file() != checks.is_dir()
     assert (lesson.folder / "preview.py").is_file()
     for exercise in lesson.machine_graded:
-        assert (lesson.folder / "answers" / f"{exercise.name}.py").is_file()
+        assert (lesson.folder / "answers" / f"{exercise.name}.txt").is_file()
         assert checks_of(exercise.name)
         assert lesson_of(exercise.name) == lesson
 

@@ -377,7 +377,7 @@ def test_a_comment_in_a_plotting_module_judges_nobody_again(copy):
         "grader/lms/gradebook_writer.py",
         "solutions/footer_cell.md",
         "solutions/stage3_obstacles/06_filter_ground/slips.py",
-        "solutions/stage3_obstacles/06_filter_ground/answers/voxel_grid.py",
+        "solutions/stage3_obstacles/06_filter_ground/answers/voxel_grid.txt",
     )
     with contextlib.ExitStack() as stack:
         for name in elsewhere:

@@ -1,16 +1,22 @@
-"""Answers that students give: right ones in many styles, wrong ones from real mistakes.
+"""Kept answers: right ones in many styles, wrong ones from real mistakes.
 
-They are in ``answers/<exercise>.py`` of their lesson, one after another, each under a line such as
-``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right one that does what
-the lesson's hints say is called so: ``the hints followed to the letter``. A wrong one goes on with
-``# loses:`` (the checks that it fails, among others; with ``# loses only:`` no others),
-``# says:`` (words that the message of one of them holds) and ``# told:`` (words of the mistake
-that is told; without that line, none may be told). The tests grade them all; the demo gives them
-to its pretend students.
+They are in ``answers/<exercise>.txt`` of their lesson, one after another, each under a line such as
+``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right answer that does
+what the lesson's hints say is called so: ``the hints followed to the letter``. Notes follow a
+wrong answer's title: ``# loses:`` names the checks that it fails, among others (``# loses only:``
+these and no others), ``# says:`` words of the message of one of them, and ``# told:`` words of the
+mistake that the student is shown; without that line no mistake may be shown.
+
+A long answer may be an edit of another one of its file: ``# like:`` and the other's title, then
+what changes. Lines that begin with ``-`` are replaced by the lines with ``+`` below them. Lines
+with ``=`` stay, and say where the others are. The other answer holds such lines once.
+
+The tests grade all kept answers, and the sample class of the demo submits them.
 """
 
 import json
 import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grader.course.lessons import Lesson
@@ -40,30 +46,84 @@ class KeptAnswer:
 
 def answers_to(exercise: str) -> tuple[KeptAnswer, ...]:
     """The answers to an exercise, or to a step that nothing grades, in the order of their file."""
-    (path,) = (PROJECT / "solutions").glob(f"*/*/answers/{exercise}.py")
+    (path,) = (PROJECT / "solutions").glob(f"*/*/answers/{exercise}.txt")
     text = path.read_text("utf-8")
     sections = re.split(r"^# %% (right|wrong): (.+)\n", text, flags=re.M)[1:]
+    bodies = {name.strip(): body for name, body in zip(sections[1::3], sections[2::3], strict=True)}
     return tuple(
-        _kept_answer(exercise, kind == "right", name, body)
+        _kept_answer(exercise, kind == "right", name.strip(), body, bodies)
         for kind, name, body in zip(sections[::3], sections[1::3], sections[2::3], strict=True)
     )
 
 
-def _kept_answer(exercise: str, right: bool, name: str, body: str) -> KeptAnswer:
-    kinds = r"^# (loses only|loses|says|told): (.+)\n"
-    notes, source = dict(re.findall(kinds, body, flags=re.M)), re.sub(kinds, "", body, flags=re.M)
+def _kept_answer(
+    exercise: str, right: bool, name: str, body: str, bodies: Mapping[str, str]
+) -> KeptAnswer:
+    notes, source = _notes_and_source(body)
+    if like := notes.get("like"):
+        if like not in bodies:
+            raise ValueError(f"{exercise}, {name}: there is no answer {like!r} to be like.")
+        source = edited(_notes_and_source(bodies[like])[1], source, f"{exercise}, {name}")
     only = notes.get("loses only", "")
     loses = tuple(filter(None, map(str.strip, (only or notes.get("loses", "")).split(","))))
     return KeptAnswer(
         exercise,
-        name.strip(),
+        name,
         right,
-        source.strip() + "\n",
+        source + "\n",
         loses,
         notes.get("says", ""),
         bool(only),
         notes.get("told", ""),
     )
+
+
+def _notes_and_source(body: str) -> tuple[dict[str, str], str]:
+    notes = r"^# (like|loses only|loses|says|told): (.+)\n"
+    return dict(re.findall(notes, body, flags=re.M)), re.sub(notes, "", body, flags=re.M).strip()
+
+
+def edited(source: str, edits: str, name: str) -> str:
+    """Apply the edits of a kept answer to the source of another.
+
+    Parameters
+    ----------
+    source : str
+    edits : str
+        Lines that begin with ``=``, ``-`` or ``+``; see above.
+    name : str
+        What a sentence calls the answer.
+
+    Raises
+    ------
+    ValueError
+        If the source does not hold the lines of an edit exactly once.
+    """
+    lines, changes = source.split("\n"), []
+    for before, after in _hunks(edits):
+        places = [at for at in range(len(lines)) if lines[at : at + len(before)] == before]
+        if len(places) != 1:
+            raise ValueError(
+                f"{name}: the answer that it is like has {before[0]!r} and the lines below "
+                f"{len(places)} times. Add the line above, with = before it, so that it is once."
+            )
+        changes.append((places[0], len(before), after))
+    for at, count, after in reversed(changes):
+        lines[at : at + count] = after
+    return "\n".join(lines)
+
+
+def _hunks(edits: str) -> Iterator[tuple[list[str], list[str]]]:
+    """Yield the lines that each edit finds, and those that it leaves there."""
+    before, after, is_complete = [], [], False
+    for line in [*edits.split("\n"), ""]:
+        mark, text = line[:1], line[2:]
+        if before and (not mark or (is_complete and mark != "+")):
+            yield before, after
+            before, after = [], []
+        is_complete = mark == "+"
+        before += [text] if mark in ("=", "-") else []
+        after += [text] if mark in ("=", "+") else []
 
 
 def fill_in(lesson: Lesson, answers: dict[str, str]) -> str:

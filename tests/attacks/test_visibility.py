@@ -70,7 +70,7 @@ def test_walks_the_project_and_every_home():
         "reads a solution": "solutions/stage2_clustering/04_kd_tree/lesson.py",
         "reads a solved notebook": "solutions/stage2_clustering/04_kd_tree.ipynb",
         "reads a released notebook": "notebooks/stage2_clustering/04_kd_tree.ipynb",
-        "reads a right variant": "solutions/stage2_clustering/04_kd_tree/answers/insert.py",
+        "reads a right variant": "solutions/stage2_clustering/04_kd_tree/answers/insert.txt",
         "reads what is true of the course's cloud": "data/cloud_truth.npz",
         "reads the course's history": ".git",
     },

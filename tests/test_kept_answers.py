@@ -1,0 +1,64 @@
+"""Answers that are kept with the course, some of them as edits of others."""
+
+import pytest
+
+from grader.course import kept_answers
+from grader.course.kept_answers import answers_to, edited
+
+SOURCE = "def f(a):\n    b = a + 1\n\n    for c in b:\n        print(c)\n    return b"
+
+
+@pytest.mark.parametrize(
+    ("edits", "becomes"),
+    [
+        ("-     b = a + 1\n+     b = a - 1", SOURCE.replace("+", "-")),
+        (
+            "-         print(c)\n+         print(c)\n+         a.add(c)",
+            "…print(c)\n        a.add(c)",
+        ),
+        ("=     b = a + 1\n+     b = b", "…b = a + 1\n    b = b"),
+        ("-\n", SOURCE.replace("\n\n", "\n")),
+        (
+            "-     b = a + 1\n+     b = a\n-     return b\n+     return a",
+            SOURCE.replace("a + 1", "a").replace("return b", "return a"),
+        ),
+        ("-\n\n-     return b\n", SOURCE.replace("\n\n", "\n").replace("\n    return b", "")),
+        ("= def f(a):\n=     b = a + 1\n+     c = 2", "…b = a + 1\n    c = 2"),
+    ],
+    ids=["a line", "a last line", "an insertion", "a blank line", "two", "two less", "context"],
+)
+def test_an_edit_changes_its_lines_and_no_others(edits, becomes):
+    if becomes.startswith("…"):
+        first, _, _ = becomes[1:].partition("\n")
+        becomes = SOURCE.replace(first, becomes[1:])
+    assert edited(SOURCE, edits, "an answer") == becomes
+
+
+@pytest.mark.parametrize(
+    ("edits", "count"), [("-     b = a - 1\n+     b = a", 0), ("- x\n+ y", 0), ("- 1\n+ 2", 2)]
+)
+def test_lines_that_are_not_there_exactly_once_are_named(edits, count):
+    with pytest.raises(ValueError, match=f"^voxels: .* {count} times"):
+        edited(SOURCE + "\n1\n1", edits, "voxels")
+
+
+def test_an_answer_may_be_an_edit_of_one_below_it(tmp_path, monkeypatch):
+    folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"
+    folder.mkdir(parents=True)
+    text = """# %% wrong: minus
+# like: a sum
+# loses: adds
+- return a + b
++ return a - b
+
+# %% right: a sum
+return a + b
+"""
+    (folder / "add.txt").write_text(text, "utf-8")
+    (folder / "sub.txt").write_text(text.replace("like: a sum", "like: a product"), "utf-8")
+    monkeypatch.setattr(kept_answers, "PROJECT", tmp_path)
+    wrong, right = answers_to("add")
+    assert (wrong.source, wrong.loses, wrong.right) == ("return a - b\n", ("adds",), False)
+    assert (right.source, right.right) == ("return a + b\n", True)
+    with pytest.raises(ValueError, match="sub, minus: there is no answer 'a product'"):
+        answers_to("sub")
