@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
-from grader.judging.messages import text_of, told
+from grader.judging.messages import message_of, told
 from grader.judging.runner import run_tests
 from utils.checks import CheckFailed, check, checks_of
 from utils.checks.assertions import (
@@ -665,7 +665,7 @@ def test_messages_of_hidden_tests_hold_no_word_of_the_student(lesson, name):
         if not outcome.check.is_shown:
             assert isinstance(outcome.failure, CheckFailed), outcome
             assert SECRET not in outcome.failure.message
-            assert SECRET not in text_of(told(outcome, open_to_all=True))
+            assert SECRET not in message_of(told(outcome, open_to_all=True)).text
 
 
 # ---- exercises of one class ----------------------------------------------------------------------

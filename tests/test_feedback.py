@@ -26,6 +26,7 @@ from grader.judging.verdict import (
     JUDGED,
     CheckResult,
     ExerciseResult,
+    Kind,
     Slip,
     Verdict,
     write_verdict,
@@ -56,9 +57,11 @@ MISTAKE = (
 )
 
 
-def check(name, message="", visible=True, title=""):
-    passed = not message
-    return CheckResult(name, title or f"It {name}", passed, float(passed), 1.0, message, visible)
+def check(name, message="", visible=True, title="", kind=Kind.OWN, subject=""):
+    passed, hint = not message, next((m for m in message.split("\n") if "Hint:" in m), "")
+    title = title or f"It {name}"
+    about = (kind, subject, hint)
+    return CheckResult(name, title, passed, float(passed), 1.0, message, visible, *about)
 
 
 WRONG = ExerciseResult(
@@ -68,8 +71,8 @@ WRONG = ExerciseResult(
     (
         check("joins"),
         check("parts", MISTAKE),
-        check("keeps", "For the same reason as “It parts”."),
-        *(check(f"waits {n}", "Cannot be judged yet. First: parts are apart.") for n in range(12)),
+        check("keeps", "For the reason of “It parts”.", kind=Kind.SAME_REASON),
+        *(check(f"waits {n}", "Later: parts are apart.", kind=Kind.WAITING) for n in range(12)),
         check("hidden[1]", "… rows too many.", False, "Right elsewhere"),
         check("hidden[2]", "… rows too many.", False, "Right elsewhere"),
         check("hastens", "It took `1` minute.", False),
@@ -125,12 +128,20 @@ def test_what_says_something_of_its_own_is_folded_with_its_like_alone():
     [
         ((), "", "nothing could be checked", True),
         ((check("a"), check("b")), "", "all 2 checks hold", True),
-        ((check("a", "f is not started."),), "", "none of 1 checks hold", False),
+        ((check("a", "Begin.", kind=Kind.NOT_STARTED),), "", "none of 1 checks hold", False),
     ],
 )
 def test_checks_in_words(tests, first, words, started):
     folded = fold(ExerciseResult("f", 0.0, 1.0, tests, "", first))
     assert (folded.in_words, folded.started) == (words, started)
+
+
+@pytest.mark.parametrize(
+    ("stub", "says"), [("f", "f is not started."), ("g", "f calls g. Write g first.")]
+)
+def test_a_stub_is_named(stub, says):
+    tests = (check("a", "f calls g. Write g first.", kind=Kind.NOT_STARTED, subject=stub),)
+    assert fold(ExerciseResult("f", 0.0, 1.0, tests)).not_started == says
 
 
 # ---- lateness -----------------------------------------------------------------------------------

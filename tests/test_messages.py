@@ -6,14 +6,16 @@ import pytest
 
 from grader.course.paths import PROJECT
 from grader.judging.messages import (
+    Message,
     failure_of,
     in_common,
+    message_of,
     messages_of,
-    text_of,
     told,
     without_numbers,
 )
 from grader.judging.runner import JudgeTimeout
+from grader.judging.verdict import Kind
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.quotation import LONGEST_LINE, sentence_on, sentence_on_cell
 from utils.checks import Check, CheckFailed
@@ -38,7 +40,7 @@ UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.
 
 def words(check, failure, open_to_all=True):
     """What is told about a failure, line by line."""
-    return text_of(told(Outcome(check, failure), open_to_all)).split("\n")
+    return message_of(told(Outcome(check, failure), open_to_all)).text.split("\n")
 
 
 def test_of_what_holds_nothing_is_told():
@@ -93,10 +95,10 @@ def test_where_there_is_more_to_see_is_said_once(failure, says):
     others = [CheckFailed("another"), CheckFailed("a third")]
     outcomes = [Outcome(SHOWN, one) for one in (failure, *others)]
     messages = messages_of(resolve(outcomes))
-    ends = [message.rsplit("\n", 1)[-1] for message in messages.values()]
+    ends = [message.text.rsplit("\n", 1)[-1] for message in messages.values()]
     assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [says or SEE_ANSWER]
     hidden = messages_of(resolve([Outcome(HIDDEN, failure)]))
-    assert "in the notebook" not in "".join(hidden.values())
+    assert "in the notebook" not in "".join(message.text for message in hidden.values())
 
 
 def test_the_kind_of_a_failure_is_told_and_its_own_hint():
@@ -258,12 +260,37 @@ def test_one_cause_is_told_once_and_every_other_in_full():
         Outcome(Check("4", "f", "Fourth", "Four."), NotYet("First")),
     ]
     messages = messages_of(resolve(outcomes, mistake=UPSIDE_DOWN))
-    assert {one.check.name: message for one, message in messages.items()} == {
-        "1": "It is upside down.\nno array\nHint: Turn it round.",
-        "2": "another",
-        "3": "For the same reason as “First”.",
-        "4": "Cannot be judged yet. First: First.",
+    assert {outcome.check.name: message for outcome, message in messages.items()} == {
+        "1": Message(
+            "It is upside down.\nno array\nHint: Turn it round.", hint="Hint: Turn it round."
+        ),
+        "2": Message("another"),
+        "3": Message("For the same reason as “First”.", Kind.SAME_REASON, "First"),
+        "4": Message("Cannot be judged yet. First: First.", Kind.WAITING, "First"),
     }
+
+
+@pytest.mark.parametrize(
+    ("failure", "kind", "subject"),
+    [
+        (CheckFailed("no"), Kind.OWN, ""),
+        (Raised("no", kind="ValueError", place=None), Kind.OWN, ""),
+        (NotStarted("f", "f"), Kind.NOT_STARTED, "f"),
+        (NotStarted("f", "g"), Kind.NOT_STARTED, "g"),
+        (NotYet("it is sorted"), Kind.WAITING, "it is sorted"),
+        (Stopped("no"), Kind.OWN, ""),
+        (Stopped("no", out_of_time=True), Kind.OUT_OF_TIME, ""),
+    ],
+)
+def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
+    message = message_of(Outcome(SHOWN, failure), hinted=False)
+    assert (message.kind, message.subject, message.hint) == (kind, subject, "")
+
+
+def test_a_call_that_takes_too_long_is_known_as_such():
+    for out_of_time in (False, True):
+        error = StudentStopped("f did not come back.", "slow", out_of_time)
+        assert failure_of(Outcome(HIDDEN, error), False).out_of_time is out_of_time
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.intake.submission import HandedIn
-from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
+from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Kind, Slip, Verdict
 from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import duration, marks_table
 from grader.lms.report import FEWEST, Run, write_report
@@ -36,8 +36,8 @@ SIX, SEVEN = find_lesson("06_filter_ground"), find_lesson("07_filter_by_distance
 STAGE = SIX.stage
 
 
-def check(passed, name="keeps", title="Keeps it", message="", points=1.0, visible=True):
-    return CheckResult(name, title, passed, points * passed, points, message, visible)
+def check(passed, name="keeps", title="Keeps it", message="", points=1.0, visible=True, **about):
+    return CheckResult(name, title, passed, points * passed, points, message, visible, **about)
 
 
 def verdict(student, checks, cause="", lesson=SIX, **more):
@@ -222,7 +222,7 @@ def test_the_sandbox_is_named(tmp_path):
     assert "sandbox" not in on_a_cluster
 
 
-NOT_STARTED = "filter_ground is not started: replace `raise NotImplementedError` with your code."
+UNTOUCHED = check(False, kind=Kind.NOT_STARTED, subject="filter_ground")
 
 
 def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
@@ -230,13 +230,14 @@ def test_what_is_not_started_does_not_crowd_out_mistakes(tmp_path):
         dataclasses.replace(
             verdict(name, [check(False)]),
             exercises=(
-                ExerciseResult("filter_ground", 0.0, 1.0, (check(False),), NOT_STARTED, ""),
+                ExerciseResult("filter_ground", 0.0, 1.0, (UNTOUCHED,), "It is a stub.", ""),
             ),
         )
         for name in ("ada", "bo", "cy")
     ]
     wrong = verdict("dee", [check(False)], "`<` stands where `>=` is asked for.")
-    assert not_started([*empty, wrong]) == [("filter_ground", 3)]
+    calls_a_stub = verdict("ed", [check(False, kind=Kind.NOT_STARTED, subject="voxel_grid")])
+    assert not_started([*empty, wrong, calls_a_stub]) == [("filter_ground", 3)]
     assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
     others = [
         verdict(name, [check(False)], f"{count} rows; at least 4 are wanted.")
@@ -285,9 +286,9 @@ def test_too_few_students_are_said_to_be_too_few(tmp_path):
 
 
 def test_damage_and_time_outs_are_seen(tmp_path):
-    slow = "filter_ground did not answer within 10 seconds; is there a loop that never ends?"
+    slow = check(False, message="It takes ages.", kind=Kind.OUT_OF_TIME)
     damaged = dataclasses.replace(verdict("bo", []), problems=("It is cut off.",))
-    page = report(tmp_path, [verdict("ada", [check(False, message=slow)], slow), damaged])
+    page = report(tmp_path, [verdict("ada", [slow], "It takes ages."), damaged])
     assert "<h2>Out of time</h2>" in page and "<h2>Mended, noticed or unreadable</h2>" in page
     assert "<td>It is cut off.</td>" in page
     clean = report(tmp_path, [verdict("ada", [check(True)])])

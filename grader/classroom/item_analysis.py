@@ -8,11 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.judging.messages import in_common, without_numbers
-from grader.judging.verdict import ExerciseResult, Verdict
+from grader.judging.verdict import ExerciseResult, Kind, Verdict
 
 # Of fewer, chance makes a discrimination of 0.4 where there is none.
 ENOUGH = 20
-_NO_ANSWER = "did not answer within"
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,8 @@ def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
 
 def is_not_started(exercise: ExerciseResult) -> bool:
     """Whether nothing was written for an exercise."""
-    return not exercise.first and " is not started" in exercise.cause.partition("\n")[0]
+    stubs = {test.subject for test in exercise.tests if test.kind == Kind.NOT_STARTED}
+    return not exercise.first and exercise.name in stubs
 
 
 def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
@@ -141,5 +141,5 @@ def out_of_time(verdict: Verdict) -> list[str]:
     return [
         exercise.name
         for exercise in verdict.exercises
-        if _NO_ANSWER in exercise.cause or any(_NO_ANSWER in t.message for t in exercise.tests)
+        if any(test.kind == Kind.OUT_OF_TIME for test in exercise.tests)
     ]

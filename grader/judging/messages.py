@@ -5,11 +5,14 @@ wrong, where in the student's own code, and our hint. Of a visible test the ques
 notebook; but a neighbour's may be in the answer. There the student's own `check()` shows all.
 """
 
+import dataclasses
 import functools
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from grader.judging.runner import JudgeTimeout
+from grader.judging.verdict import Kind
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.quotation import sentence_on
 from utils.checks import CheckFailed
@@ -49,7 +52,17 @@ def told(outcome: Outcome, open_to_all: bool) -> Outcome:
     return Outcome(outcome.check, failure_of(outcome, visible))
 
 
-def messages_of(story: Story) -> dict[Outcome, str]:
+@dataclass(frozen=True)
+class Message:
+    """What to tell about a failed check; the attributes are those of `CheckResult`."""
+
+    text: str
+    kind: Kind = Kind.OWN
+    subject: str = ""
+    hint: str = ""
+
+
+def messages_of(story: Story) -> dict[Outcome, Message]:
     """What to tell about each failed test; one cause is told once.
 
     A hint comes with the first failure alone, as in `check()`: what else failed may have another
@@ -58,28 +71,37 @@ def messages_of(story: Story) -> dict[Outcome, str]:
     if story.first is None:
         return {}
     in_full = {
-        story.first: text_of(story.first, story.mistake),
-        **{one: text_of(one, hinted=False) for one in (*story.others, *story.waiting)},
+        story.first: message_of(story.first, story.mistake),
+        **{one: message_of(one, hinted=False) for one in (*story.others, *story.waiting)},
     }
-    for one in in_full:
+    for one, message in in_full.items():
         if pointer := _where_to_see_more(one):
-            in_full[one] += f"\n{pointer}"
+            in_full[one] = dataclasses.replace(message, text=f"{message.text}\n{pointer}")
             break
-    same = f"For the same reason as “{story.first.check.title}”."
+    title = story.first.check.title
+    same = Message(f"For the same reason as “{title}”.", Kind.SAME_REASON, title)
     return in_full | dict.fromkeys(story.same, same)
 
 
-def text_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> str:
+def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> Message:
     """What to tell about a failure, line by line."""
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if hinted else ""
-    lines = [
-        mistake.says if mistake else "",
-        failure.message,
-        failure.tip,
-        hint and f"Hint: {hint}",
-    ]
-    return "\n".join(line for line in lines if line)
+    hint = hint and f"Hint: {hint}"
+    lines = [mistake.says if mistake else "", failure.message, failure.tip, hint]
+    kind, subject = _kind_and_subject(failure)
+    return Message("\n".join(line for line in lines if line), kind, subject, hint)
+
+
+def _kind_and_subject(failure: CheckFailed) -> tuple[Kind, str]:
+    match failure:
+        case NotStarted():
+            return Kind.NOT_STARTED, failure.stub
+        case NotYet():
+            return Kind.WAITING, failure.basic
+        case Stopped(out_of_time=True):
+            return Kind.OUT_OF_TIME, ""
+    return Kind.OWN, ""
 
 
 def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
@@ -87,7 +109,7 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
         question = outcome.check.slow or ENDLESS
-        return Stopped(str(error).replace(ENDLESS, question), error.reason)
+        return Stopped(str(error).replace(ENDLESS, question), error.reason, error.out_of_time)
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.course.lessons import Exercise, Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
 from grader.judging.error_carried_forward import Followed
-from grader.judging.messages import messages_of, text_of, told
+from grader.judging.messages import Message, message_of, messages_of, told
 from grader.judging.points import shares, total
 from grader.judging.program_run import Asked
 from grader.judging.repair import Repair
@@ -50,10 +50,10 @@ def result_of(
     messages = messages_of(story)
     most = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
     checks = tuple(
-        _result(outcome, points, messages.get(outcome, ""))
+        _result(outcome, points, messages.get(outcome, Message("")))
         for outcome, points in zip(tellable, most, strict=True)
     )
-    said += [text_of(story.first, story.mistake)] if story.first else []
+    said += [message_of(story.first, story.mistake).text] if story.first else []
     first = story.first.check.name if story.first and not story.not_started else ""
     score = total([result.score for result in checks])
     slip = _slip(proven, exercise.points, score) if proven else None
@@ -70,7 +70,17 @@ def _slip(proven: Repair | Mistake, points: float, score: float) -> Slip:
     return Slip(proven.cell, proven.line, proven.before, proven.after, kept)
 
 
-def _result(outcome: Outcome, points: float, message: str) -> CheckResult:
+def _result(outcome: Outcome, points: float, message: Message) -> CheckResult:
     check, passed = outcome.check, outcome.failure is None
-    score = points if passed else 0.0
-    return CheckResult(check.name, check.title, passed, score, points, message, check.is_shown)
+    return CheckResult(
+        check.name,
+        check.title,
+        passed,
+        points if passed else 0.0,
+        points,
+        message.text,
+        check.is_shown,
+        message.kind,
+        message.subject,
+        message.hint,
+    )

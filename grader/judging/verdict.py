@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import enum
 import functools
 import json
 import os
@@ -15,9 +16,36 @@ LONGEST_LINE = 100
 JUDGED, FAILED = "judged", "judge_failed"
 
 
+class Kind(enum.StrEnum):
+    """The kind of a check's message. Layout and folding use it, never the words."""
+
+    OWN = "own"  # says something of its own; also an empty message
+    SAME_REASON = "same reason"  # fails for the same reason as another check
+    WAITING = "waiting"  # cannot be judged before something more basic is right
+    NOT_STARTED = "not started"  # meets a stub
+    OUT_OF_TIME = "out of time"  # a call took too long
+
+
 @dataclass(frozen=True)
 class CheckResult:
-    """One check: what it demands, whether it holds, and what to tell the student."""
+    """One check: what it demands, whether it holds, and what to tell the student.
+
+    Attributes
+    ----------
+    name, title : str
+    passed : bool
+    score, max_score : float
+    message : str
+        All that there is to read, line by line.
+    visible : bool
+        Whether students see the check in the notebook.
+    kind : Kind
+    subject : str
+        What the message is about: the function that is not started, the title of the check with
+        the same reason, or what has to be right first.
+    hint : str
+        The line of the message that is a hint.
+    """
 
     name: str
     title: str
@@ -26,6 +54,9 @@ class CheckResult:
     max_score: float
     message: str
     visible: bool
+    kind: Kind = Kind.OWN
+    subject: str = ""
+    hint: str = ""
 
 
 @dataclass(frozen=True)
@@ -134,6 +165,8 @@ class Verdict:
         for exercise in content["exercises"]:
             # A summary for reports: the messages of the tests say it all.
             del exercise["cause"], exercise["first"]
+            for test in exercise["tests"]:
+                del test["kind"], test["subject"], test["hint"]
             if exercise["slip"]:  # what to write there is for the student to find
                 del exercise["slip"]["before"], exercise["slip"]["after"]
         return content

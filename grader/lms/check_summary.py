@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.judging.messages import in_common, without_numbers
-from grader.judging.verdict import CheckResult, ExerciseResult
+from grader.judging.verdict import CheckResult, ExerciseResult, Kind
 
-# How the messages of checks begin that are told together, and what is said of one and of many.
+# Messages of these kinds are told together: what is said of one and of many.
 TOGETHER = {
-    "For the same reason as “": ("fails for the same reason", "fail for the same reason"),
-    "Cannot be judged yet.": ("cannot be judged before this is right",) * 2,
+    Kind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
+    Kind.WAITING: ("cannot be judged before this is right",) * 2,
 }
 ALIKE = ("fails in the same way", "fail in the same way")
 
@@ -44,6 +44,7 @@ class Folded:
 
     Attributes
     ----------
+    exercise : str
     first : CheckResult or None
         The failure to begin with, told in full; None where everything holds.
     others : tuple of CheckResult
@@ -51,14 +52,21 @@ class Folded:
     folds : tuple of Fold
     passed : tuple of CheckResult
     started : bool
-        False for a stub that nobody touched: then only the message of `first` says anything.
+        False for a stub that nobody touched: then only `not_started` says anything.
     """
 
+    exercise: str
     first: CheckResult | None
     others: tuple[CheckResult, ...]
     folds: tuple[Fold, ...]
     passed: tuple[CheckResult, ...]
     started: bool
+
+    @property
+    def not_started(self) -> str:
+        """The sentence on a stub: without what to do, which the notebook says."""
+        stub = self.first.subject
+        return f"{stub} is not started." if stub == self.exercise else self.first.message
 
     @property
     def in_words(self) -> str:
@@ -84,6 +92,7 @@ def fold(exercise: ExerciseResult) -> Folded:
             groups.setdefault(_kind(test, first), []).append(test)
     alone = {kind for kind, group in groups.items() if len(group) == 1 and isinstance(kind, str)}
     return Folded(
+        exercise.name,
         first,
         tuple(groups[kind][0] for kind in groups if kind in alone),
         tuple(_fold(kind, group) for kind, group in groups.items() if kind not in alone),
@@ -94,9 +103,8 @@ def fold(exercise: ExerciseResult) -> Folded:
 
 def _kind(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
     """What checks have in common: a message of their own, or what is said of one and of many."""
-    for opening, words in TOGETHER.items():
-        if test.message.startswith(opening):
-            return words
+    if test.kind in TOGETHER:
+        return TOGETHER[test.kind]
     message = without_numbers(test.message)
     said = without_numbers(first.message).splitlines()
     return ALIKE if set(message.splitlines()) <= set(said) else message

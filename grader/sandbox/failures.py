@@ -76,10 +76,12 @@ class StudentStopped(RemoteStopped):
     ----------
     reason : str
         The same for all that have one reason; by default the sentence.
+    out_of_time : bool
+        Whether a call of the student's function took too long.
     """
 
-    def __init__(self, sentence: str, reason: str = "") -> None:
-        self.reason = reason or sentence
+    def __init__(self, sentence: str, reason: str = "", out_of_time: bool = False) -> None:
+        self.reason, self.out_of_time = reason or sentence, out_of_time
         super().__init__(sentence)
 
 

@@ -396,6 +396,7 @@ class Student:
             raise StudentStopped(
                 f"Not tried: {code} had to be stopped {times} before. {stops[-1]}",
                 stops[-1].reason,
+                stops[-1].out_of_time,
             )
 
     def _try_whole_notebook(self) -> None:
@@ -431,7 +432,8 @@ class Student:
             if time.monotonic() >= self._budget.until:
                 self._stop(what, f"The notebook was given up: {self._over()}")
             sentence = too_slow.format(seconds=round(seconds, 1))
-            self._stop(what, sentence, self._budget.hung.setdefault(what, sentence))
+            reason = self._budget.hung.setdefault(what, sentence)
+            self._stop(what, sentence, reason, out_of_time=what not in (_NEEDED, _ALL))
         except wire_format.WireError:
             self._stop(
                 what,
@@ -450,7 +452,9 @@ class Student:
             self._took = patience.taken()
             self._budget.seconds -= self._took
 
-    def _stop(self, what: str, sentence: str | None, reason: str = "") -> NoReturn:
+    def _stop(
+        self, what: str, sentence: str | None, reason: str = "", out_of_time: bool = False
+    ) -> NoReturn:
         """Kill the worker, remember what was stopped and why, and say so."""
         self._budget.note_lost(what, self._took)
         self._past = self.cpu_seconds
@@ -459,7 +463,7 @@ class Student:
         code = worker.stop()
         if sentence is None:
             sentence = why_it_ended(code if by_itself else None)
-        stop = StudentStopped(sentence, reason)
+        stop = StudentStopped(sentence, reason, out_of_time)
         self._stops.setdefault(what, []).append(stop)
         raise stop from None
 

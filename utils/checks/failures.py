@@ -114,6 +114,7 @@ class NotYet(CheckFailed):
     """The property cannot be looked at while something more basic is wrong."""
 
     def __init__(self, basic: str) -> None:
+        self.basic = basic
         super().__init__(f"Cannot be judged yet. First: {basic}.")
 
     @property
@@ -157,8 +158,8 @@ class NotStarted(CheckFailed):
 class Stopped(CheckFailed):
     """The function did not come back, or took its process with it; for the same reason or not."""
 
-    def __init__(self, message: str, reason: str = "") -> None:
-        self._reason = reason or message
+    def __init__(self, message: str, reason: str = "", out_of_time: bool = False) -> None:
+        self._reason, self.out_of_time = reason or message, out_of_time
         super().__init__(message)
 
     @property
