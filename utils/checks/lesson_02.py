@@ -956,7 +956,7 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
                 expected="True",
             )
         matching_lines += 1
-        if matching_lines == 3:  # three are enough: the comparison counts the point always or never
+        if matching_lines == 3:  # each comparison gives the same result
             return
 
 
