@@ -1,7 +1,7 @@
 """Visible checks of lesson 05: `euclidean_clustering`.
 
 The clouds are chosen so that one mistake fails few checks. A fixed threshold of 0.5, or a square
-too many or too few, fails only one. Balls instead of chains fail no check that uses pairs of points.
+too many or too few, fails only one. Balls instead of chains pass all checks that use pairs.
 """
 
 import sys
