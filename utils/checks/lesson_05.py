@@ -248,7 +248,7 @@ def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
     assert_clusters(euclidean_clustering(cloud.copy(), 0.8), np.ones(400, int), cloud, 0.8)
 
 
-# ---- what costs no points ----------------------------------------------------------------------
+# ---- notes, which cost no points ---------------------------------------------------------------
 
 
 @noted(
@@ -290,7 +290,7 @@ def parts_at_the_threshold(euclidean_clustering: Callable) -> None:
     assert_parts_at_the_threshold(euclidean_clustering)
 
 
-# ---- what people do ----------------------------------------------------------------------------
+# ---- common mistakes ---------------------------------------------------------------------------
 
 
 def _around_first_points(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:

@@ -326,7 +326,7 @@ def assert_thins(voxel_grid: Callable) -> None:
 
 def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
     """Return x, y and z of an answer, which may lack the other columns."""
-    yours, what = as_array(answer, what="an array of points"), "an array of points"
+    yours, description = as_array(answer, what="an array of points"), "an array of points"
     if yours.ndim == 2 and yours.shape[1] == 3:
         return yours
     if yours.ndim == 1 and yours.size == cloud.shape[1] and yours.dtype.kind != "b":
@@ -335,7 +335,7 @@ def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
             yours=f"shape {yours.shape}",
             expected=f"shape (1, {cloud.shape[1]})",
         )
-    return as_array(answer, columns=cloud.shape[1], what=what)[:, :3]
+    return as_array(answer, columns=cloud.shape[1], what=description)[:, :3]
 
 
 def _call_text(cloud: np.ndarray, size: float) -> str | None:

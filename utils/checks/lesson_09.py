@@ -91,12 +91,12 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
     stays = (yours > 0) & (expected > 0)
     wrong = np.flatnonzero(stays & (yours != expected))
     if len(wrong):
-        place = wrong[0]
+        index = wrong[0]
         raise CheckFailed(
-            f"Point {place} has another label than before. What stays keeps its label, gaps and "
+            f"Point {index} has another label than before. What stays keeps its label, gaps and "
             "all.",
-            yours=f"label {yours[place]}",
-            expected=f"label {expected[place]}",
+            yours=f"label {yours[index]}",
+            expected=f"label {expected[index]}",
             draw=lambda: _draw(labels, yours, expected),
         )
 

@@ -111,7 +111,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
     raise CheckFailed(
         f"{point} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
         f"along {letter}.",
-        given=f"{letter} of these points, sorted: {_text(np.sort(values))}",
+        given=f"{letter} of these points, sorted: {_list_text(np.sort(values))}",
         yours=f"{letter} = {values[0]:g}",
         expected=f"{letter} = {median:g}",
         draw=_draw_tree(order, points),
@@ -182,7 +182,7 @@ def assert_halves(answer: object, points: np.ndarray) -> None:
         assert_lower_medians(order, points)
 
 
-def _text(values: np.ndarray) -> str:
+def _list_text(values: np.ndarray) -> str:
     return ", ".join(f"{value:g}" for value in values[:8]) + ", ..." * (len(values) > 8)
 
 
@@ -230,7 +230,7 @@ def starts_with_the_median(median_order: Callable) -> None:
         if x != median:
             raise CheckFailed(
                 "The first point of the order is not the median along x.",
-                given=f"x of the {len(points)} points, sorted: {_text(np.sort(points[:, 0]))}",
+                given=f"x of the {len(points)} points, sorted: {_list_text(np.sort(points[:, 0]))}",
                 yours=f"x = {x:g}",
                 expected=f"x = {median:g}",
             )

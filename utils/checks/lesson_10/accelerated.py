@@ -422,7 +422,7 @@ def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
     return heaps.reshape(-1, 3)[order] + 3.05, np.repeat([1, 2], n)[order]
 
 
-# ---- what costs no points ----------------------------------------------------------------------
+# ---- notes, which cost no points ---------------------------------------------------------------
 
 
 @noted(
@@ -563,7 +563,7 @@ def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
         yield 0.25 * (1 - axis), direction / np.linalg.norm(direction)
 
 
-# ---- what people do ----------------------------------------------------------------------------
+# ---- common mistakes ---------------------------------------------------------------------------
 
 
 def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor) -> Callable:

@@ -238,8 +238,8 @@ def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
             yours=f"shapes {np.shape(boxes)} and {np.shape(velocities)}",
             expected=f"shapes {_FOUND.shape} and {_VELOCITIES.shape}",
         )
-    what = "velocities, three numbers each"
-    velocities = as_array(velocities, columns=3, what=what, each="velocity")
+    description = "velocities, three numbers each"
+    velocities = as_array(velocities, columns=3, what=description, each="velocity")
     if len(velocities) != len(_FOUND):
         raise WrongForm(
             f"There must be one velocity for each of the {len(_FOUND)} boxes.",
@@ -555,14 +555,14 @@ def _counted_by(count: Callable) -> Callable:
     """Return a prediction with another rule for the counts, and the tracks that they keep."""
 
     def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
-        seen = np.isin(np.arange(len(missed)), partners)
-        counts = count(missed, seen, partners)
+        has_box = np.isin(np.arange(len(missed)), partners)
+        counts = count(missed, has_box, partners)
         return counts, counts <= patience
 
     return predicts
 
 
-def _count_last_track(missed: np.ndarray, seen: np.ndarray, partners: np.ndarray) -> np.ndarray:
+def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:
     """Count as if -1, used as an index, were the last track."""
     counts = missed + 1
     counts[partners] = 0
@@ -589,22 +589,22 @@ mistakes(
     ),
     Mistake(
         "What has a box goes on with its old count, and never starts again at 0.",
-        _counted_by(lambda missed, seen, partners: np.where(seen, missed, missed + 1)),
+        _counted_by(lambda missed, has_box, partners: np.where(has_box, missed, missed + 1)),
         "np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "Every track counts one more, whether it has a box or not.",
-        _counted_by(lambda missed, seen, partners: missed + 1),
+        _counted_by(lambda missed, has_box, partners: missed + 1),
         "np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "What has no box starts again at 1, however long it has had none.",
-        _counted_by(lambda missed, seen, partners: np.where(seen, 0, 1)),
+        _counted_by(lambda missed, has_box, partners: np.where(has_box, 0, 1)),
         "np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "What has a box and what has none are exchanged.",
-        _counted_by(lambda missed, seen, partners: np.where(seen, missed + 1, 0)),
+        _counted_by(lambda missed, has_box, partners: np.where(has_box, missed + 1, 0)),
         "The entries of partners are the tracks that have a box.",
     ),
     Mistake(
