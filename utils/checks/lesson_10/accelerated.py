@@ -406,8 +406,8 @@ def assert_in_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) ->
 def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
     from scipy.spatial import cKDTree
 
-    # Use thread time: while a timer like the judge's runs on the time of the process, Linux updates
-    # process time only once per tick, and a quick machine needs less than a tick.
+    # Use thread time: while a timer like the judge's watches process time, Linux updates the latter
+    # only once per tick. A quick machine needs less than a tick.
     begin = thread_time()
     cKDTree(cloud).query(cloud, k=2)
     return thread_time() - begin
