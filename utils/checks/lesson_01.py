@@ -26,7 +26,8 @@ from utils.checks.run_cache import once
 
 # ---- horizontal_distance -----------------------------------------------------------------------
 
-# Points level with the sensor, echoes without brightness: sides 3-4-5 and the like.
+# Points level with the sensor, with intensity 0. Their distances are whole numbers (3-4-5 triangles
+# and the like).
 _FLAT = frozen(
     np.array(
         [
@@ -39,24 +40,24 @@ _FLAT = frozen(
     )
 )
 _DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
-# The same in all brightnesses, and from the road up to the tree tops.
-_BRIGHT = frozen(_FLAT + np.outer([0.1, 0.9, 0.5, 1.0, 0.8], [0, 0, 0, 1]))
-_STREET = frozen(_FLAT + np.outer([-1.7, 4.0, -0.4, 2.5, -1.6], [0, 0, 1, 0]))
+# The same points with other intensities, and at heights from the road up to the treetops.
+_AT_ALL_INTENSITIES = frozen(_FLAT + np.outer([0.1, 0.9, 0.5, 1.0, 0.8], [0, 0, 0, 1]))
+_AT_ALL_HEIGHTS = frozen(_FLAT + np.outer([-1.7, 4.0, -0.4, 2.5, -1.6], [0, 0, 1, 0]))
 
 
 def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) -> None:
-    """The answer is `expected`.
+    """Assert that the answer equals the expected distances.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     expected : numpy.ndarray, shape (n,)
-        In metres.
+        Horizontal distances in metres.
     """
     yours = as_array(answer, what="an array of distances")
-    points = "the only point" if len(cloud) == 1 else f"each of the {len(cloud)} points"
-    yours = in_shape(yours, expected.shape, f"one distance for {points}")
+    each_point = "the only point" if len(cloud) == 1 else f"each of the {len(cloud)} points"
+    yours = in_shape(yours, expected.shape, f"one distance for {each_point}")
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
@@ -70,16 +71,16 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
 
 @once
 def assert_measures_level(horizontal_distance: Callable) -> None:
-    """Points level with the sensor are measured right; their height and intensity come next."""
+    """Assert that distances of points level with the sensor are right; raise `NotYet` if not."""
     with needs("points level with the sensor are measured right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
 @once
 def assert_measures(horizontal_distance: Callable) -> None:
-    """A street is measured right; where not, no other property can be looked at."""
+    """Assert that distances of points at various heights are right; raise `NotYet` if not."""
     with needs("the distances of points high and low are right"):
-        assert_distances(horizontal_distance(_STREET.copy()), _STREET, _DISTANCES)
+        assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
 @visible(
@@ -102,7 +103,7 @@ def measures_distance(horizontal_distance: Callable) -> None:
 )
 def ignores_height(horizontal_distance: Callable) -> None:
     assert_measures_level(horizontal_distance)
-    assert_distances(horizontal_distance(_STREET.copy()), _STREET, _DISTANCES)
+    assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
 @visible(
@@ -114,31 +115,33 @@ def ignores_height(horizontal_distance: Callable) -> None:
 )
 def ignores_intensity(horizontal_distance: Callable) -> None:
     assert_measures_level(horizontal_distance)
-    assert_distances(horizontal_distance(_BRIGHT.copy()), _BRIGHT, _DISTANCES)
+    assert_distances(
+        horizontal_distance(_AT_ALL_INTENSITIES.copy()), _AT_ALL_INTENSITIES, _DISTANCES
+    )
 
 
-_FAR = Case(
+_STREET_CASE = Case(
     __name__,
     "horizontal_distance",
-    {"cloud": _STREET},
+    {"cloud": _AT_ALL_HEIGHTS},
     expected=_DISTANCES,
     look=assert_distances,
     basic=assert_measures,
 )
 common_checks.three_columns(
-    _FAR,
+    _STREET_CASE,
     "takes_three_columns",
     hint="Take x and y by their numbers, cloud[:, 0] and cloud[:, 1]: it does not matter then how "
     "many columns follow.",
 )
 common_checks.few_points(
-    _FAR,
+    _STREET_CASE,
     "takes_few_points",
     title="Takes one point and none",
     why="After a filter nothing may be left.",
 )
 common_checks.untouched(
-    _FAR,
+    _STREET_CASE,
     "leaves_its_input",
     why="The next step of the pipeline still needs the cloud.",
     hint="x**2 makes a new array; x **= 2 and x *= x write into the cloud.",
@@ -159,8 +162,9 @@ def _assert_array(answer: object) -> None:
         raise CheckFailed(f"The answer is of type {type(answer).__name__}.")
 
 
-# Clouds by their number of points, and the distances; what people do shows in each of them.
-_MEASURED = {
+# Clouds and their distances, keyed by the number of points. Every usual mistake changes the answer
+# for both clouds.
+_CLOUDS = {
     3: frozen(np.array([[5.0, 12.0, 0.6, 0.7], [3.0, -4.0, 1.2, 0.9], [-8.0, 6.0, -1.7, 0.3]])),
     5: frozen(
         np.array(
@@ -174,7 +178,10 @@ _MEASURED = {
         )
     ),
 }
-_MEASURES = {3: frozen(np.array([13.0, 5.0, 10.0])), 5: frozen(np.array([5.0, 17, 13, 10, 25]))}
+_CLOUD_DISTANCES = {
+    3: frozen(np.array([13.0, 5.0, 10.0])),
+    5: frozen(np.array([5.0, 17, 13, 10, 25])),
+}
 
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:
@@ -246,14 +253,14 @@ mistakes(
         "The distances are sorted; the one of each point has to keep the point's place.",
         lambda right, cloud: np.sort(right),
     ),
-    cases=[(cloud,) for cloud in _MEASURED.values()],
-    right=lambda cloud: _MEASURES[len(cloud)],
+    cases=[(cloud,) for cloud in _CLOUDS.values()],
+    right=lambda cloud: _CLOUD_DISTANCES[len(cloud)],
 )
 
 # ---- drop_invalid ------------------------------------------------------------------------------
 
 _NAN, _INF = np.nan, np.inf
-# No coordinate of these is 0, and no sum of them.
+# No coordinate of these points is 0, and no sum of the coordinates of a point is.
 _GOOD = frozen(
     np.array(
         [
@@ -290,19 +297,20 @@ _INFINITE = frozen(
 
 
 def _mixed(*lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Good and lost rows shuffled; the cloud, and a mask of the good ones."""
+    """Return a shuffled cloud of good and lost rows, and the mask of its good rows."""
     cloud = np.vstack([_GOOD, *lost])
     order = np.random.default_rng(4).permutation(len(cloud))
     return cloud[order], order < len(_GOOD)
 
 
 def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
-    """Lost rows go and good ones stay.
+    """Assert that lost rows are dropped and good rows stay.
 
     Parameters
     ----------
     drop_invalid : callable
     *lost : numpy.ndarray, shape (m, 4)
+        Rows that must be dropped.
     """
     cloud, good = _mixed(*lost)
     assert_places(drop_invalid(cloud.copy()), cloud, good, view="above")
@@ -310,9 +318,9 @@ def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
 
 @once
 def assert_works(drop_invalid: Callable) -> None:
-    """One of the two common kinds of lost returns goes; where not, there is nothing to look at.
+    """Assert that one of the two common kinds of lost returns is dropped; raise `NotYet` if not.
 
-    Whoever has the other kind wrong still shows what else is right.
+    One kind is enough, so that a function which misses the other kind can still pass other checks.
     """
     with needs("lost returns go and the others stay"):
         try:
@@ -389,7 +397,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
             [3.0, 3.0, 0.0, 0.1],
             [-3.0, -3.0, 0.0, 0.1],
             [2.0, -3.0, 1.0, 0.1],
-            # All zeros once they are rounded down, or up.
+            # These rows become all zeros when they are rounded down or up to whole numbers.
             [0.9, 0.0, 0.0, 0.1],
             [-0.9, 0.0, 0.0, 0.1],
             [0.0, 0.8, 0.0, 0.1],
@@ -490,9 +498,9 @@ def takes_an_empty_scan(drop_invalid: Callable) -> None:
         assert_nothing_left(drop_invalid(rows.copy()), rows, columns)
 
 
-_SCAN, _GOOD_OF_SCAN = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
+_MIXED_SCAN, _IS_GOOD = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
 common_row_checks.untouched(
-    Case(__name__, "drop_invalid", {"cloud": _SCAN}, _GOOD_OF_SCAN, assert_places, assert_works),
+    Case(__name__, "drop_invalid", {"cloud": _MIXED_SCAN}, _IS_GOOD, assert_places, assert_works),
     "leaves_the_scan",
     why="Whoever looks for a broken beam needs the lost returns.",
 )
@@ -507,7 +515,8 @@ def gives_an_array_of_rows(drop_invalid: Callable) -> None:
     _assert_array(drop_invalid(_GOOD.copy()))
 
 
-# Clouds by their number of rows, and which of them are good; the last has nothing but numbers.
+# Clouds and the indices of their good rows, keyed by the number of rows. All values of the last
+# cloud are finite.
 _SCANS = {
     14: frozen(
         np.array(
@@ -557,16 +566,19 @@ _SCANS = {
         )
     ),
 }
-_POINTS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
+_GOOD_ROWS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
 
 
-def _where(cloud: np.ndarray, keep: Callable) -> np.ndarray:
-    """The rows for which `keep` holds, of x, y, z as a list and of the intensity, 1 without one."""
+def _rows_where(cloud: np.ndarray, keep: Callable) -> np.ndarray:
+    """Return the rows for which `keep`, called with x, y, z as a list and the intensity, is true.
+
+    The intensity of a row without one is 1.
+    """
     kept = [bool(keep(row[:3], row[3] if row[3:] else 1.0)) for row in cloud.tolist()]
     return cloud[np.array(kept, dtype=bool)]
 
 
-def _number(value: float) -> bool:
+def _is_finite(value: float) -> bool:
     return math.isfinite(value)
 
 
@@ -580,72 +592,76 @@ mistakes(
     ),
     Mistake(
         "Returns at (0, 0, 0) stay.",
-        lambda right, cloud: _where(cloud, lambda xyz, _: all(map(_number, xyz))),
+        lambda right, cloud: _rows_where(cloud, lambda xyz, _: all(map(_is_finite, xyz))),
         "In a lost row all three coordinates are 0: (... == 0).all(axis=1) tells, row by row.",
     ),
     Mistake(
         "Rows with coordinates that are not finite stay; only those at (0, 0, 0) go.",
-        lambda right, cloud: _where(cloud, lambda xyz, _: any(xyz)),
+        lambda right, cloud: _rows_where(cloud, lambda xyz, _: any(xyz)),
         "In a good row all three coordinates are finite: np.isfinite tells, number by number.",
     ),
     Mistake(
         "Rows with an infinite coordinate stay; those with NaN go.",
-        lambda right, cloud: _where(
+        lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not any(map(math.isnan, xyz))
         ),
         "np.isfinite is False for NaN and for both infinities.",
     ),
     Mistake(
         "Rows with NaN go; rows with an infinite coordinate stay, and those at (0, 0, 0), too.",
-        lambda right, cloud: _where(cloud, lambda xyz, _: not any(map(math.isnan, xyz))),
+        lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(map(math.isnan, xyz))),
         "np.isfinite is False for NaN and for both infinities. In a row at (0, 0, 0) all three "
         "coordinates are 0.",
     ),
     Mistake(
         "A row goes as soon as one of its coordinates is 0.",
-        lambda right, cloud: _where(right, lambda xyz, _: all(xyz)),
+        lambda right, cloud: _rows_where(right, lambda xyz, _: all(xyz)),
         "Only a row in which all three are 0 is lost.",
     ),
     Mistake(
         "A row at (0, 0, 0) goes only if its intensity is 0, too.",
-        lambda right, cloud: _where(
-            cloud, lambda xyz, shine: all(map(_number, xyz)) and (any(xyz) or shine != 0)
+        lambda right, cloud: _rows_where(
+            cloud, lambda xyz, intensity: all(map(_is_finite, xyz)) and (any(xyz) or intensity != 0)
         ),
         "Compare cloud[:, :3] with 0, not the whole row.",
     ),
     Mistake(
         "Good points go because their intensity is not finite.",
-        lambda right, cloud: _where(right, lambda xyz, shine: _number(shine)),
+        lambda right, cloud: _rows_where(right, lambda xyz, intensity: _is_finite(intensity)),
         "Look at cloud[:, :3] only.",
     ),
     Mistake(
         "Intensity is looked at as if it were a coordinate, in both masks.",
-        lambda right, cloud: _where(
+        lambda right, cloud: _rows_where(
             cloud,
-            lambda xyz, shine: all(map(_number, (*xyz, shine))) and any((*xyz, shine)),
+            lambda xyz, intensity: (
+                all(map(_is_finite, (*xyz, intensity))) and any((*xyz, intensity))
+            ),
         ),
         "Look at cloud[:, :3] only.",
     ),
     Mistake(
         "Good points go because their coordinates add up to 0.",
-        lambda right, cloud: _where(right, lambda xyz, _: sum(xyz) != 0),
+        lambda right, cloud: _rows_where(right, lambda xyz, _: sum(xyz) != 0),
         "Ask whether all three are 0, each by itself.",
     ),
     Mistake(
         "A row that is not finite goes only if all three coordinates are not.",
-        lambda right, cloud: _where(cloud, lambda xyz, _: any(map(_number, xyz)) and any(xyz)),
+        lambda right, cloud: _rows_where(
+            cloud, lambda xyz, _: any(map(_is_finite, xyz)) and any(xyz)
+        ),
         "A good row is finite in all three coordinates: .all(axis=1), not .any(axis=1).",
     ),
     Mistake(
         "It is the lost returns that come back, and the good ones that go.",
-        lambda right, cloud: _where(
-            cloud, lambda xyz, _: not (all(map(_number, xyz)) and any(xyz))
+        lambda right, cloud: _rows_where(
+            cloud, lambda xyz, _: not (all(map(_is_finite, xyz)) and any(xyz))
         ),
         "~ turns a mask around.",
     ),
     Mistake(
         "A row with NaN goes only if all three coordinates are NaN; those at (0, 0, 0) go.",
-        lambda right, cloud: _where(
+        lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not all(map(math.isnan, xyz))
         ),
         "~ turns around what stands behind it, `.all(axis=1)` included: "
@@ -653,7 +669,7 @@ mistakes(
     ),
     Mistake(
         "It is the returns at (0, 0, 0) that stay, and the points that go.",
-        lambda right, cloud: _where(cloud, lambda xyz, _: not any(xyz)),
+        lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(xyz)),
         "~ turns a mask around.",
     ),
     Mistake(
@@ -669,16 +685,16 @@ mistakes(
     ),
     *(
         Mistake(
-            f"The mask asks each number whether it {asked}: it has the cloud's own shape, and lays "
+            f"The mask asks each number whether it {test}: it has the cloud's own shape, and lays "
             "the numbers that pass in one long row.",
             lambda right, cloud, passes=passes: np.array(list(filter(passes, cloud.flat))),
             ".all(axis=1) makes of it a mask with one entry for each row.",
         )
-        for asked, passes in {
-            "is finite": _number,
+        for test, passes in {
+            "is finite": _is_finite,
             "is not NaN": lambda value: not math.isnan(value),
             "is not 0": lambda value: value != 0,
-            "is finite and not 0": lambda value: _number(value) and value != 0,
+            "is finite and not 0": lambda value: _is_finite(value) and value != 0,
             "is neither NaN nor 0": lambda value: not math.isnan(value) and value != 0,
         }.items()
     ),
@@ -694,5 +710,5 @@ mistakes(
         ".all(axis=1) goes along the rows and gives one entry for each.",
     ),
     cases=[(cloud,) for cloud in _SCANS.values()],
-    right=lambda cloud: cloud[list(_POINTS[len(cloud)])],
+    right=lambda cloud: cloud[list(_GOOD_ROWS[len(cloud)])],
 )

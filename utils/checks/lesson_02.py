@@ -27,7 +27,8 @@ from utils.checks.run_cache import once
 
 # ---- lines -------------------------------------------------------------------------------------
 
-# Slanted pairs, none of them 1 m apart.
+# Slanted pairs. None is exactly 1 m apart, so a line without a unit normal differs from the right
+# one.
 _PAIRS = (
     ((1.0, 2.0), (4.0, 6.0)),
     ((-3.0, 5.0), (2.0, -7.0)),
@@ -37,11 +38,16 @@ _PAIRS = (
 
 
 def as_line(answer: object) -> np.ndarray:
-    """An answer as the three numbers of a line.
+    """Convert an answer to an array with the three numbers of a line.
 
     Returns
     -------
     numpy.ndarray, shape (3,)
+
+    Raises
+    ------
+    CheckFailed
+        If the answer is None, is not three numbers, or holds numbers that are not finite.
     """
     if answer is None:
         raise WrongForm(
@@ -60,7 +66,7 @@ def as_line(answer: object) -> np.ndarray:
     return line
 
 
-def _length_of_normal(line: np.ndarray) -> float:
+def _normal_length(line: np.ndarray) -> float:
     length = float(np.hypot(line[0], line[1]))
     if length < 1e-9:
         raise CheckFailed(
@@ -71,16 +77,17 @@ def _length_of_normal(line: np.ndarray) -> float:
 
 
 def assert_on_line(answer: object, p: ArrayLike, q: ArrayLike) -> None:
-    """Two different points lie on the line, whatever the length of its normal.
+    """Assert that two different points lie on the line, for a normal of any length.
 
     Parameters
     ----------
     answer : object
+        The line that the student's function returned for `p` and `q`.
     p, q : array_like, shape (2,)
     """
     p, q = np.asarray(p, dtype=float), np.asarray(q, dtype=float)
     line = as_line(answer)
-    length = _length_of_normal(line)
+    length = _normal_length(line)
     values = [line[:2] @ point + line[2] for point in (p, q)]
     for point, value in zip((p, q), values, strict=True):
         if abs(value) > TOLERANCE * length:
@@ -96,9 +103,9 @@ def assert_on_line(answer: object, p: ArrayLike, q: ArrayLike) -> None:
 
 
 def assert_unit_normal(answer: object) -> None:
-    """The normal of a line has length 1; where the line runs is not looked at."""
+    """Assert that the normal of a line has length 1; the position of the line is ignored."""
     line = as_line(answer)
-    length = _length_of_normal(line)
+    length = _normal_length(line)
     if abs(length - 1) > TOLERANCE:
         raise CheckFailed(
             fixed("The normal (a, b) must have length 1."),
@@ -109,14 +116,14 @@ def assert_unit_normal(answer: object) -> None:
 
 @once
 def assert_makes_lines(line_through: Callable) -> None:
-    """A slanted line runs through its points; where not, no other property can be looked at."""
+    """Assert that slanted lines are right; raise `NotYet` if they are not."""
     with needs("a slanted line runs through its two points"):
         for p, q in _PAIRS:
             assert_on_line(line_through(np.array(p), np.array(q)), p, q)
 
 
 def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
-    """The answer for a point and itself is None."""
+    """Assert that the answer for two equal points is None."""
     answer = line_through(np.array(point, dtype=float), np.array(point, dtype=float))
     if answer is not None:
         raise CheckFailed(
@@ -222,21 +229,21 @@ common_checks.untouched(
 )
 
 
-# Pairs by their first point, how far apart they are, and their lines.
+# Right lines and second points, both keyed by the first point of the pair.
 _LINES = {
     (1.0, 2.0): frozen(np.array([-0.8, 0.6, -0.4])),
     (-3.0, 5.0): frozen(np.array([12.0, 5.0, 11.0]) / 13),
     (6.0, 1.0): frozen(np.array([-0.6, -0.8, 4.4])),
 }
-_SECOND = {(1.0, 2.0): (4.0, 6.0), (-3.0, 5.0): (2.0, -7.0), (6.0, 1.0): (-2.0, 7.0)}
+_SECOND_POINTS = {(1.0, 2.0): (4.0, 6.0), (-3.0, 5.0): (2.0, -7.0), (6.0, 1.0): (-2.0, 7.0)}
 
 
-def _apart(p: np.ndarray, q: np.ndarray) -> float:
+def _distance_between(p: np.ndarray, q: np.ndarray) -> float:
     return float(np.linalg.norm(np.subtract(p, q)))
 
 
 def _same_line(answer: object, predicted: np.ndarray) -> bool:
-    """Whether two lines are the same numbers; the sign of all of them is free."""
+    """Return whether two lines have the same numbers, up to a common sign."""
     return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
 
 
@@ -244,7 +251,7 @@ mistakes(
     "line_through",
     Mistake(
         "The line is right, and its normal is as long as the points are apart.",
-        lambda right, p, q: right * _apart(p, q),
+        lambda right, p, q: right * _distance_between(p, q),
         "Divide a and b by the length of the direction, and compute c after that.",
     ),
     Mistake(
@@ -265,7 +272,7 @@ mistakes(
     ),
     Mistake(
         "a and b are divided by the length, and c is not.",
-        lambda right, p, q: right * [1, 1, _apart(p, q)],
+        lambda right, p, q: right * [1, 1, _distance_between(p, q)],
         "Compute c from the a and b that are divided already.",
     ),
     Mistake(
@@ -283,16 +290,17 @@ mistakes(
         lambda right, p, q: np.array([-right[0], -right[2]]) / right[1],
         "The line is a x + b y + c = 0: return (a, b, c).",
     ),
-    cases=[(np.array(p), np.array(q)) for p, q in _SECOND.items()],
+    cases=[(np.array(p), np.array(q)) for p, q in _SECOND_POINTS.items()],
     right=lambda p, q: _LINES[tuple(p.tolist())],
     same=_same_line,
 )
 
 # ---- distances ---------------------------------------------------------------------------------
 
-# A slanted line through (0, 0), and points on one side of it; none of the other sides count.
+# A slanted line through (0, 0) and points on its positive side or on the line itself: neither the
+# sign of a distance nor c matters in this plain case.
 _SLANTED = frozen(np.array([0.6, -0.8, 0.0]))
-_BESIDE = frozen(
+_POSITIVE_SIDE = frozen(
     np.array([[3.0, 1.0], [5.0, 0.0], [2.0, -1.0], [-1.0, -2.0], [4.0, 3.0], [1.0, -3.0]])
 )
 _DISTANCES = frozen(np.array([1.0, 3.0, 2.0, 1.0, 0.0, 3.0]))
@@ -301,7 +309,7 @@ _DISTANCES = frozen(np.array([1.0, 3.0, 2.0, 1.0, 0.0, 3.0]))
 def assert_line_distances(
     answer: object, points: np.ndarray, line: np.ndarray, expected: np.ndarray
 ) -> None:
-    """The answer is `expected`.
+    """Assert that the answer equals the expected distances.
 
     Parameters
     ----------
@@ -312,14 +320,14 @@ def assert_line_distances(
         Distances in metres.
     """
     yours = as_array(answer, what="an array of distances")
-    which = "the only point" if len(points) == 1 else f"each of the {len(points)} points"
+    each_point = "the only point" if len(points) == 1 else f"each of the {len(points)} points"
     if yours.shape == ():
         raise WrongForm(
-            f"There must be one distance for {which}. This is one number.",
+            f"There must be one distance for {each_point}. This is one number.",
             yours=brief(yours.item()),
             expected=f"shape {expected.shape}",
         )
-    yours = in_shape(yours, expected.shape, f"one distance for {which}")
+    yours = in_shape(yours, expected.shape, f"one distance for {each_point}")
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
@@ -334,12 +342,12 @@ def assert_line_distances(
 
 
 def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -> None:
-    """Draw a circle about each point, of the distance that was answered."""
+    """Draw a circle around each point whose radius is the distance in the answer."""
     from matplotlib.patches import Circle
 
-    room = [[low - 4, high + 4] for low, high in zip(points.min(0), points.max(0), strict=True)]
+    limits = [[low - 4, high + 4] for low, high in zip(points.min(0), points.max(0), strict=True)]
     axes = utils.plots.line_model(
-        points, line, limits=room, title="Each circle should touch the line"
+        points, line, limits=limits, title="Each circle should touch the line"
     )
     for point, distance in zip(points, distances, strict=True):
         if np.isfinite(distance):
@@ -348,10 +356,10 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
 
 @once
 def assert_measures(point_line_distance: Callable) -> None:
-    """The plain case is right; where not, no other property can be looked at."""
+    """Assert that the plain case is right; raise `NotYet` if it is not."""
     with needs("distances from a line through (0, 0) are right, on its positive side"):
-        answer = point_line_distance(_BESIDE.copy(), _SLANTED.copy())
-        assert_line_distances(answer, _BESIDE, _SLANTED, _DISTANCES)
+        answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
+        assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
 @visible(
@@ -362,8 +370,8 @@ def assert_measures(point_line_distance: Callable) -> None:
     hint="a x + b y + c for all points at once, with points[:, 0] for x and points[:, 1] for y.",
 )
 def measures_square_to_the_line(point_line_distance: Callable) -> None:
-    answer = point_line_distance(_BESIDE.copy(), _SLANTED.copy())
-    assert_line_distances(answer, _BESIDE, _SLANTED, _DISTANCES)
+    answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
+    assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
 @visible(
@@ -375,7 +383,7 @@ def measures_square_to_the_line(point_line_distance: Callable) -> None:
 )
 def takes_both_sides(point_line_distance: Callable) -> None:
     assert_measures(point_line_distance)
-    points = np.vstack([-_BESIDE, _BESIDE])
+    points = np.vstack([-_POSITIVE_SIDE, _POSITIVE_SIDE])
     answer = point_line_distance(points.copy(), _SLANTED.copy())
     assert_line_distances(answer, points, _SLANTED, np.tile(_DISTANCES, 2))
 
@@ -409,7 +417,7 @@ def takes_both_sides_anywhere(point_line_distance: Callable) -> None:
     with needs("c counts, and no distance is negative"):
         counts_c(point_line_distance)
         takes_both_sides(point_line_distance)
-    points = np.vstack([-_BESIDE, _BESIDE])
+    points = np.vstack([-_POSITIVE_SIDE, _POSITIVE_SIDE])
     for c in (2.5, -2.5):
         line = np.array([*_SLANTED[:2], c])
         expected = np.abs(np.append(-_DISTANCES, _DISTANCES) + c)
@@ -444,20 +452,20 @@ def measures_from_upright_lines(point_line_distance: Callable) -> None:
 def takes_any_line(point_line_distance: Callable) -> None:
     assert_measures(point_line_distance)
     for line in (tuple(_SLANTED.tolist()), _SLANTED.tolist()):
-        answer = point_line_distance(_BESIDE.copy(), line)
-        assert_line_distances(answer, _BESIDE, _SLANTED, _DISTANCES)
+        answer = point_line_distance(_POSITIVE_SIDE.copy(), line)
+        assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
-_MEASURED = Case(
+_PLAIN_CASE = Case(
     __name__,
     "point_line_distance",
-    {"points": _BESIDE, "line": _SLANTED},
+    {"points": _POSITIVE_SIDE, "line": _SLANTED},
     expected=_DISTANCES,
     look=assert_line_distances,
     basic=assert_measures,
 )
 common_checks.few_points(
-    _MEASURED,
+    _PLAIN_CASE,
     "takes_few_points",
     title="Takes one point and no point at all",
     why="A slice of the street may be empty.",
@@ -473,7 +481,7 @@ common_checks.few_points(
 )
 def returns_an_array(point_line_distance: Callable) -> None:
     assert_measures(point_line_distance)
-    answer = point_line_distance(_BESIDE.copy(), _SLANTED.copy())
+    answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
             fixed(
@@ -486,15 +494,15 @@ def returns_an_array(point_line_distance: Callable) -> None:
 
 
 common_checks.untouched(
-    _MEASURED,
+    _PLAIN_CASE,
     "leaves_points_and_line",
     why="The next round of RANSAC needs the points as they were.",
     hint="points[:, 0] * a makes a new array; points[:, 0] *= a writes into the points.",
 )
 
 
-# Points and a line, and what a x + b y + c is at each point, by the number of points.
-_AROUND = {
+# Points with a line, and a x + b y + c at each point; both are keyed by the number of points.
+_POINTS_AND_LINE = {
     5: (
         frozen(np.array([[2.0, 1.0], [4.0, -1.0], [-3.0, 2.0], [-1.0, 0.0], [0.0, 3.0]])),
         frozen(np.array([0.6, -0.8, 1.0])),
@@ -504,39 +512,39 @@ _AROUND = {
         frozen(np.array([-0.28, 0.96, -2.0])),
     ),
 }
-_VALUES = {
+_SIGNED_DISTANCES = {
     5: frozen(np.array([1.4, 4.2, -2.4, 0.4, -1.4])),
     4: frozen(np.array([2.52, -3.4, -3.92, 0.36])),
 }
 
 
-def _value(points: np.ndarray) -> np.ndarray:
-    return _VALUES[len(points)]
+def _signed_distances(points: np.ndarray) -> np.ndarray:
+    return _SIGNED_DISTANCES[len(points)]
 
 
 mistakes(
     "point_line_distance",
     Mistake(
         "Distances on one side of the line are negative: the absolute value is missing.",
-        lambda right, points, line: _value(points),
+        lambda right, points, line: _signed_distances(points),
         "np.abs takes the absolute value of a whole array.",
     ),
     Mistake(
         "Points on one side of the line all get 0.",
-        lambda right, points, line: np.where(_value(points) < 0, 0, right),
+        lambda right, points, line: np.where(_signed_distances(points) < 0, 0, right),
         "np.abs takes the absolute value of a whole array.",
     ),
     Mistake(
         "These are distances from the parallel line through (0, 0): c is missing.",
-        lambda right, points, line: np.abs(_value(points) - line[2]),
+        lambda right, points, line: np.abs(_signed_distances(points) - line[2]),
     ),
     Mistake(
         "c has the wrong sign: the line is a x + b y + c = 0.",
-        lambda right, points, line: np.abs(_value(points) - 2 * line[2]),
+        lambda right, points, line: np.abs(_signed_distances(points) - 2 * line[2]),
     ),
     Mistake(
         "The absolute value is taken of a part of the sum only, and c is added after it.",
-        lambda right, points, line: np.abs(_value(points) - line[2]) + line[2],
+        lambda right, points, line: np.abs(_signed_distances(points) - line[2]) + line[2],
         "Close the bracket of np.abs( behind c.",
     ),
     Mistake(
@@ -557,7 +565,7 @@ mistakes(
     Mistake(
         "x and y are swapped: a belongs to x, points[:, 0], and b to y, points[:, 1].",
         lambda right, points, line: np.abs(
-            _value(points) + (line[0] - line[1]) * (points[:, 1] - points[:, 0])
+            _signed_distances(points) + (line[0] - line[1]) * (points[:, 1] - points[:, 0])
         ),
     ),
     Mistake(
@@ -565,15 +573,15 @@ mistakes(
         lambda right, points, line: np.abs(np.dot(line, [*points[:2], [1, 1]])),
         "x of every point is points[:, 0]: all rows, column 0.",
     ),
-    cases=_AROUND.values(),
-    right=lambda points, line: np.abs(_value(points)),
+    cases=_POINTS_AND_LINE.values(),
+    right=lambda points, line: np.abs(_signed_distances(points)),
 )
 
 # ---- RANSAC ------------------------------------------------------------------------------------
 
 
 def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
-    """An answer as (line or None, mask).
+    """Convert an answer to a pair of a line, which may be None, and a mask.
 
     Parameters
     ----------
@@ -585,6 +593,11 @@ def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
     -------
     line : numpy.ndarray, shape (3,), or None
     inliers : numpy.ndarray of bool, shape (n,)
+
+    Raises
+    ------
+    CheckFailed
+        If the answer is not such a pair.
     """
     if answer is None:
         raise WrongForm(
@@ -616,7 +629,7 @@ def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
         mask = mask.reshape(-1)
     if mask.shape != (n,) or not np.isin(mask, (0, 1)).all():
         raise WrongForm(
-            f"The inliers must be a mask: True or False for each of the {n} points.{_not_a(mask)}",
+            f"The inliers must be a mask: True or False for each of the {n} points.{_kind(mask)}",
             yours=brief(mask),
             expected=f"shape ({n},), dtype bool",
         )
@@ -624,8 +637,8 @@ def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
     return (None if line is None else as_line(line)), mask
 
 
-def _not_a(mask: np.ndarray) -> str:
-    """What stands in the place of a mask, where that is plain to see."""
+def _kind(mask: np.ndarray) -> str:
+    """Return a sentence that names the kind of an array that is not a mask; "" if it is unclear."""
     if mask.ndim == 2 and mask.shape[1] == 2:
         return " These are points."
     if mask.ndim == 1 and mask.dtype.kind in "iu" and (np.diff(mask) > 0).all():
@@ -634,19 +647,20 @@ def _not_a(mask: np.ndarray) -> str:
 
 
 def distances_from(line: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Distances of points from a line whose normal may have any length; shape (n,)."""
+    """Return the distances of points from a line with a normal of any length; shape (n,)."""
     values = np.asarray(points, dtype=float) @ line[:2] + line[2]
-    return np.abs(values) / _length_of_normal(line)
+    return np.abs(values) / _normal_length(line)
 
 
 def assert_own_inliers(
     answer: object, points: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The mask holds the points within the tolerance of the line that comes with it.
+    """Assert that the mask marks the points within the tolerance of the line returned with it.
 
     Parameters
     ----------
     answer : object
+        The line and the mask that the student's function returned.
     points : numpy.ndarray, shape (n, 2)
     tolerance : float
         In metres.
@@ -664,7 +678,7 @@ def assert_own_inliers(
             expected="three numbers (a, b, c)",
         )
     distance = distances_from(line, points)
-    # Floats differ in the last digits: at the very edge of the band either answer is right.
+    # Floats differ in the last digits, so at the very edge of the band either answer is accepted.
     wrong = (mask != (distance <= tolerance)) & (np.abs(distance - tolerance) > TOLERANCE)
     if not wrong.any():
         return line, mask
@@ -676,8 +690,8 @@ def assert_own_inliers(
         parts.append(f"marked but farther away than {tolerance:g} m: {far.sum()}")
     raise CheckFailed(
         "The mask does not belong to the line. Points " + ", and ".join(parts) + ".",
-        yours=_counted(mask),
-        expected=_counted(distance <= tolerance),
+        yours=_inlier_count(mask),
+        expected=_inlier_count(distance <= tolerance),
         draw=lambda: utils.plots.line_model(
             np.asarray(points, dtype=float),
             line,
@@ -688,39 +702,41 @@ def assert_own_inliers(
     )
 
 
-def _counted(mask: np.ndarray) -> str:
+def _inlier_count(mask: np.ndarray) -> str:
     return "1 inlier" if mask.sum() == 1 else f"{mask.sum()} inliers"
 
 
 def wall_and_clutter(
     seed: int | Sequence[int], inliers: int, others: int, noise: float = 0.1
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points about a line in any direction, and others at least 1 m off; and who is who.
+    """Return points near a randomly oriented line, mixed with points at least 1 m away from it.
 
     Parameters
     ----------
     seed : int or sequence of int
+        Seed of the random generator that draws the line and the points.
     inliers, others : int
-        Number of points about the line, and off it.
+        Number of points near the line and of points away from it.
     noise : float
-        How far points about the line are off it at most, in metres.
+        Largest distance from the line of the points near it, in metres.
 
     Returns
     -------
     points : numpy.ndarray, shape (inliers + others, 2)
-        Within about 10 m of the origin.
-    on_line : numpy.ndarray of bool
+        Points within about 15 m of the origin.
+    on_line : numpy.ndarray of bool, shape (inliers + others,)
+        True for the points near the line.
     """
     rng = np.random.default_rng(seed)
     angle, offset = rng.uniform(0, np.pi), rng.uniform(-3, 3)
-    along = np.array([np.cos(angle), np.sin(angle)])
-    normal = np.array([-along[1], along[0]])
-    wall = np.outer(rng.uniform(-10, 10, inliers), along)
+    direction = np.array([np.cos(angle), np.sin(angle)])
+    normal = np.array([-direction[1], direction[0]])
+    wall = np.outer(rng.uniform(-10, 10, inliers), direction)
     wall += np.outer(offset + rng.uniform(-noise, noise, inliers), normal)
     clutter = rng.uniform(-10, 10, (others, 2))
-    aside = clutter @ normal - offset
-    push = np.where(np.abs(aside) < 1, np.where(aside < 0, -1.0, 1.0), 0.0)
-    points = np.vstack([wall, clutter + np.outer(push, normal)])
+    offsets = clutter @ normal - offset
+    shifts = np.where(np.abs(offsets) < 1, np.where(offsets < 0, -1.0, 1.0), 0.0)
+    points = np.vstack([wall, clutter + np.outer(shifts, normal)])
     order = rng.permutation(len(points))
     return points[order], (np.arange(len(points)) < inliers)[order]
 
@@ -729,7 +745,7 @@ _CROWDS = tuple(frozen(wall_and_clutter(seed, 24, 16)) for seed in range(12))
 
 
 def is_found(line: np.ndarray | None, wall: np.ndarray, tolerance: float) -> bool:
-    """Whether a line runs along a wall: within the tolerance of most of its points.
+    """Return whether at least 80 % of the points of a wall are within the tolerance of a line.
 
     Parameters
     ----------
@@ -748,33 +764,34 @@ def assert_finds(
     max_iterations: int,
     tolerance: float,
 ) -> None:
-    """In at least `needed` of the runs the line is found; its mask is not looked at.
+    """Assert that at least `needed` of the runs find the line; the masks are ignored.
 
     Parameters
     ----------
     ransac_line : callable
     runs : sequence of (points, on_line)
-        As from `wall_and_clutter`.
+        One pair for each run, as from `wall_and_clutter`.
     needed, max_iterations : int
+        Number of runs that must find the line, and number of rounds in each run.
     tolerance : float
         In metres.
     """
     answers, missed, found = [], [], 0
     for seed, (points, on_line) in enumerate(runs):
-        line, mask = _answer(ransac_line, points, max_iterations, tolerance, seed)
+        line, mask = _run(ransac_line, points, max_iterations, tolerance, seed)
         answers.append((line, mask))
         if not is_found(line, points[on_line], tolerance):
             missed.append((points, line, mask))
             continue
         found += 1
-        if found == needed:  # the other runs would change nothing, and rounds take time
+        if found == needed:  # stop early: further runs cannot change the result and take time
             break
     if found < needed:
-        none = sum(line is None for _, line, _ in missed)
+        n_without_line = sum(line is None for _, line, _ in missed)
         raise CheckFailed(
             f"The line was found in {found} of {len(runs)} runs."
-            + (f" In {none} of them the answer was None." if none else "")
-            + _noticed(answers, ransac_line, runs, max_iterations, tolerance),
+            + (f" In {n_without_line} of them the answer was None." if n_without_line else "")
+            + _hint_from_runs(answers, ransac_line, runs, max_iterations, tolerance),
             yours=f"found in {found} of {len(runs)} runs",
             expected=f"nearly all of them, with {max_iterations} rounds",
             draw=lambda: utils.plots.line_model(
@@ -783,10 +800,10 @@ def assert_finds(
         )
 
 
-def _answer(
+def _run(
     ransac_line: Callable, points: np.ndarray, max_iterations: int, tolerance: float, seed: int
 ) -> tuple[np.ndarray | None, np.ndarray]:
-    """The line and the mask of a run with its own seed."""
+    """Return the line and the mask of one run with a generator made from `seed`."""
     rng = np.random.default_rng(seed)
     return as_result(ransac_line(points.copy(), max_iterations, tolerance, rng), len(points))
 
@@ -798,19 +815,19 @@ def quick_answers(
     tolerance: float,
     generators: Iterable[np.random.Generator | int],
 ) -> list[tuple[np.ndarray | None, np.ndarray]]:
-    """The lines and masks of runs so short that all of them together take next to no time."""
+    """Return the lines and masks of many short runs, which share the time limit of one call."""
     calls = [(points, max_iterations, tolerance, rng) for rng in generators]
     return [as_result(answer, len(points)) for answer in call_each(ransac_line, calls)]
 
 
-def _noticed(
+def _hint_from_runs(
     answers: Sequence[tuple],
     ransac_line: Callable,
     runs: Sequence[tuple],
     max_iterations: int,
     tolerance: float,
 ) -> str:
-    """A fact about runs that miss the line which tells where to look; empty where there is none."""
+    """Return a sentence that hints at why the runs missed the line, or "" if nothing stands out."""
     if any(line is None for line, _ in answers):
         return ""
     if not any(mask.any() for _, mask in answers):
@@ -823,16 +840,16 @@ def _noticed(
 
     def after(rounds: int) -> list[tuple]:
         return [
-            _answer(ransac_line, points, rounds, tolerance, seed)
+            _run(ransac_line, points, rounds, tolerance, seed)
             for seed, (points, _) in enumerate(runs)
         ]
 
-    few = after(1)
-    if all(_same(one[0], other[0]) for one, other in zip(few, answers, strict=True)):
+    after_one = after(1)
+    if all(_lines_equal(first[0], last[0]) for first, last in zip(after_one, answers, strict=True)):
         return f" With {fixed('1 round')} instead of {max_iterations} the answers are the same."
-    half = after(max_iterations // 2)
+    after_half = after(max_iterations // 2)
     fewer = sum(
-        last.sum() < first.sum() for (_, first), (_, last) in zip(half, answers, strict=True)
+        last.sum() < first.sum() for (_, first), (_, last) in zip(after_half, answers, strict=True)
     )
     if fewer:
         return (
@@ -844,7 +861,7 @@ def _noticed(
 
 @once
 def assert_works(ransac_line: Callable) -> None:
-    """A line is found in a crowd; where not, no other property can be looked at."""
+    """Assert that a line is found in a crowd; raise `NotYet` if it is not."""
     with needs("the line is found in a crowd"):
         assert_finds(ransac_line, _CROWDS, 8, 30, 0.4)
 
@@ -861,7 +878,7 @@ def finds_the_line(ransac_line: Callable) -> None:
     assert_finds(ransac_line, _CROWDS, 8, 60, 0.4)
 
 
-_CROWD = Case(
+_CROWD_CASE = Case(
     __name__,
     "ransac_line",
     {
@@ -875,7 +892,7 @@ _CROWD = Case(
     basic=assert_works,
 )
 common_checks.untouched(
-    _CROWD,
+    _CROWD_CASE,
     "leaves_its_input",
     why="The next wall is searched among the same points.",
     hint="Draw indices instead of shuffling the points.",
@@ -894,7 +911,7 @@ def marks_its_own_inliers(ransac_line: Callable) -> None:
     assert_works(ransac_line)
     for seed, tolerance in enumerate((0.1, 0.4, 0.7, 2.5)):
         rng = np.random.default_rng(seed)
-        # So rough a wall that any change of the line moves points into the band or out of it.
+        # The wall is so rough that any change of the line moves points across the edge of the band.
         points, _ = wall_and_clutter(100 + seed, 30, 10, noise=0.8)
         assert_own_inliers(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
 
@@ -912,21 +929,22 @@ def includes_the_border(ransac_line: Callable) -> None:
 
 
 def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
-    """Of three points the last, exactly 1 m from the line of the others, is within 1 m of it.
+    """Assert that a point exactly `distance_tolerance` away from the line counts as an inlier.
 
     Parameters
     ----------
     ransac_line : callable
     three : numpy.ndarray, shape (3, 2)
-        Whole numbers, of which computers lose no digit; the first two on a line along an axis.
+        Three points with whole-numbered coordinates, so that distances are exact. The first two
+        are on a line parallel to an axis, and the third is exactly 1 m from that line.
     """
-    along = int(three[0, 1] == three[1, 1])  # the axis of the normal
-    exact = np.insert(np.eye(2)[along], 2, -three[0, along])
-    seen = 0
+    axis = int(three[0, 1] == three[1, 1])  # the axis of the normal
+    exact = np.insert(np.eye(2)[axis], 2, -three[0, axis])
+    matching_lines = 0
     for seed in range(30):
         answer = ransac_line(three.copy(), 3, 1.0, np.random.default_rng(seed))
         line, mask = as_result(answer, 3)
-        # Whoever fits the line anew has one that is off in its last digits: that one is let be.
+        # Skip other lines: one that was refitted to its inliers may be off in the last digits.
         if line is None or not (np.array_equal(line, exact) or np.array_equal(line, -exact)):
             continue
         if not mask[2]:
@@ -937,8 +955,8 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
                 yours="False",
                 expected="True",
             )
-        seen += 1
-        if seen == 3:  # a comparison counts it always or never
+        matching_lines += 1
+        if matching_lines == 3:  # each comparison gives the same result
             return
 
 
@@ -952,31 +970,31 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
 def draws_as_often_as_told(ransac_line: Callable) -> None:
     assert_works(ransac_line)
     assert_no_round_is_missing(ransac_line)
-    # One sample in 25 is a good one.
+    # About one sample in 25 gives the line.
     assert_finds(ransac_line, [wall_and_clutter(7, 14, 46)] * 12, 8, 250, 0.3)
 
 
 def assert_no_round_is_missing(ransac_line: Callable) -> None:
-    """A single round finds a line where every sample makes the same one."""
+    """Assert that one round is enough to find a line when all points lie on it."""
     steps = np.arange(10.0)
     wall = np.column_stack([steps, 2 * steps + 1])
 
-    def lines(rounds: int) -> int:
-        """In how many runs there is one."""
+    def runs_with_line(rounds: int) -> int:
+        """Return the number of runs that find a line."""
         runs = (
             ransac_line(wall.copy(), rounds, 0.3, np.random.default_rng(seed)) for seed in range(12)
         )
         return sum(as_result(answer, 10)[0] is not None for answer in runs)
 
-    if lines(1):
+    if runs_with_line(1):
         return
-    after_two = fixed(" With max_iterations=2 there is one: a round is missing.")
+    second_round_note = fixed(" With max_iterations=2 there is one: a round is missing.")
     raise CheckFailed(
         fixed(
             "Ten points lie on one line, and with max_iterations=1 there is none, whatever the "
             "seed."
         )
-        + (after_two if lines(2) else ""),
+        + (second_round_note if runs_with_line(2) else ""),
         yours="no line in 12 of 12 runs",
         expected="a line in each",
         hint="range(max_iterations) has max_iterations rounds; range(1, max_iterations) and "
@@ -997,7 +1015,7 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
     generators = map(np.random.default_rng, range(48))
     answers = quick_answers(ransac_line, points, 1, 0.3, generators)
     found = sum(is_found(line, points[on_line], 0.3) for line, _ in answers)
-    if found >= 24:  # with a chance of 1 in 25, never
+    if found >= 24:  # practically impossible if one sample in 25 gives the line
         raise CheckFailed(
             fixed(
                 "With max_iterations=1 the line was found in most runs. A single sample of two "
@@ -1018,26 +1036,31 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
 def draws_different_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
     runs = lines_of_few(ransac_line, _TRIANGLE)
-    lost = sum(line is None for line in runs)
-    if lost:
+    n_without_line = sum(line is None for line in runs)
+    if n_without_line:
         raise CheckFailed(
             "Of three points, no two alike, any two make a line. In some runs there was none.",
             given="three points, and max_iterations=2",
-            yours=f"no line in {lost} of {len(runs)} runs",
+            yours=f"no line in {n_without_line} of {len(runs)} runs",
             expected="a line in each",
         )
 
 
-# Any two of them make a line, which the others are far from.
-_FOUR = frozen(np.array([[1.0, 2.0], [5.0, -1.0], [-2.0, -4.0], [4.0, 6.0]]))
-_TRIANGLE = frozen(_FOUR[:3])
+# Any two of these points make a line, and the other points are far from it.
+_FOUR_POINTS = frozen(np.array([[1.0, 2.0], [5.0, -1.0], [-2.0, -4.0], [4.0, 6.0]]))
+_TRIANGLE = frozen(_FOUR_POINTS[:3])
 
 
 def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray | None]:
-    """The lines that 64 seeds find in two rounds, a few at least.
+    """Return the lines of 64 two-round runs with different seeds; None for a run without a line.
 
-    Whoever draws with replacement finds none in one run of nine, of three points; whoever leaves
-    a round out is asked about that elsewhere.
+    With three points, a function that draws with replacement finds no line in one run of nine.
+    Another check looks for a missing round.
+
+    Raises
+    ------
+    NotYet
+        If no run finds a line.
     """
     generators = map(np.random.default_rng, range(64))
     lines = [line for line, _ in quick_answers(ransac_line, points, 2, 0.1, generators)]
@@ -1056,15 +1079,15 @@ def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray |
 )
 def draws_from_all_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
-    lines, drawn = [], np.zeros(len(_FOUR), dtype=bool)
-    for line in lines_of_few(ransac_line, _FOUR):
+    lines, drawn = [], np.zeros(len(_FOUR_POINTS), dtype=bool)
+    for line in lines_of_few(ransac_line, _FOUR_POINTS):
         if line is not None:
             lines.append(line)
-            drawn |= distances_from(line, _FOUR) < TOLERANCE
+            drawn |= distances_from(line, _FOUR_POINTS) < TOLERANCE
         if drawn.all():
             return
-    if all(_same(line, lines[0]) for line in lines):
-        return  # whether other seeds draw other samples is another question
+    if all(_lines_equal(line, lines[0]) for line in lines):
+        return  # another check asks whether different seeds draw different samples
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Of four points the one in row {row} was in no sample.",
@@ -1104,34 +1127,34 @@ def repeats_with_its_seed(ransac_line: Callable) -> None:
 
 @once
 def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
-    """A second run with the same seed gives the same.
+    """Assert that a second run with the same seed gives the same line and mask.
 
     Parameters
     ----------
     ransac_line : callable
     as_rng : callable
-        Takes a seed; returns what to pass as `rng`.
+        Takes a seed and returns the value to pass as `rng`.
     """
     points, _ = wall_and_clutter(3, 20, 20)
     generators = [as_rng(seed) for seed in range(20) for _ in range(2)]
     answers = quick_answers(ransac_line, points, 2, 0.4, generators)
     for seed, (first, again) in enumerate(zip(answers[::2], answers[1::2], strict=True)):
-        if not (_same(first[0], again[0]) and np.array_equal(first[1], again[1])):
+        if not (_lines_equal(first[0], again[0]) and np.array_equal(first[1], again[1])):
             raise CheckFailed(
                 "The same seed gave two different answers.",
                 given=f"twice the seed {seed}, and max_iterations=2",
-                yours=f"first the line {_written(first[0])}, then {_written(again[0])}",
+                yours=f"first the line {_line_text(first[0])}, then {_line_text(again[0])}",
                 expected="twice the same line and mask",
             )
 
 
-def _same(line: np.ndarray | None, other: np.ndarray | None) -> bool:
-    if line is None or other is None:
-        return line is other
-    return bool(np.allclose(line, other))
+def _lines_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    return bool(np.allclose(first, second))
 
 
-def _written(line: np.ndarray | None) -> str:
+def _line_text(line: np.ndarray | None) -> str:
     return "None" if line is None else brief(line)
 
 
@@ -1149,10 +1172,10 @@ def follows_its_rng(ransac_line: Callable) -> None:
     lines = set()
     for seed in range(20):
         answer = ransac_line(points.copy(), 2, 0.4, np.random.default_rng(seed))
-        lines.add(_written(as_result(answer, len(points))[0]))
+        lines.add(_line_text(as_result(answer, len(points))[0]))
         if len(lines) > 1:
             return
-    if lines == {_written(None)}:
+    if lines == {_line_text(None)}:
         raise NotYet("two rounds give a line")
     raise CheckFailed(
         fixed("20 different seeds gave 20 times the same line."),
@@ -1174,15 +1197,15 @@ def survives_equal_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
     wall, _ = wall_and_clutter(11, 12, 0)
     points = np.vstack([np.tile([[2.0, 9.0]], (28, 1)), wall])
-    lost = 0
+    n_without_line = 0
     for seed in range(24):
         answer = ransac_line(points.copy(), 40, 0.3, np.random.default_rng(seed))
-        lost += as_result(answer, len(points))[0] is None
-    if lost:
+        n_without_line += as_result(answer, len(points))[0] is None
+    if n_without_line:
         raise CheckFailed(
             "Among many equal points there are others, and in some runs no line was found.",
             given="28 times the same point and 12 others, and max_iterations=40",
-            yours=f"no line in {lost} of 24 runs",
+            yours=f"no line in {n_without_line} of 24 runs",
             expected="a line in each",
         )
 
@@ -1196,14 +1219,14 @@ def survives_equal_points(ransac_line: Callable) -> None:
 )
 def answers_for_equal_points(ransac_line: Callable) -> None:
     assert_works(ransac_line)
-    alike = np.tile([[2.0, 9.0]], (6, 1))
-    answer = ransac_line(alike.copy(), 20, 0.3, np.random.default_rng(0))
+    equal_points = np.tile([[2.0, 9.0]], (6, 1))
+    answer = ransac_line(equal_points.copy(), 20, 0.3, np.random.default_rng(0))
     line, mask = as_result(answer, 6)
     if line is not None:
-        assert_own_inliers((line, mask), alike, 0.3)
+        assert_own_inliers((line, mask), equal_points, 0.3)
     elif mask.any():
         raise CheckFailed(
-            "Without a line there are no inliers.", yours=_counted(mask), expected="0 inliers"
+            "Without a line there are no inliers.", yours=_inlier_count(mask), expected="0 inliers"
         )
 
 
@@ -1216,13 +1239,15 @@ def answers_for_equal_points(ransac_line: Callable) -> None:
 )
 def answers_for_too_few(ransac_line: Callable) -> None:
     assert_works(ransac_line)
-    for few in (np.empty((0, 2)), np.array([[3.0, 4.0]])):
-        assert_nothing_found(ransac_line(few.copy(), 10, 0.3, np.random.default_rng(0)), len(few))
+    for points in (np.empty((0, 2)), np.array([[3.0, 4.0]])):
+        assert_nothing_found(
+            ransac_line(points.copy(), 10, 0.3, np.random.default_rng(0)), len(points)
+        )
     assert_two_are_enough(ransac_line, _TRIANGLE[:2])
 
 
 def assert_two_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
-    """Two different points have a line, in one run of many at least."""
+    """Assert that at least one of 12 runs finds the line through two different points."""
     for seed in range(12):
         answer = ransac_line(pair.copy(), 10, 0.3, np.random.default_rng(seed))
         if as_result(answer, 2)[0] is not None:
@@ -1238,7 +1263,7 @@ def assert_two_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
 
 
 def assert_nothing_found(answer: object, n: int) -> None:
-    """The answer for too few points is None, and a mask without True."""
+    """Assert that the answer for too few points is None and a mask that is False everywhere."""
     line, mask = as_result(answer, n)
     if line is not None or mask.any():
         raise CheckFailed(
@@ -1265,7 +1290,7 @@ def takes_a_seed(ransac_line: Callable) -> None:
     for seed, (points, on_line) in enumerate(_CROWDS):
         line, _ = as_result(ransac_line(points.copy(), 30, 0.4, seed), len(points))
         found += is_found(line, points[on_line], 0.4)
-    if found < 8:  # as with generators
+    if found < 8:  # the same bound as for generators, in assert_works
         raise CheckFailed(
             f"With a whole number for rng, the line was found in {found} of {len(_CROWDS)} runs. "
             "With a generator it is found in most of them.",
@@ -1277,7 +1302,7 @@ def takes_a_seed(ransac_line: Callable) -> None:
 
 
 common_checks.names(
-    _CROWD,
+    _CROWD_CASE,
     "keeps_the_names",
     why="Whoever reads ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1) knows "
     "what the numbers are.",
@@ -1293,6 +1318,6 @@ common_checks.names(
 def has_a_mask_of_booleans(ransac_line: Callable) -> None:
     points, _ = _CROWDS[0]
     _, inliers = ransac_line(points.copy(), 20, 0.4, np.random.default_rng(0))
-    kind = as_array(inliers).dtype
-    if kind.kind != "b":
-        raise CheckFailed(f"The mask is of type {kind}.")
+    dtype = as_array(inliers).dtype
+    if dtype.kind != "b":
+        raise CheckFailed(f"The mask is of type {dtype}.")

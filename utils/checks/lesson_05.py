@@ -1,7 +1,7 @@
 """Visible checks of lesson 05: `euclidean_clustering`.
 
-The clouds are such that one slip shows in few checks: 0.5 instead of the parameter, or a square
-too many or too few, gets all but one right, and balls instead of chains all that ask about pairs.
+The clouds are chosen so that one mistake fails few checks. A fixed threshold of 0.5, or a square
+too many or too few, fails only one. Balls instead of chains pass all checks that use pairs.
 """
 
 import sys
@@ -42,12 +42,12 @@ from utils.checks.clusters import (
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 
-# A step and a threshold at which each point of a row has one neighbour on either side, also for
-# whoever squares one of the two.
-_STEP, _REACH = 0.45, 0.8
+# With this step and threshold each point of a row has one neighbour on either side, even if a
+# function squares one of the two.
+_STEP, _THRESHOLD = 0.45, 0.8
 
-# The seven points of the lesson, in space. The same holds for them, at this threshold.
-_SEVEN = frozen(
+# The seven points of the lesson, in space. Squaring has no effect on their clusters, either.
+_SEVEN_POINTS = frozen(
     np.column_stack(
         [
             [0.0, 2.0, 0.45, 2.3, 0.45, 0.91, 1.5],
@@ -57,8 +57,8 @@ _SEVEN = frozen(
     )
 )
 _SEVEN_LABELS = frozen(np.array([1, 2, 1, 2, 1, 1, 3]))
-# Of the three groups, with a point alone before and behind them.
-_ALONE = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
+# Labels of the three groups with a single point before and after them, as text.
+_LABELS_WITH_SINGLES = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
 
 
 @visible(
@@ -82,12 +82,17 @@ def separates_groups(euclidean_clustering: Callable) -> None:
     "queue.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
-    assert_clusters(euclidean_clustering(_SEVEN.copy(), _REACH), _SEVEN_LABELS, _SEVEN, _REACH)
+    assert_clusters(
+        euclidean_clustering(_SEVEN_POINTS.copy(), _THRESHOLD),
+        _SEVEN_LABELS,
+        _SEVEN_POINTS,
+        _THRESHOLD,
+    )
     wall = row_of_points([0.0, 0.0, 0.0], _STEP, 30)
     order = np.random.default_rng(5).permutation(60)
     cloud = np.vstack([wall, wall + [0.0, 3.0, 0.0]])[order]
     labels = np.repeat([1, 2], 30)[order]
-    assert_clusters(euclidean_clustering(cloud.copy(), _REACH), labels, cloud, _REACH)
+    assert_clusters(euclidean_clustering(cloud.copy(), _THRESHOLD), labels, cloud, _THRESHOLD)
 
 
 @visible(
@@ -102,7 +107,7 @@ def follows_chains(euclidean_clustering: Callable) -> None:
 def counts_from_one(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
     assert_from_one(euclidean_clustering(GROUPS.copy(), 1.0), len(GROUPS))
-    # The first point stands alone, and so does the last.
+    # The first point is a cluster of its own, and so is the last.
     cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS, [-9.0, 4.0, 0.5]])
     answer = euclidean_clustering(cloud.copy(), 1.0)
     try:
@@ -110,7 +115,10 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
     except CheckFailed as failure:
         if failure.is_about_the_check:
             failure.given = "three groups of points, and one point alone before and behind them"
-            failure.yours, failure.expected = brief(as_labels(answer, len(cloud))), _ALONE
+            failure.yours, failure.expected = (
+                brief(as_labels(answer, len(cloud))),
+                _LABELS_WITH_SINGLES,
+            )
         raise
 
 
@@ -123,7 +131,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
     hint="Two points are close where their distance in metres is below the parameter threshold.",
 )
 def follows_the_threshold(euclidean_clustering: Callable) -> None:
-    # Pairs, 0.2, 0.45, 0.6 and 0.9 m wide: each threshold below joins a different number.
+    # Pairs 0.2, 0.45, 0.6 and 0.9 m apart, so that each threshold joins a different number of them.
     pairs = np.column_stack([np.arange(4) * 9.0, np.arange(4) * 9.0 + [0.2, 0.45, 0.6, 0.9]])
     cloud = np.outer(pairs.ravel(), [1.0, 0.0, 0.0])
     for threshold, labels in (
@@ -157,26 +165,29 @@ common_checks.names(
 )
 def measures_alike(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
-    # Pairs in five directions. Whatever the function makes of a length, it is the same in all.
-    ways = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, -1, 0]], dtype=float)
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    # Pairs in five directions. Right or wrong, a measure of distance must treat them alike.
+    directions = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, -1, 0]], dtype=float)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     places = np.outer(np.arange(5), [20.0, 0.0, 0.0])
     for gap in (0.15, 0.35, 0.65, 0.75, 0.95, 1.25, 1.55):
-        cloud = np.vstack([places, places + gap * ways])
+        cloud = np.vstack([places, places + gap * directions])
         labels = as_labels(euclidean_clustering(cloud.copy(), 1.0), len(cloud))
         close = labels[:5] == labels[5:]
         if close.any() and not close.all():
-            parts = [f"{_text(ways[np.argmax(close == one)])}" for one in (True, False)]
+            parts = [
+                f"{_direction_text(directions[np.argmax(close == is_close)])}"
+                for is_close in (True, False)
+            ]
             raise CheckFailed(
                 f"{gap:.2f} m are close along {parts[0]} and not close along {parts[1]}.",
                 given=f"pairs of points, {gap:.2f} m apart, in different directions; threshold 1 m",
             )
 
 
-def _text(way: np.ndarray) -> str:
-    """A direction: an axis by its name, a diagonal by its signs."""
-    signs = np.sign(way).astype(int)
-    return f"{'xyz'[np.argmax(way)]}" if abs(signs).sum() == 1 else f"{tuple(signs.tolist())}"
+def _direction_text(direction: np.ndarray) -> str:
+    """Return a direction as text: the name of an axis, or the signs of a diagonal."""
+    signs = np.sign(direction).astype(int)
+    return f"{'xyz'[np.argmax(direction)]}" if abs(signs).sum() == 1 else f"{tuple(signs.tolist())}"
 
 
 common_cluster_checks.intensity(
@@ -212,10 +223,12 @@ common_cluster_checks.untouched(_CASE, "leaves_its_input")
 )
 def takes_a_long_wall(euclidean_clustering: Callable) -> None:
     assert_works(euclidean_clustering)
-    # Python allows 1000 nested calls, and 3000 where something in the notebook has asked for more.
+    # Python allows 1000 nested calls, and 3000 if something in the notebook has raised the limit.
     n = min(sys.getrecursionlimit(), 3000) + 100
     wall = row_of_points([-n * _STEP / 2, 5.0, 0.0], _STEP, n)
-    assert_clusters(euclidean_clustering(wall.copy(), _REACH), np.ones(n, int), wall, _REACH)
+    assert_clusters(
+        euclidean_clustering(wall.copy(), _THRESHOLD), np.ones(n, int), wall, _THRESHOLD
+    )
 
 
 @visible(
@@ -235,7 +248,7 @@ def takes_a_dense_wall(euclidean_clustering: Callable) -> None:
     assert_clusters(euclidean_clustering(cloud.copy(), 0.8), np.ones(400, int), cloud, 0.8)
 
 
-# ---- what costs no points ----------------------------------------------------------------------
+# ---- notes, which cost no points ---------------------------------------------------------------
 
 
 @noted(
@@ -277,11 +290,11 @@ def parts_at_the_threshold(euclidean_clustering: Callable) -> None:
     assert_parts_at_the_threshold(euclidean_clustering)
 
 
-# ---- what people do ----------------------------------------------------------------------------
+# ---- common mistakes ---------------------------------------------------------------------------
 
 
 def _around_first_points(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """As the balls of the lesson: who is near the first point that is still free."""
+    """Label balls as in the lesson: all unlabelled points near the first unlabelled point."""
     places, labels = cloud[:, :3], np.zeros(len(cloud), dtype=int)
     while 0 in labels:
         near = length(places - places[np.argmin(labels)]) < threshold
@@ -290,7 +303,7 @@ def _around_first_points(right: np.ndarray, cloud: np.ndarray, threshold: float)
 
 
 def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Each point as the first before it that is near."""
+    """Give each point the label of the first point before it that is near."""
     labels = []
     for place in cloud[:, :3]:
         near = np.flatnonzero(length(cloud[: len(labels), :3] - place) < threshold)
@@ -298,8 +311,8 @@ def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.n
     return np.array(labels)
 
 
-def _never_begun(row: int) -> Callable:
-    """As if no cluster ever began at the point of a row: alone, it keeps the label 0."""
+def _no_cluster_begins_at(row: int) -> Callable:
+    """Return a prediction in which no cluster begins in this row: a point alone keeps label 0."""
 
     def predicts(right: np.ndarray, *case: object) -> np.ndarray:
         if np.count_nonzero(right == right[row]) > 1:
@@ -311,12 +324,12 @@ def _never_begun(row: int) -> Callable:
 
 
 def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
-    """For each point the row, from 1, of the first point of its cluster."""
+    """Label each point by the row, counted from 1, of the first point of its cluster."""
     return np.array([right.tolist().index(label) + 1 for label in right])
 
 
-# Points of a line, of which the first in the cloud, or the last, or both stand alone.
-_AT_THE_ENDS = frozen_cases(
+# Points on a line. The first point of the cloud, the last, or both are clusters of their own.
+_SINGLES_AT_THE_ENDS = frozen_cases(
     [
         (on_a_line(places), 0.6)
         for places in (
@@ -363,16 +376,16 @@ mistakes(
     ),
     Mistake(
         "No cluster begins at the first point: where it stands alone, it keeps the label 0.",
-        _never_begun(0),
+        _no_cluster_begins_at(0),
         "Let the loop over the points begin at 0: range(len(cloud)).",
     ),
     Mistake(
         "No cluster begins at the last point: where it stands alone, it keeps the label 0.",
-        _never_begun(-1),
+        _no_cluster_begins_at(-1),
         "Let the loop over the points go to the last: range(len(cloud)).",
     ),
     *mixed_up(),
-    cases=(*lines_of_points(), *_AT_THE_ENDS),
+    cases=(*lines_of_points(), *_SINGLES_AT_THE_ENDS),
     right=right_on_a_line,
     same=same_clusters,
 )

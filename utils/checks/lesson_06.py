@@ -25,8 +25,8 @@ from utils.checks.diagnosis import Mistake, mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
-# Road at -1.73 m, a kerb, a bumper, a car roof and a sign; then a column of intensity.
-_HEIGHTS = frozen(
+# Points of a road about 1.7 m below the sensor, a kerb, a bumper, a car roof and a sign.
+_GROUND_CLOUD = frozen(
     np.array(
         [
             [6.0, 0.5, -1.73, 0.20],
@@ -39,40 +39,41 @@ _HEIGHTS = frozen(
         ]
     )
 )
-_STANDING = frozen(np.array([False, True, False, True, True, False, True]))
+_IS_ABOVE = frozen(np.array([False, True, False, True, True, False, True]))
 
 
 def assert_standing(answer: object, cloud: np.ndarray, keep: np.ndarray, level: float) -> None:
-    """The right points are left; in which order, and with what intensity, is not looked at.
+    """Assert that the right points are left; their order and intensity are ignored.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     keep : numpy.ndarray of bool, shape (n,)
+        True for the points that stay.
     level : float
-        What else the function was given, in metres, for the message.
+        The ground level that the function was given, in metres, for the message.
     """
-    small = len(cloud) <= 12
+    is_small = len(cloud) <= 12
     assert_places(
         answer,
         cloud,
         keep,
-        given=f"{_heights(cloud)}, ground_level {level:g}" if small else None,
-        show=_heights if small else None,
+        given=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
+        show=_heights_text if is_small else None,
     )
 
 
-def _heights(points: np.ndarray) -> str:
+def _heights_text(points: np.ndarray) -> str:
     texts = [f"{height:.4g}" for height in points[:, 2].tolist()]
     return f"heights {', '.join(texts)}" if texts else "no row"
 
 
 @once
 def assert_filters(filter_ground: Callable) -> None:
-    """The road goes and what stands above stays; where not, nothing else can be looked at."""
+    """Assert that the road goes and points above it stay; raise `NotYet` if not."""
     with needs("what stands above the ground level is kept, the road is not"):
-        assert_standing(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING, -1.2)
+        assert_standing(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
 
 
 @visible(
@@ -84,7 +85,7 @@ def assert_filters(filter_ground: Callable) -> None:
     "False per point.",
 )
 def keeps_what_stands_above(filter_ground: Callable) -> None:
-    assert_standing(filter_ground(_HEIGHTS.copy(), -1.2), _HEIGHTS, _STANDING, -1.2)
+    assert_standing(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
 
 
 @visible(
@@ -96,23 +97,23 @@ def keeps_what_stands_above(filter_ground: Callable) -> None:
     hint="A point stays where its z is at least ground_level, whatever number that is.",
 )
 def follows_the_level(filter_ground: Callable) -> None:
-    for level, left in ((0.0, (4, 6)), (-1.65, (1, 2, 3, 4, 6)), (1.0, (6,))):
-        keep = np.isin(np.arange(7), left)
-        assert_standing(filter_ground(_HEIGHTS.copy(), level), _HEIGHTS, keep, level)
+    for level, rows_left in ((0.0, (4, 6)), (-1.65, (1, 2, 3, 4, 6)), (1.0, (6,))):
+        keep = np.isin(np.arange(7), rows_left)
+        assert_standing(filter_ground(_GROUND_CLOUD.copy(), level), _GROUND_CLOUD, keep, level)
 
 
-_ROAD = Case(
+_GROUND_CASE = Case(
     __name__,
     "filter_ground",
-    {"cloud": _HEIGHTS, "ground_level": -1.2},
-    expected=_STANDING,
+    {"cloud": _GROUND_CLOUD, "ground_level": -1.2},
+    expected=_IS_ABOVE,
     look=lambda answer, cloud, level, keep: assert_standing(answer, cloud, keep, level),
     basic=assert_filters,
 )
 
 
 @common_checks.default(
-    _ROAD,
+    _GROUND_CASE,
     "ground_level=-1.2",
     title="The ground level is -1.2 m unless another one is given",
     why="Later cells call filter_ground(cloud) and rely on it.",
@@ -121,27 +122,29 @@ _ROAD = Case(
 def keeps_the_default(filter_ground: Callable) -> None:
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
-    given = f"{_heights(cloud)}, no ground_level"
-    assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights)
+    given = f"{_heights_text(cloud)}, no ground_level"
+    assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights_text)
 
 
 common_checks.names(
-    _ROAD, "keeps_the_names", why="Later lessons call filter_ground(cloud, ground_level=-1.5)."
+    _GROUND_CASE,
+    "keeps_the_names",
+    why="Later lessons call filter_ground(cloud, ground_level=-1.5).",
 )
-common_row_checks.all_columns(_ROAD, "keeps_the_columns", weight=2)
-common_row_checks.order(_ROAD, "keeps_the_order", weight=2)
+common_row_checks.all_columns(_GROUND_CASE, "keeps_the_columns", weight=2)
+common_row_checks.order(_GROUND_CASE, "keeps_the_order", weight=2)
 common_checks.three_columns(
-    _ROAD,
+    _GROUND_CASE,
     "takes_three_columns",
     hint="Name the column that you compare, cloud[:, 2], and let the others be.",
 )
 common_row_checks.nothing_left(
-    _ROAD,
+    _GROUND_CASE,
     "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
     weight=2,
 )
-common_row_checks.untouched(_ROAD, "leaves_its_input", weight=2)
+common_row_checks.untouched(_GROUND_CASE, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -155,10 +158,10 @@ def keeps_the_tie(filter_ground: Callable) -> None:
     assert_standing(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
 
 
-common_row_checks.array(_ROAD, "returns_an_array")
+common_row_checks.array(_GROUND_CASE, "returns_an_array")
 
 
-def _higher(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
+def _rows_above(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
     return np.array([row for row, value in zip(cloud, values, strict=True) if value - level > 0])
 
 
@@ -167,41 +170,41 @@ mistakes(
     Mistake(
         "It is the other way round: what lies below ground_level stays, and what stands above "
         "goes.",
-        lambda right, cloud, level: _higher(cloud, -cloud[:, 2], -level),
+        lambda right, cloud, level: _rows_above(cloud, -cloud[:, 2], -level),
         "What stands above the level is to stay: which comparison says that?",
     ),
     Mistake(
         "Column 0, which is x, is compared. The heights are in column 2.",
-        lambda right, cloud, level: _higher(cloud, cloud[:, 0], level),
+        lambda right, cloud, level: _rows_above(cloud, cloud[:, 0], level),
     ),
     Mistake(
         "Column 1, which is y, is compared. The heights are in column 2.",
-        lambda right, cloud, level: _higher(cloud, cloud[:, 1], level),
+        lambda right, cloud, level: _rows_above(cloud, cloud[:, 1], level),
     ),
     Mistake(
         "The heights are compared without their sign: what lies deep below the sensor counts as "
         "high.",
-        lambda right, cloud, level: _higher(cloud, np.abs(cloud[:, 2]), level),
+        lambda right, cloud, level: _rows_above(cloud, np.abs(cloud[:, 2]), level),
         "Compare cloud[:, 2] as it is. Below the sensor it is negative, and so is ground_level.",
     ),
     Mistake(
         "The level is taken with the other sign: -1.2 acts as 1.2.",
-        lambda right, cloud, level: _higher(cloud, cloud[:, 2], -level),
+        lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -level),
         "Compare with ground_level as it is. Below the sensor it is negative, and so is z.",
     ),
     Mistake(
         "The last column is compared, and in a cloud of four columns that is the intensity.",
-        lambda right, cloud, level: _higher(cloud, cloud[:, -1], level),
+        lambda right, cloud, level: _rows_above(cloud, cloud[:, -1], level),
         "The heights are in column 2, whatever comes behind it.",
     ),
     Mistake(
         "A fixed level of -1.2 decides, whatever ground_level is.",
-        lambda right, cloud, level: _higher(cloud, cloud[:, 2], -1.2),
+        lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -1.2),
         "Compare with ground_level.",
     ),
     Mistake(
         "A fixed level of 0 decides, whatever ground_level is; 0 is the height of the sensor.",
-        lambda right, cloud, level: _higher(cloud, cloud[:, 2], 0.0),
+        lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], 0.0),
         "Compare with ground_level.",
     ),
     Mistake(
@@ -226,14 +229,14 @@ mistakes(
         (np.array([[3, -2, 0.35, 0.9], [-7, 4, 0.8, 0.2], [1, -5, -0.9, 0.7]]), -0.6),
         (np.array([[-3, 2, 0.25, 0.1], [7, -4, 0.9, 0.3], [-2, 1, -0.3, 0.8]]), 0.5),
     ),
-    right=lambda cloud, level: _higher(cloud, cloud[:, 2], level),
+    right=lambda cloud, level: _rows_above(cloud, cloud[:, 2], level),
 )
 
 
-# Cells of 0.2 m, all on the positive side, with 3, 1, 2, 1 and 1 points in them. No point is in the
-# upper half of its cell, and the lowest point of all is the lowest in its cell, so that it is the
-# same cells for whoever rounds or starts to count at a corner of the cloud: what is wrong with
-# that are checks of their own. Within a cell the intensity is the same, for the same reason.
+# Points at positive coordinates that occupy five cells of 0.2 m, with 3, 1, 2, 1 and 1 points.
+# Rounding to the nearest cell, or starting the grid at the lowest corner of the cloud, gives the
+# same cells, because separate checks cover these mistakes. For the same reason, all points of a
+# cell have the same intensity.
 _CELLS = frozen(
     np.array(
         [
@@ -262,14 +265,14 @@ _CENTROIDS = frozen(
 
 
 def assert_cells(answer: object, cloud: np.ndarray, number: int, size: float) -> np.ndarray:
-    """There are as many rows as occupied cells; what is in them is not looked at.
+    """Assert that there is one row per occupied cell; the values in the rows are ignored.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     number : int
-        Of occupied cells.
+        Number of occupied cells.
     size : float
         Side of a cell in metres.
 
@@ -282,48 +285,48 @@ def assert_cells(answer: object, cloud: np.ndarray, number: int, size: float) ->
     if len(yours) != number:
         raise CheckFailed(
             f"There are {'fewer' if len(yours) < number else 'more'} rows than occupied cells.",
-            given=_call(cloud, size),
-            yours=_rows(len(yours)),
-            expected=_rows(number),
+            given=_call_text(cloud, size),
+            yours=_row_count(len(yours)),
+            expected=_row_count(number),
         )
     return yours
 
 
 def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, size: float) -> None:
-    """There is the mean of x, y and z of each occupied cell; other columns are not looked at.
+    """Assert that the rows are the means of x, y and z of the cells; other columns are ignored.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     expected : numpy.ndarray, shape (m, 3) or (m, 4)
-        In any order.
+        One row for each occupied cell, in any order.
     size : float
         Side of a cell in metres.
     """
     yours, right = assert_cells(answer, cloud, len(expected), size), expected[:, :3]
     if not _same_rows(yours, right):
-        one = len(right) == 1
+        is_single = len(right) == 1
         raise CheckFailed(
             "This is not the mean of the points of the cell."
-            if one
+            if is_single
             else "The number of rows is right, but not all are the mean of the points of a cell.",
-            given=_call(cloud, size),
-            yours=_listed(yours),
-            expected=_listed(right),
+            given=_call_text(cloud, size),
+            yours=_points_or_count(yours),
+            expected=_points_or_count(right),
         )
 
 
 @once
 def assert_thins(voxel_grid: Callable) -> None:
-    """There is a point for each cell; where not, no other property can be looked at."""
+    """Assert that there is one point per occupied cell; raise `NotYet` if not."""
     with needs("there is one point per occupied cell"):
         assert_cells(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
 def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
-    """x, y and z of an answer; the other columns may be gone."""
-    yours, what = as_array(answer, what="an array of points"), "an array of points"
+    """Return x, y and z of an answer, which may lack the other columns."""
+    yours, description = as_array(answer, what="an array of points"), "an array of points"
     if yours.ndim == 2 and yours.shape[1] == 3:
         return yours
     if yours.ndim == 1 and yours.size == cloud.shape[1] and yours.dtype.kind != "b":
@@ -332,18 +335,18 @@ def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
             yours=f"shape {yours.shape}",
             expected=f"shape (1, {cloud.shape[1]})",
         )
-    return as_array(answer, columns=cloud.shape[1], what=what)[:, :3]
+    return as_array(answer, columns=cloud.shape[1], what=description)[:, :3]
 
 
-def _call(cloud: np.ndarray, size: float) -> str | None:
-    return f"points {_listed(cloud)}, cells of {size:g} m" if 0 < len(cloud) <= 8 else None
+def _call_text(cloud: np.ndarray, size: float) -> str | None:
+    return f"points {_points_or_count(cloud)}, cells of {size:g} m" if 0 < len(cloud) <= 8 else None
 
 
-def _listed(points: np.ndarray) -> str:
-    return points_text(points) if len(points) <= 8 else _rows(len(points))
+def _points_or_count(points: np.ndarray) -> str:
+    return points_text(points) if len(points) <= 8 else _row_count(len(points))
 
 
-def _rows(number: int) -> str:
+def _row_count(number: int) -> str:
     return f"{number} row{'s' if number != 1 else ''}"
 
 
@@ -369,8 +372,8 @@ def one_point_per_cell(voxel_grid: Callable) -> None:
 )
 def averages_each_cell(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
-    one = _CELLS[[0, 2, 4]]
-    assert_centroids(voxel_grid(one.copy(), 0.2), one, _CENTROIDS[:1], 0.2)
+    one_cell = _CELLS[[0, 2, 4]]
+    assert_centroids(voxel_grid(one_cell.copy(), 0.2), one_cell, _CENTROIDS[:1], 0.2)
     assert_centroids(voxel_grid(_CELLS.copy(), 0.2), _CELLS, _CENTROIDS, 0.2)
 
 
@@ -448,12 +451,12 @@ def cuts_in_three_directions(voxel_grid: Callable) -> None:
 )
 def floors_below_zero(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
-    # In the lower half of their cells, where rounding to the nearest does no harm; then in cells
-    # 1 and -1, with none between, which are two.
+    # The points of the first row are in the lower halves of their cells, so that rounding to the
+    # nearest gives the same cells. Those of the second are in cells 1 and -1, which must not merge.
     for axis in range(3):
-        for along in ((0.06, -0.14, -0.36, -0.32), (0.26, -0.14, 0.66)):
-            cloud = np.full((len(along), 4), 0.05)
-            cloud[:, axis] = along
+        for coordinates in ((0.06, -0.14, -0.36, -0.32), (0.26, -0.14, 0.66)):
+            cloud = np.full((len(coordinates), 4), 0.05)
+            cloud[:, axis] = coordinates
             assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
@@ -486,7 +489,7 @@ def follows_the_size(voxel_grid: Callable) -> None:
         assert_cells(voxel_grid(cloud.copy(), size), cloud, number, size)
 
 
-_GRID = Case(
+_GRID_CASE = Case(
     __name__,
     "voxel_grid",
     {"cloud": _CELLS, "voxel_size": 0.2},
@@ -497,7 +500,7 @@ _GRID = Case(
 
 
 @common_checks.default(
-    _GRID,
+    _GRID_CASE,
     "voxel_size=0.2",
     title="Cells are 0.2 m wide unless another size is given",
     why="Later lessons call voxel_grid(points) and rely on it.",
@@ -505,20 +508,20 @@ _GRID = Case(
 def keeps_the_size(voxel_grid: Callable) -> None:
     cloud = np.full((100, 4), 0.05)
     cloud[:, 0] = np.linspace(0.003, 3.997, 100)
-    with_it = as_array(voxel_grid(cloud.copy(), 0.2))
+    explicit = as_array(voxel_grid(cloud.copy(), 0.2))
     try:
-        assert_cells(voxel_grid(cloud.copy()), cloud, len(with_it), 0.2)
+        assert_cells(voxel_grid(cloud.copy()), cloud, len(explicit), 0.2)
     except CheckFailed as failure:
         failure.marked = fixed("voxel_grid(cloud) and voxel_grid(cloud, 0.2) are not the same.")
-        failure.expected = f"{_rows(len(with_it))}, as with 0.2"
+        failure.expected = f"{_row_count(len(explicit))}, as with 0.2"
         raise
 
 
 common_checks.names(
-    _GRID, "names_its_parameters", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
+    _GRID_CASE, "names_its_parameters", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
 )
 common_checks.three_columns(
-    _GRID,
+    _GRID_CASE,
     "thins_three_columns",
     hint="Take the number of columns from the cloud: cloud.shape[1].",
 )
@@ -536,9 +539,9 @@ common_checks.three_columns(
 def thins_the_smallest(voxel_grid: Callable) -> None:
     assert_thins(voxel_grid)
     columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
-    nothing = np.empty((0, 4))
-    answer = voxel_grid(nothing.copy(), 0.2)
-    assert_nothing_left(answer, nothing, columns)
+    empty = np.empty((0, 4))
+    answer = voxel_grid(empty.copy(), 0.2)
+    assert_nothing_left(answer, empty, columns)
     if as_array(answer).ndim != 2:
         raise CheckFailed(
             "Without points the answer has lost its columns.",
@@ -546,13 +549,13 @@ def thins_the_smallest(voxel_grid: Callable) -> None:
             yours=f"shape {as_array(answer).shape}",
             expected=f"shape (0, {columns})",
         )
-    level = np.array([[3.47, -1.05, 0.0, 0.4]])  # as a beam at the height of the sensor returns it
-    for one in (_CELLS[:1], level):
-        assert_cells(voxel_grid(one.copy(), 0.2), one, 1, 0.2)
+    horizontal = np.array([[3.47, -1.05, 0.0, 0.4]])  # z is 0 in a return of a horizontal beam
+    for point in (_CELLS[:1], horizontal):
+        assert_cells(voxel_grid(point.copy(), 0.2), point, 1, 0.2)
 
 
 common_checks.untouched(
-    _GRID,
+    _GRID_CASE,
     "leaves_the_cloud",
     why="The next step may need the full cloud again.",
     hint="No `/=` and no assignment on cloud: they change the caller's array.",
@@ -560,7 +563,7 @@ common_checks.untouched(
 )
 
 
-common_row_checks.array(_GRID, "gives_an_array")
+common_row_checks.array(_GRID_CASE, "gives_an_array")
 
 
 @noted(
@@ -583,31 +586,54 @@ def _merged(
     merge: Callable = np.mean,
     without: tuple = (),
 ) -> np.ndarray:
-    """One row for all that no border parts; borders stand at `first`, `first` ± `step`, ..."""
+    """Merge rows that are in the same cell; its borders are at `first`, `first` ± `step`, ...
+
+    Parameters
+    ----------
+    cloud : numpy.ndarray, shape (n, 3) or (n, 4)
+    step : float
+        Distance between two borders, in metres.
+    first : float or numpy.ndarray
+        Border number 0, for all columns or for each.
+    columns : int
+        Number of columns that decide about the cell.
+    merge : callable
+        Takes the rows of a cell and ``axis=0``; returns one row.
+    without : tuple of int
+        Numbers of the borders that are missing.
+    """
     steps = np.array([number for number in range(-60, 61) if number not in without])
     borders = np.broadcast_to(first, cloud.shape[1])[:, None] + step * steps
-    passed = (cloud[:, :columns, None] >= borders[None, :columns]).sum(axis=2).tolist()
-    groups = [[row for row in range(len(cloud)) if passed[row] == one] for one in passed]
-    return np.array([merge(cloud[g], axis=0) for k, g in enumerate(groups) if g[0] == k])
+    cells = (cloud[:, :columns, None] >= borders[None, :columns]).sum(axis=2).tolist()
+    groups = [[row for row in range(len(cloud)) if cells[row] == cell] for cell in cells]
+    return np.array(
+        [
+            merge(cloud[group], axis=0)
+            for first_row, group in enumerate(groups)
+            if group[0] == first_row
+        ]
+    )
 
 
-def _in_whole_numbers(rows: np.ndarray, axis: int) -> np.ndarray:
-    """The mean of some rows, added up where nothing behind the point is kept."""
-    added = functools.reduce(lambda so_far, row: np.trunc(so_far + row), rows, np.zeros(4))
-    return added / len(rows)
+def _truncated_mean(rows: np.ndarray, axis: int) -> np.ndarray:
+    """Return the mean of rows if every addition cuts off the decimals of the sum."""
+    total = functools.reduce(lambda partial, row: np.trunc(partial + row), rows, np.zeros(4))
+    return total / len(rows)
 
 
 def _same_rows(answer: object, predicted: np.ndarray) -> bool:
-    """Whether an answer holds these rows, in any order; some may be there more than once."""
+    """Return whether an answer has the predicted rows, in any order and with their duplicates."""
     try:
         yours = as_array(answer)
     except CheckFailed:
         return False
-    return yours.shape == predicted.shape and same_array(_in_order(yours), _in_order(predicted))
+    return yours.shape == predicted.shape and same_array(
+        _sorted_rows(yours), _sorted_rows(predicted)
+    )
 
 
-def _in_order(rows: np.ndarray) -> np.ndarray:
-    """Rows by their first column, then by the second, and so on, whatever rounding makes of it."""
+def _sorted_rows(rows: np.ndarray) -> np.ndarray:
+    """Return rows sorted by column 0, then column 1 and so on; ties ignore rounding errors."""
     return rows[np.lexsort(np.round(rows.astype(float), 3).T[::-1] + 0.0)]
 
 
@@ -628,7 +654,7 @@ mistakes(
     ),
     Mistake(
         "The sums are whole numbers: what is behind the point is cut off at every addition.",
-        lambda right, cloud, size: _merged(cloud, size, merge=_in_whole_numbers),
+        lambda right, cloud, size: _merged(cloud, size, merge=_truncated_mean),
         "np.zeros(shape) alone makes an array that keeps what is behind the point: no dtype=int, "
         "and no zeros_like of whole numbers.",
     ),

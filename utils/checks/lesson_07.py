@@ -1,7 +1,7 @@
 """Visible checks of lesson 07: `filter_by_distance`, `crop_region`, `remove_ego_returns`.
 
-Each looks at one property. `assert_near` and `assert_boxed` ask which places are left; the order
-of the rows and their intensity have checks of their own.
+Each check covers one property. `assert_near` and `assert_boxed` compare only which points are left;
+separate checks cover the order of the rows and their intensity.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from utils.checks.run_cache import once
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Ahead of us on the left, all low and dim. The near ones are so near, and the far ones so far,
-# that every way to measure in the plane agrees: directions, corners, heights and intensities are
-# checks of their own. In no order that could be guessed.
-_PLACES = frozen(
+# Low, dim points ahead of the car on the left, in no particular order. They are so near or so far
+# that every measure of distance in the plane agrees, because separate checks cover directions,
+# corners, heights and intensities.
+_SCATTERED = frozen(
     np.array(
         [
             [6.0, 0.5, -1.5, 0.20],
@@ -49,8 +49,9 @@ _PLACES = frozen(
 _NEAR = frozen(np.array([True, False, True, False, False, True, True, False]))
 
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
-# Inside, or outside in x and in y and in z: beyond one face of the box, and before another.
-_ROOM = frozen(
+# Each point is inside the box, or outside it in x, y and z alike: above the maximum in at least one
+# coordinate and below the minimum in another.
+_CROP_CLOUD = frozen(
     np.array(
         [
             [1.0, 2.0, -1.0, 0.5],
@@ -65,9 +66,10 @@ _ROOM = frozen(
     )
 )
 _INSIDE = frozen(np.array([True, False, True, False, False, True, False, True]))
-_EGO = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-# Returns of our own car, and others that share no coordinate with it, beyond and before as above.
-_AROUND = frozen(
+_EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
+# Returns of the ego car, and others that are outside its box in x, y and z alike, above the maximum
+# in one coordinate and below the minimum in another.
+_EGO_CLOUD = frozen(
     np.array(
         [
             [-1.3, 0.4, -0.6, 0.3],
@@ -80,49 +82,53 @@ _AROUND = frozen(
         ]
     )
 )
-_OURS = frozen(np.array([True, False, True, False, False, True, False]))
-# Where x rises y falls: in a box that does alike each is inside in all coordinates, or in none.
+_IS_EGO = frozen(np.array([True, False, True, False, False, True, False]))
+# y falls as x rises. The boxes built from _LIMITS mirror this, so that each point is inside in all
+# three coordinates or in none.
 _DIAGONAL = frozen(
     np.column_stack([np.arange(6.0), 5 - np.arange(6.0), np.arange(6.0), np.ones(6)])
 )
-# One on the other, through a cube on one side of the sensor: what doubles a corner loses some.
-_STEPS = frozen(np.column_stack([*[np.arange(6.0)] * 3, np.ones(6)]))
+# Points along the diagonal of a cube that does not contain the sensor: a function that doubles a
+# corner by mistake leaves other rows.
+_CUBE_DIAGONAL = frozen(np.column_stack([*[np.arange(6.0)] * 3, np.ones(6)]))
 _CUBE = (1.5, 1.5, 1.5), (3.5, 3.5, 3.5)
-_LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # of x and of z, lower and upper
+_LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # lower and upper limits of x and z
 
 
 def assert_near(
     answer: object, cloud: np.ndarray, distance: float, near: np.ndarray, view: str = "above"
 ) -> None:
-    """The places of ``cloud[near]`` are left: those whose horizontal distance is small enough.
+    """Assert that the points of ``cloud[near]`` are left, in any order.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     distance : float
+        Largest horizontal distance of a point that stays, in metres.
     near : numpy.ndarray of bool, shape (n,)
+        True for the points that stay.
     view : {"above", "side"}
-        Where the picture looks from.
+        Viewpoint of the picture.
     """
-    outline = _circle if view == "above" else _reach
+    outline = _draw_circle if view == "above" else _draw_limits
     settings = f"distance {distance:g}"
-    _assert_left(answer, cloud, near, settings, view, lambda axes: outline(axes, distance))
+    _assert_remaining(answer, cloud, near, settings, view, lambda axes: outline(axes, distance))
 
 
-def _assert_alike(function: Callable, kind: Callable) -> None:
-    """The same rows are left, right or wrong, whether corners are tuples or something else."""
-    tuples, others = (
-        as_array(function(_STEPS.copy(), *corners), what="the rows")
+def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
+    """Assert that corners of type `kind` leave the same rows as tuples, whether right or wrong."""
+    with_tuples, with_kind = (
+        as_array(function(_CUBE_DIAGONAL.copy(), *corners), what="the rows")
         for corners in (_CUBE, map(kind, _CUBE))
     )
-    if not np.array_equal(tuples, others):
+    if not np.array_equal(with_tuples, with_kind):
         raise CheckFailed(
             "The same corners leave other rows when they are no tuples.",
             given=f"six points on a line, and corners {brief(kind(_CUBE[0]))} and "
             f"{brief(kind(_CUBE[1]))}",
-            yours=f"{len(others)} rows",
-            expected=f"{len(tuples)} rows, as your function leaves with tuples",
+            yours=f"{len(with_kind)} rows",
+            expected=f"{len(with_tuples)} rows, as your function leaves with tuples",
         )
 
 
@@ -134,24 +140,28 @@ def assert_boxed(
     keep: np.ndarray,
     view: str = "above",
 ) -> None:
-    """The places of ``cloud[keep]`` are left: those inside a box, or those not inside.
+    """Assert that the points of ``cloud[keep]`` are left, in any order.
 
     Parameters
     ----------
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
-    minimum, maximum : three floats each
+    minimum, maximum : sequence of float
+        The x, y and z of two opposite corners of the box, for the message and the picture.
     keep : numpy.ndarray of bool, shape (n,)
+        True for the points that stay, either those inside the box or those outside it.
     view : {"above", "side"}
-        Where the picture looks from.
+        Viewpoint of the picture.
     """
-    across = [0, 1] if view == "above" else [0, 2]
-    low, high = np.array(minimum)[across], np.array(maximum)[across]
+    columns = [0, 1] if view == "above" else [0, 2]
+    low, high = np.array(minimum)[columns], np.array(maximum)[columns]
     corners = "minimum {}, maximum {}".format(*map(points_text, ([minimum], [maximum])))
-    _assert_left(answer, cloud, keep, corners, view, lambda axes: _rectangle(axes, low, high))
+    _assert_remaining(
+        answer, cloud, keep, corners, view, lambda axes: _draw_rectangle(axes, low, high)
+    )
 
 
-def _assert_left(
+def _assert_remaining(
     answer: object,
     cloud: np.ndarray,
     keep: np.ndarray,
@@ -159,38 +169,38 @@ def _assert_left(
     view: str,
     outline: Callable,
 ) -> None:
-    """`assert_places`, with the border in the picture, and small clouds in words."""
-    small = len(cloud) <= 8
-    given = f"points {points_text(cloud)}, {settings}" if small else None
+    """Call `assert_places`; add the border to the picture and small clouds to the message."""
+    is_small = len(cloud) <= 8
+    given = f"points {points_text(cloud)}, {settings}" if is_small else None
     try:
-        assert_places(answer, cloud, keep, view, given, points_text if small else None)
+        assert_places(answer, cloud, keep, view, given, points_text if is_small else None)
     except CheckFailed as failure:
         if difference := failure.draw:
             failure.draw = lambda: outline(difference())
         raise
 
 
-def _circle(axes: Axes, distance: float) -> None:
+def _draw_circle(axes: Axes, distance: float) -> None:
     from matplotlib.patches import Circle
 
     axes.add_patch(Circle((0, 0), distance, fill=False, edgecolor="black", linestyle="--"))
-    _show(axes, (-distance, -distance), (distance, distance))
+    _widen_limits(axes, (-distance, -distance), (distance, distance))
 
 
-def _reach(axes: Axes, distance: float) -> None:
+def _draw_limits(axes: Axes, distance: float) -> None:
     for x in (-distance, distance):
         axes.axvline(x, color="black", linestyle="--")
 
 
-def _rectangle(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
+def _draw_rectangle(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
     from matplotlib.patches import Rectangle
 
     axes.add_patch(Rectangle(low, *(high - low), fill=False, edgecolor="black", linestyle="--"))
-    _show(axes, low, high)
+    _widen_limits(axes, low, high)
 
 
-def _show(axes: Axes, low: Sequence[float], high: Sequence[float]) -> None:
-    """Widen the limits to where all of a border can be seen."""
+def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> None:
+    """Widen the limits of the axes until the whole border is visible."""
     margin = 0.05 * np.subtract(high, low)
     (left, bottom), (right, top) = low - margin, high + margin
     axes.set_xlim(min(axes.get_xlim()[0], left), max(axes.get_xlim()[1], right))
@@ -199,24 +209,26 @@ def _show(axes: Axes, low: Sequence[float], high: Sequence[float]) -> None:
 
 @once
 def assert_measures(filter_by_distance: Callable) -> None:
-    """What is near stays and what is far goes; where not, nothing else can be looked at."""
+    """Assert that near points stay and far ones go; raise `NotYet` if they do not."""
     with needs("what is near is kept, what is far is not"):
-        assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
+        assert_near(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @once
 def assert_crops(crop_region: Callable) -> None:
-    """What is inside stays, the rest goes; where not, no other property can be looked at."""
+    """Assert that only points inside the box stay; raise `NotYet` if this fails."""
     with needs("what is inside the box is kept, what is outside is not"):
-        answer = crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM)
-        assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
+        answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
+        assert_boxed(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @once
 def assert_frees(remove_ego_returns: Callable) -> None:
-    """What is inside goes, the rest stays; where not, no other property can be looked at."""
+    """Assert that only points inside the box go; raise `NotYet` if this fails."""
     with needs("what is inside the box is removed, what is outside is not"):
-        assert_boxed(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, *_EGO, ~_OURS)
+        assert_boxed(
+            remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO
+        )
 
 
 @visible(
@@ -228,7 +240,7 @@ def assert_frees(remove_ego_returns: Callable) -> None:
     "most `distance`.",
 )
 def keeps_what_is_near(filter_by_distance: Callable) -> None:
-    assert_near(filter_by_distance(_PLACES.copy(), 10.0), _PLACES, 10.0, _NEAR)
+    assert_near(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @visible(
@@ -325,10 +337,10 @@ def follows_the_distance(filter_by_distance: Callable) -> None:
         assert_near(filter_by_distance(cloud.copy(), distance), cloud, distance, near)
 
 
-_NEARBY = Case(
+_NEAR_CASE = Case(
     __name__,
     "filter_by_distance",
-    {"cloud": _PLACES, "distance": 10.0},
+    {"cloud": _SCATTERED, "distance": 10.0},
     expected=_NEAR,
     look=assert_near,
     basic=assert_measures,
@@ -336,7 +348,7 @@ _NEARBY = Case(
 
 
 @common_checks.default(
-    _NEARBY,
+    _NEAR_CASE,
     "distance=10.0",
     title="The distance is 10 m unless another one is given",
     why="Later cells call filter_by_distance(cloud) and rely on it.",
@@ -350,22 +362,22 @@ def keeps_the_default(filter_by_distance: Callable) -> None:
 
 
 common_checks.names(
-    _NEARBY, "keeps_the_names", why="Others may call filter_by_distance(cloud, distance=25)."
+    _NEAR_CASE, "keeps_the_names", why="Others may call filter_by_distance(cloud, distance=25)."
 )
-common_row_checks.all_columns(_NEARBY, "keeps_the_columns", weight=2)
-common_row_checks.order(_NEARBY, "keeps_the_order", weight=2)
+common_row_checks.all_columns(_NEAR_CASE, "keeps_the_columns", weight=2)
+common_row_checks.order(_NEAR_CASE, "keeps_the_order", weight=2)
 common_checks.three_columns(
-    _NEARBY,
+    _NEAR_CASE,
     "takes_three_columns",
     hint="Name the columns that you need, cloud[:, 0] and cloud[:, 1], and let the others be.",
 )
 common_row_checks.nothing_left(
-    _NEARBY,
+    _NEAR_CASE,
     "takes_the_smallest",
     hint="The same two lines serve every case: an empty mask takes no row.",
     weight=2,
 )
-common_row_checks.untouched(_NEARBY, "leaves_its_input", weight=2)
+common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -380,7 +392,7 @@ def keeps_the_tie(filter_by_distance: Callable) -> None:
     assert_near(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
-common_row_checks.array(_NEARBY, "returns_an_array")
+common_row_checks.array(_NEAR_CASE, "returns_an_array")
 
 
 @visible(
@@ -392,8 +404,8 @@ common_row_checks.array(_NEARBY, "returns_an_array")
     "with &, then .all(axis=1).",
 )
 def keeps_what_is_inside(crop_region: Callable) -> None:
-    answer = crop_region(_ROOM.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
+    answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @visible(
@@ -444,7 +456,7 @@ def cuts_below_and_above(crop_region: Callable) -> None:
 )
 def counts_the_faces(crop_region: Callable) -> None:
     assert_crops(crop_region)
-    edge = np.array(
+    on_faces = np.array(
         [
             [-10.0, 0.0, 0.0],
             [30.0, 0.0, 0.0],
@@ -454,9 +466,9 @@ def counts_the_faces(crop_region: Callable) -> None:
             [0.0, 0.0, 1.0],
         ]
     )
-    edge = np.column_stack([edge, np.full(6, 0.4)])
-    answer = crop_region(edge.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, edge, _MINIMUM, _MAXIMUM, np.full(6, True))
+    on_faces = np.column_stack([on_faces, np.full(6, 0.4)])
+    answer = crop_region(on_faces.copy(), _MINIMUM, _MAXIMUM)
+    assert_boxed(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
 
 
 @visible(
@@ -483,32 +495,34 @@ def follows_the_corners(crop_region: Callable) -> None:
 def takes_any_corners(crop_region: Callable) -> None:
     assert_crops(crop_region)
     for kind in (list, np.array):
-        answer = crop_region(_ROOM.copy(), kind(_MINIMUM), kind(_MAXIMUM))
-        assert_boxed(answer, _ROOM, _MINIMUM, _MAXIMUM, _INSIDE)
-        _assert_alike(crop_region, kind)
+        answer = crop_region(_CROP_CLOUD.copy(), kind(_MINIMUM), kind(_MAXIMUM))
+        assert_boxed(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
+        _assert_any_corner_type(crop_region, kind)
 
 
-_CROP = Case(
+_CROP_CASE = Case(
     __name__,
     "crop_region",
-    {"cloud": _ROOM, "minimum": _MINIMUM, "maximum": _MAXIMUM},
+    {"cloud": _CROP_CLOUD, "minimum": _MINIMUM, "maximum": _MAXIMUM},
     expected=_INSIDE,
     look=assert_boxed,
     basic=assert_crops,
 )
 common_checks.names(
-    _CROP,
+    _CROP_CASE,
     "names_the_corners",
     why="Others may call crop_region(cloud, minimum=..., maximum=...).",
 )
 common_row_checks.all_columns(
-    _CROP, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
+    _CROP_CASE, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-common_row_checks.order(_CROP, "crops_in_order")
-common_checks.three_columns(_CROP, "crops_three_columns", hint="cloud[:, :3] is there in both.")
-common_row_checks.nothing_left(_CROP, "crops_the_smallest", weight=2)
-common_row_checks.untouched(_CROP, "crops_a_copy")
-common_row_checks.array(_CROP, "gives_an_array")
+common_row_checks.order(_CROP_CASE, "crops_in_order")
+common_checks.three_columns(
+    _CROP_CASE, "crops_three_columns", hint="cloud[:, :3] is there in both."
+)
+common_row_checks.nothing_left(_CROP_CASE, "crops_the_smallest", weight=2)
+common_row_checks.untouched(_CROP_CASE, "crops_a_copy")
+common_row_checks.array(_CROP_CASE, "gives_an_array")
 
 
 @visible(
@@ -519,7 +533,7 @@ common_row_checks.array(_CROP, "gives_an_array")
     hint="Find the rows inside as in crop_region, then keep the others: ~inside.",
 )
 def removes_our_own(remove_ego_returns: Callable) -> None:
-    assert_boxed(remove_ego_returns(_AROUND.copy(), *_EGO), _AROUND, *_EGO, ~_OURS)
+    assert_boxed(remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO)
 
 
 @visible(
@@ -537,7 +551,7 @@ def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
     )
     cloud = np.column_stack([cloud, np.full(5, 0.4)])
     keep = np.array([False, True, True, True, True])
-    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, keep)
+    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
 
 
 @visible(
@@ -552,7 +566,7 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
     cloud = np.array([[0.5, 0.0, 2.0], [0.5, 0.0, -0.7], [0.5, 0.0, -1.6]])
     cloud = np.column_stack([cloud, np.full(3, 0.4)])
     keep = np.array([True, False, True])
-    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO), cloud, *_EGO, keep, "side")
+    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep, "side")
 
 
 @visible(
@@ -565,7 +579,7 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
 def removes_the_faces(remove_ego_returns: Callable) -> None:
     assert_frees(remove_ego_returns)
     box = (-1.5, -1.75, -1.0), (2.5, 1.75, -0.5)
-    edge = np.array(
+    on_faces = np.array(
         [
             [-1.5, 0.0, -0.75],
             [2.5, 0.0, -0.75],
@@ -576,8 +590,8 @@ def removes_the_faces(remove_ego_returns: Callable) -> None:
             [7.0, 6.0, 0.5],
         ]
     )
-    edge = np.column_stack([edge, np.full(7, 0.4)])
-    assert_boxed(remove_ego_returns(edge.copy(), *box), edge, *box, np.arange(7) == 6)
+    on_faces = np.column_stack([on_faces, np.full(7, 0.4)])
+    assert_boxed(remove_ego_returns(on_faces.copy(), *box), on_faces, *box, np.arange(7) == 6)
 
 
 @visible(
@@ -605,126 +619,140 @@ def follows_the_ego_box(remove_ego_returns: Callable) -> None:
 def takes_any_ego_box(remove_ego_returns: Callable) -> None:
     assert_frees(remove_ego_returns)
     for kind in (list, np.array):
-        answer = remove_ego_returns(_AROUND.copy(), kind(_EGO[0]), kind(_EGO[1]))
-        assert_boxed(answer, _AROUND, *_EGO, ~_OURS)
-        _assert_alike(remove_ego_returns, kind)
+        answer = remove_ego_returns(_EGO_CLOUD.copy(), kind(_EGO_BOX[0]), kind(_EGO_BOX[1]))
+        assert_boxed(answer, _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO)
+        _assert_any_corner_type(remove_ego_returns, kind)
 
 
-_FREE = Case(
+_EGO_CASE = Case(
     __name__,
     "remove_ego_returns",
-    {"cloud": _AROUND, "minimum": _EGO[0], "maximum": _EGO[1]},
-    expected=frozen(~_OURS),
+    {"cloud": _EGO_CLOUD, "minimum": _EGO_BOX[0], "maximum": _EGO_BOX[1]},
+    expected=frozen(~_IS_EGO),
     look=assert_boxed,
     basic=assert_frees,
 )
 common_checks.names(
-    _FREE,
+    _EGO_CASE,
     "names_the_ego_box",
     why="Others may call remove_ego_returns(cloud, minimum=..., maximum=...).",
 )
 common_row_checks.all_columns(
-    _FREE, "leaves_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
+    _EGO_CASE, "leaves_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-common_row_checks.order(_FREE, "leaves_the_order")
-common_checks.three_columns(_FREE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
-common_row_checks.nothing_left(_FREE, "frees_the_smallest", weight=2)
-common_row_checks.untouched(_FREE, "frees_a_copy")
-common_row_checks.array(_FREE, "leaves_an_array")
+common_row_checks.order(_EGO_CASE, "leaves_the_order")
+common_checks.three_columns(_EGO_CASE, "frees_three_columns", hint="cloud[:, :3] is there in both.")
+common_row_checks.nothing_left(_EGO_CASE, "frees_the_smallest", weight=2)
+common_row_checks.untouched(_EGO_CASE, "frees_a_copy")
+common_row_checks.array(_EGO_CASE, "leaves_an_array")
 
 
-def _at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:
+def _rows_at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:
     return np.delete(cloud, np.flatnonzero(values - limit > 0), axis=0)
 
 
-def _length(cloud: np.ndarray) -> np.ndarray:
-    return np.abs(cloud[:, :2] @ [1, 1j])  # as complex numbers
+def _horizontal_distances(cloud: np.ndarray) -> np.ndarray:
+    return np.abs(cloud[:, :2] @ [1, 1j])  # the absolute value of the complex number x + iy
 
 
 mistakes(
     "filter_by_distance",
     Mistake(
         "It is the other way round: what is far stays, and what is near goes.",
-        lambda right, cloud, distance: _at_most(cloud, -_length(cloud), -distance),
+        lambda right, cloud, distance: _rows_at_most(
+            cloud, -_horizontal_distances(cloud), -distance
+        ),
         'Near is "at most distance": which comparison says that?',
     ),
     Mistake(
         "The height is counted in: that is the straight line in space, not the way on the road.",
-        lambda right, cloud, distance: _at_most(
+        lambda right, cloud, distance: _rows_at_most(
             right, (right[:, :3] ** 2).sum(axis=1), distance**2
         ),
         "Use columns 0 and 1 only. Column 2 is the height.",
     ),
     Mistake(
         "Height and intensity are counted in: that is the length of the whole row.",
-        lambda right, cloud, distance: _at_most(right, (right**2).sum(axis=1), distance**2),
+        lambda right, cloud, distance: _rows_at_most(right, (right**2).sum(axis=1), distance**2),
         "Use columns 0 and 1 only.",
     ),
     Mistake(
         "The squared distance is compared with the plain one: a root is missing, or a square on "
         "the other side.",
-        lambda right, cloud, distance: _at_most(right, _length(right) ** 2, distance),
+        lambda right, cloud, distance: _rows_at_most(
+            right, _horizontal_distances(right) ** 2, distance
+        ),
         "np.sqrt(x**2 + y**2) or np.hypot(x, y) is the distance.",
     ),
     Mistake(
         "The distance is compared with the square of `distance`.",
-        lambda right, cloud, distance: _at_most(cloud, _length(cloud), distance**2),
+        lambda right, cloud, distance: _rows_at_most(
+            cloud, _horizontal_distances(cloud), distance**2
+        ),
         "Compare plain with plain, or squared with squared.",
     ),
     Mistake(
         "x and y are compared each by itself: that is a square, not a circle.",
-        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, :2]).max(axis=1), distance),
+        lambda right, cloud, distance: _rows_at_most(
+            cloud, np.abs(cloud[:, :2]).max(axis=1), distance
+        ),
         "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "x and y are compared each by itself, and with their signs: everything behind us on the "
         "right counts as near.",
-        lambda right, cloud, distance: _at_most(cloud, cloud[:, :2].max(axis=1), distance),
+        lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, :2].max(axis=1), distance),
         "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "x and y are added up as lengths, |x| + |y|: it takes squares and a root.",
-        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, :2]).sum(axis=1), distance),
+        lambda right, cloud, distance: _rows_at_most(
+            cloud, np.abs(cloud[:, :2]).sum(axis=1), distance
+        ),
         "Square x and y, add, take the root: np.hypot(x, y).",
     ),
     Mistake(
         "x and y are added up, with their signs: it takes squares and a root.",
-        lambda right, cloud, distance: _at_most(cloud, cloud[:, :2].sum(axis=1), distance),
+        lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, :2].sum(axis=1), distance),
         "Square x and y, add, take the root: np.hypot(x, y).",
     ),
     Mistake(
         "x and z make the distance; y, in column 1, is left out.",
-        lambda right, cloud, distance: _at_most(cloud, _length(cloud[:, [0, 2]]), distance),
+        lambda right, cloud, distance: _rows_at_most(
+            cloud, _horizontal_distances(cloud[:, [0, 2]]), distance
+        ),
         "Use columns 0 and 1. Column 2 is the height.",
     ),
     Mistake(
         "y and z make the distance; x, in column 0, is left out.",
-        lambda right, cloud, distance: _at_most(cloud, _length(cloud[:, [1, 2]]), distance),
+        lambda right, cloud, distance: _rows_at_most(
+            cloud, _horizontal_distances(cloud[:, [1, 2]]), distance
+        ),
         "Use columns 0 and 1. Column 2 is the height.",
     ),
     Mistake(
         "Only y is compared, with its sign: everything on the right stays.",
-        lambda right, cloud, distance: _at_most(cloud, cloud[:, 1], distance),
+        lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 1], distance),
         "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "Only y is compared: everything ahead and behind stays, however far.",
-        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, 1]), distance),
+        lambda right, cloud, distance: _rows_at_most(cloud, np.abs(cloud[:, 1]), distance),
         "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "Only x is compared, with its sign: everything behind us stays.",
-        lambda right, cloud, distance: _at_most(cloud, cloud[:, 0], distance),
+        lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 0], distance),
         "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "Only x is compared: everything beside us stays, however far.",
-        lambda right, cloud, distance: _at_most(cloud, np.abs(cloud[:, 0]), distance),
+        lambda right, cloud, distance: _rows_at_most(cloud, np.abs(cloud[:, 0]), distance),
         "Combine x and y to one distance first: np.hypot(x, y).",
     ),
     Mistake(
         "A fixed distance of 10 m decides, whatever `distance` is.",
-        lambda right, cloud, distance: _at_most(cloud, _length(cloud), 10.0),
+        lambda right, cloud, distance: _rows_at_most(cloud, _horizontal_distances(cloud), 10.0),
         "Compare with `distance`.",
     ),
     Mistake(
@@ -734,12 +762,12 @@ mistakes(
     ),
     Mistake(
         "What is returned are the distances that are left; it should be the rows.",
-        lambda right, cloud, distance: _length(right),
+        lambda right, cloud, distance: _horizontal_distances(right),
         "Index the whole cloud with the mask: cloud[mask].",
     ),
     Mistake(
         "Far rows are set to 0. They should not be there at all.",
-        lambda right, cloud, distance: cloud * (_length(cloud) < distance)[:, None],
+        lambda right, cloud, distance: cloud * (_horizontal_distances(cloud) < distance)[:, None],
         "Index with the mask: cloud[mask] holds only the rows where it is True.",
     ),
     Mistake(
@@ -806,30 +834,31 @@ mistakes(
             7.0,
         ),
     ),
-    right=lambda cloud, distance: _at_most(cloud, _length(cloud), distance),
+    right=lambda cloud, distance: _rows_at_most(cloud, _horizontal_distances(cloud), distance),
 )
 
 
-def _depth(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
-    """How far each coordinate lies inside a box, (n, 3); outside it is negative."""
+def _depths(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
+    """Return the depth of each coordinate inside a box, shape (n, 3); negative if outside."""
     middle, half = np.add(minimum, maximum) / 2, np.subtract(maximum, minimum) / 2
     return half - np.abs(cloud[:, :3] - middle)
 
 
-def _cropped(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
-    return _at_most(cloud, -_depth(cloud, minimum, maximum).min(axis=1), 0)
+def _rows_inside(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
+    return _rows_at_most(cloud, -_depths(cloud, minimum, maximum).min(axis=1), 0)
 
 
-def _freed(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
-    return cloud[_depth(cloud, minimum, maximum).min(axis=1) < 0]
+def _rows_outside(cloud: np.ndarray, minimum: Sequence, maximum: Sequence) -> np.ndarray:
+    return cloud[_depths(cloud, minimum, maximum).min(axis=1) < 0]
 
 
 def _same_rows(answer: object, predicted: np.ndarray) -> bool:
-    """Whether an answer is a table of these rows; a list of nothing is no table."""
+    """Return whether an answer is a table of the predicted rows; an empty list is not a table."""
     return same_array(answer, predicted) and as_array(answer).ndim > 1
 
 
-# Inside; outside in one, in two, in three coordinates, on either side; on a face; all inside.
+# The first clouds have points inside a box, on its faces, and outside it on either side in one, two
+# or three coordinates. The last three clouds have no point outside.
 _BOXES = tuple(
     (frozen(cloud), minimum, maximum)
     for cloud, minimum, maximum in (
@@ -909,37 +938,37 @@ mistakes(
     "crop_region",
     Mistake(
         "It is the other way round: what is inside goes, and what is outside stays.",
-        lambda right, *case: _freed(*case),
+        lambda right, *case: _rows_outside(*case),
         "Index with the mask of the rows inside, without ~.",
     ),
     Mistake(
         "One coordinate inside the box is enough here; all three have to be.",
-        lambda right, *case: case[0][_depth(*case).max(axis=1) >= 0],
+        lambda right, *case: case[0][_depths(*case).max(axis=1) >= 0],
         ".all(axis=1), not .any(axis=1).",
     ),
     Mistake(
         "Only x and y are compared; z has to be inside, too.",
-        lambda right, *case: case[0][_depth(*case)[:, :2].min(axis=1) >= 0],
+        lambda right, *case: case[0][_depths(*case)[:, :2].min(axis=1) >= 0],
         "Compare all three coordinates: cloud[:, :3].",
     ),
     Mistake(
         "Only minimum is compared; what lies beyond maximum stays.",
-        lambda right, cloud, low, high: _cropped(cloud, low, np.full(3, 1e3)),
+        lambda right, cloud, low, high: _rows_inside(cloud, low, np.full(3, 1e3)),
         "Join both comparisons with &.",
     ),
     Mistake(
         "Only maximum is compared; what lies before minimum stays.",
-        lambda right, cloud, low, high: _cropped(cloud, np.full(3, -1e3), high),
+        lambda right, cloud, low, high: _rows_inside(cloud, np.full(3, -1e3), high),
         "Join both comparisons with &.",
     ),
     Mistake(
         "Points on the faces go; they belong to the box.",
-        lambda right, *case: case[0][_depth(*case).min(axis=1) > 0],
+        lambda right, *case: case[0][_depths(*case).min(axis=1) > 0],
         "Use >= and <=, not > and <.",
     ),
     Mistake(
         "The lesson's own region decides, whatever minimum and maximum are.",
-        lambda right, cloud, low, high: _cropped(cloud, _MINIMUM, _MAXIMUM),
+        lambda right, cloud, low, high: _rows_inside(cloud, _MINIMUM, _MAXIMUM),
         "Compare with minimum and maximum, by their names.",
     ),
     Mistake(
@@ -968,7 +997,7 @@ mistakes(
         is_cheap=True,
     ),
     cases=_BOXES,
-    right=_cropped,
+    right=_rows_inside,
     same=_same_rows,
 )
 
@@ -976,33 +1005,33 @@ mistakes(
     "remove_ego_returns",
     Mistake(
         "It is the other way round: what is inside stays, and what is outside goes.",
-        lambda right, *case: _cropped(*case),
+        lambda right, *case: _rows_inside(*case),
         "Index with ~inside.",
     ),
     Mistake(
         "Only what is outside in x and in y and in z stays; one of them is enough.",
-        lambda right, *case: case[0][_depth(*case).max(axis=1) < 0],
+        lambda right, *case: case[0][_depths(*case).max(axis=1) < 0],
         "Join the comparisons that say outside with .any(axis=1); or invert at the very end, "
         "~inside.",
     ),
     Mistake(
         "Only x and y are compared; what is above or below the box is no part of it.",
-        lambda right, *case: case[0][_depth(*case)[:, :2].min(axis=1) < 0],
+        lambda right, *case: case[0][_depths(*case)[:, :2].min(axis=1) < 0],
         "Compare all three coordinates: cloud[:, :3].",
     ),
     Mistake(
         "Points on the faces stay; they belong to the box.",
-        lambda right, *case: case[0][_depth(*case).min(axis=1) <= 0],
+        lambda right, *case: case[0][_depths(*case).min(axis=1) <= 0],
         "Inside is >= minimum and <= maximum; outside is < or >.",
     ),
     Mistake(
         "The lesson's own box decides, whatever minimum and maximum are.",
-        lambda right, cloud, low, high: _freed(cloud, *_EGO),
+        lambda right, cloud, low, high: _rows_outside(cloud, *_EGO_BOX),
         "Compare with minimum and maximum, by their names.",
     ),
     Mistake(
         "Returns of our own car are set to 0. They should not be there at all.",
-        lambda right, *case: case[0] * (_depth(*case).min(axis=1, keepdims=True) < 0),
+        lambda right, *case: case[0] * (_depths(*case).min(axis=1, keepdims=True) < 0),
         "Index with a mask: cloud[mask] holds only the rows where it is True.",
     ),
     Mistake(
@@ -1012,12 +1041,12 @@ mistakes(
     ),
     Mistake(
         "Only minimum is compared; what lies beyond maximum goes, too.",
-        lambda right, cloud, low, high: _freed(cloud, low, np.full(3, 1e3)),
+        lambda right, cloud, low, high: _rows_outside(cloud, low, np.full(3, 1e3)),
         "Join both comparisons with &.",
     ),
     Mistake(
         "Only maximum is compared; what lies before minimum goes, too.",
-        lambda right, cloud, low, high: _freed(cloud, np.full(3, -1e3), high),
+        lambda right, cloud, low, high: _rows_outside(cloud, np.full(3, -1e3), high),
         "Join both comparisons with &.",
     ),
     Mistake(
@@ -1034,6 +1063,6 @@ mistakes(
         is_cheap=True,
     ),
     cases=_BOXES,
-    right=_freed,
+    right=_rows_outside,
     same=_same_rows,
 )

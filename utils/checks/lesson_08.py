@@ -16,9 +16,9 @@ from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.run_cache import once
 
-# A cluster that surrounds the origin; its first point is neither the smallest nor the largest on
-# any axis. So it matters to it neither where a search starts nor which point comes first: those
-# are checks of their own.
+# A cluster that surrounds the origin and whose first point is no extreme on any axis. Neither the
+# starting values of a search nor the order of the points change its box, because separate checks
+# cover these.
 _POINTS = frozen(
     np.array(
         [
@@ -34,7 +34,7 @@ _POINTS = frozen(
 )
 _LOW, _HIGH = frozen((np.array([-2.0, -1.5, -1.2]), np.array([3.0, 2.5, 0.8])))
 _BOX = frozen(corners_between(_LOW, _HIGH))
-# The same once more, half as large, and shifted.
+# The same cluster unchanged, half as large, and larger and shifted.
 _SIZES, _SHIFT = (1.0, 0.5, 1.5), 0.4
 _CLOUD = frozen(np.vstack([_SIZES[0] * _POINTS, _SIZES[1] * _POINTS, _SIZES[2] * _POINTS + _SHIFT]))
 _BOXES = frozen(np.stack([_SIZES[0] * _BOX, _SIZES[1] * _BOX, _SIZES[2] * _BOX + _SHIFT]))
@@ -43,7 +43,7 @@ _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 @once
 def assert_reaches(get_bounding_boxes: Callable) -> None:
-    """One cluster gets its box; where not, no other property can be looked at."""
+    """Assert that a single cluster gets its box; raise `NotYet` if not."""
     with needs("a single cluster gets its box"):
         labels = np.ones(7, dtype=int)
         answer = get_bounding_boxes(_POINTS.copy(), labels.copy())
@@ -52,7 +52,7 @@ def assert_reaches(get_bounding_boxes: Callable) -> None:
 
 @once
 def assert_works(get_bounding_boxes: Callable) -> None:
-    """Three clusters get their boxes; where not, no other property can be looked at."""
+    """Assert that three clusters get their boxes; raise `NotYet` if not."""
     with needs("each of three clusters gets its box"):
         answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
         assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
@@ -123,7 +123,7 @@ def takes_points_in_any_order(get_bounding_boxes: Callable) -> None:
         assert_box_corners(answer, np.stack([_BOX, 0.5 * _BOX]), cloud, labels)
 
 
-_THREE = Case(
+_THREE_CASE = Case(
     __name__,
     "get_bounding_boxes",
     {"cloud": _CLOUD, "cluster_labels": _LABELS},
@@ -132,15 +132,15 @@ _THREE = Case(
     basic=assert_works,
 )
 common_box_checks.gaps(
-    _THREE,
+    _THREE_CASE,
     "allows_gaps",
     [2, 5, 9],
     hint="np.unique(cluster_labels) lists the labels that occur. range(1, ...) also counts those "
     "that do not.",
     weight=2,
 )
-common_box_checks.ascending(_THREE, "follows_the_labels", [2, 3, 1], weight=2)
-common_box_checks.noise(_THREE, "leaves_noise_alone", weight=2)
+common_box_checks.ascending(_THREE_CASE, "follows_the_labels", [2, 3, 1], weight=2)
+common_box_checks.noise(_THREE_CASE, "leaves_noise_alone", weight=2)
 
 
 @visible(
@@ -161,21 +161,21 @@ def takes_few_points(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, np.stack([pair, post, pair, post]), cloud, labels)
 
 
-common_box_checks.fourth_column(_THREE, "ignores_intensity", weight=2)
+common_box_checks.fourth_column(_THREE_CASE, "ignores_intensity", weight=2)
 common_box_checks.no_boxes(
-    _THREE,
+    _THREE_CASE,
     "takes_nothing",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
     weight=2,
 )
 common_checks.names(
-    _THREE,
+    _THREE_CASE,
     "keeps_the_names",
     why="Whoever reads the docstring may call get_bounding_boxes(cloud=..., cluster_labels=...).",
 )
 common_box_checks.untouched(
-    _THREE, "leaves_its_input", hint="Write the corners into an array of their own."
+    _THREE_CASE, "leaves_its_input", hint="Write the corners into an array of their own."
 )
 
 
@@ -209,9 +209,9 @@ def returns_an_array(get_bounding_boxes: Callable) -> None:
         raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
 
 
-# Small streets with the corners of their boxes: clusters apart from each other, labels without
-# gaps, some with a stray point and some without. The first point of a cluster is its largest on
-# every axis, or its smallest. No two streets have equally many points.
+# Small streets with the corners of their boxes. The clusters are apart from each other, and the
+# labels have no gaps; some streets have a stray point. The first point of a cluster is its largest
+# or its smallest on every axis. Each street has a different number of points.
 _STREETS = tuple(
     frozen((np.array(cloud), np.array(labels), np.stack([corners_between(*box) for box in boxes])))
     for cloud, labels, boxes in (
@@ -289,36 +289,36 @@ _STREETS = tuple(
 )
 
 
-def _right(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+def _right_boxes(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
     return next(boxes for street, _, boxes in _STREETS if len(street) == len(cloud))
 
 
-def _changed(right: np.ndarray, change: Callable) -> np.ndarray:
-    """Straight boxes whose ends another pair takes the place of."""
-    ends = [change(box.min(axis=0), box.max(axis=0)) for box in right]
-    return np.stack([corners_between(low, high) for low, high in ends])
+def _change_corners(right: np.ndarray, change: Callable) -> np.ndarray:
+    """Return straight boxes whose lowest and highest corner are replaced by `change`."""
+    corners = [change(box.min(axis=0), box.max(axis=0)) for box in right]
+    return np.stack([corners_between(low, high) for low, high in corners])
 
 
 def _without_first(low: np.ndarray, high: np.ndarray, cloud: np.ndarray) -> np.ndarray:
-    """The points between two corners but the one that comes first."""
+    """Return the points between two corners, except the first one in the cloud."""
     return cloud[((cloud >= low) & (cloud <= high)).all(axis=1)][1:]
 
 
-def _boxed(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """The boxes of labels that belong to other points."""
+def _boxes_of(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return the box of each label above 0."""
     clusters = [cloud[labels == name] for name in np.unique(labels[labels > 0])]
-    ends = [(points.min(axis=0), points.max(axis=0)) for points in clusters]
-    return np.stack([corners_between(low, high) for low, high in ends])
+    corners = [(points.min(axis=0), points.max(axis=0)) for points in clusters]
+    return np.stack([corners_between(low, high) for low, high in corners])
 
 
-def _by_appearance(labels: np.ndarray) -> np.ndarray:
-    """Which row of the boxes comes first, and so on, where the labels go as they first occur."""
+def _order_of_appearance(labels: np.ndarray) -> np.ndarray:
+    """Return the order of the boxes if the labels come in the order of their first points."""
     names = np.unique(labels[labels > 0])
     return np.argsort([labels.tolist().index(name) for name in names])
 
 
-def _same(answer: object, predicted: np.ndarray) -> bool:
-    """Whether boxes have the same corners, in whatever order."""
+def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
+    """Return whether boxes have the same corners, in any order."""
     try:
         yours = as_array(answer)
     except CheckFailed:
@@ -331,7 +331,7 @@ mistakes(
     Mistake(
         "`elif` asks about the maximum only where a point is no new minimum, so the first point of "
         "a cluster never counts as its largest.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, _without_first(low, high, cloud).max(axis=0))
         ),
         "Both questions must be asked of every point: `if` and `if`.",
@@ -339,21 +339,23 @@ mistakes(
     Mistake(
         "`elif` asks about the minimum only where a point is no new maximum, so the first point of "
         "a cluster never counts as its smallest.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (_without_first(low, high, cloud).min(axis=0), high)
         ),
         "Both questions must be asked of every point: `if` and `if`.",
     ),
     Mistake(
         "Minimum and maximum start at 0, so every box reaches to the sensor.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.minimum(low, 0), np.maximum(high, 0))
         ),
         "Start from the first point of the cluster, or from infinity.",
     ),
     Mistake(
         "The maximum starts at 0, so no box ends below it.",
-        lambda right, cloud, labels: _changed(right, lambda low, high: (low, np.maximum(high, 0))),
+        lambda right, cloud, labels: _change_corners(
+            right, lambda low, high: (low, np.maximum(high, 0))
+        ),
         "Start from the first point of the cluster, or from minus infinity.",
     ),
     Mistake(
@@ -381,7 +383,7 @@ mistakes(
     ),
     Mistake(
         "The labels are sorted and the points are not: each point gets the label of another.",
-        lambda right, cloud, labels: _boxed(cloud, np.sort(labels)),
+        lambda right, cloud, labels: _boxes_of(cloud, np.sort(labels)),
         "Leave cluster_labels as they are; np.unique(cluster_labels) is a sorted list beside them.",
     ),
     Mistake(
@@ -394,21 +396,21 @@ mistakes(
     ),
     Mistake(
         "One maximum serves x, y and z alike: axis=0 is missing.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, np.full(3, high.max()))
         ),
         "points.max(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
         "One minimum serves x, y and z alike: axis=0 is missing.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.full(3, low.min()), high)
         ),
         "points.min(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
         "One minimum and one maximum serve x, y and z alike: axis=0 is missing.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.full(3, low.min()), np.full(3, high.max()))
         ),
         "points.min(axis=0) gives three numbers, one for each column.",
@@ -416,7 +418,7 @@ mistakes(
     Mistake(
         "Minimum and maximum are not started afresh for each label: a box holds the ones before "
         "it, too.",
-        lambda right, cloud, labels: _changed(
+        lambda right, cloud, labels: _change_corners(
             [np.vstack(right[: row + 1]) for row in range(len(right))],
             lambda low, high: (low, high),
         ),
@@ -424,10 +426,10 @@ mistakes(
     ),
     Mistake(
         "The boxes come in the order in which the labels first occur.",
-        lambda right, cloud, labels: right[_by_appearance(labels)],
+        lambda right, cloud, labels: right[_order_of_appearance(labels)],
         "They belong in ascending order of the labels.",
     ),
     cases=tuple((cloud, labels) for cloud, labels, _ in _STREETS),
-    right=_right,
-    same=_same,
+    right=_right_boxes,
+    same=_same_boxes,
 )

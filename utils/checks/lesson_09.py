@@ -21,8 +21,8 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import NotYet, fixed
 from utils.checks.run_cache import once
 
-# Clusters of 5, 1, 2, 4, 4 and 2 points, neither sorted nor in one piece. None has exactly 3, the
-# minimum that goes with them: what happens then is a check of its own.
+# Clusters of 5, 1, 2, 4, 4 and 2 points, mixed. None has exactly 3 points, the minimum in these
+# checks, because a separate check covers that case.
 _LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6, 5]))
 _KEPT = frozen(np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0, 5]))
 KEEPS_ZERO = fixed("Points with label 0 belong to no cluster and keep the 0.")
@@ -31,106 +31,110 @@ KEEPS_ZERO = fixed("Points with label 0 belong to no cluster and keep the 0.")
 def assert_kept(
     answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
 ) -> None:
-    """The right clusters are left, each with a label of its own; which labels is not looked at.
+    """Assert that the right clusters are left, each with a label of its own, whatever the labels.
 
     Parameters
     ----------
     answer : object
     labels : numpy.ndarray of int, shape (n,)
-        What the function was given.
+        The labels that the function was given.
     expected : numpy.ndarray of int, shape (n,)
+        The right answer.
     minimum : int, optional
-        What else it was given, for the message.
+        The minimum that the function was given, for the message.
     """
     yours = as_labels(answer, len(labels))
     if np.array_equal(yours > 0, expected > 0):
         _assert_apart(yours, labels, minimum)
         return
-    gone = np.unique(labels[(yours <= 0) & (expected > 0)])
-    left = np.unique(labels[(yours > 0) & (expected == 0) & (labels > 0)])
+    removed = np.unique(labels[(yours <= 0) & (expected > 0)])
+    not_removed = np.unique(labels[(yours > 0) & (expected == 0) & (labels > 0)])
     parts = [
-        f"{_of(labels, cluster)} should be {'gone' if cluster in left else 'left'}"
-        for cluster in [*left[:1], *gone[:1]]
+        f"{_cluster_text(labels, cluster)} should be {'gone' if cluster in not_removed else 'left'}"
+        for cluster in [*not_removed[:1], *removed[:1]]
     ]
     text = "; ".join(parts)
     raise CheckFailed(
         f"{text[0].upper()}{text[1:]}." if text else KEEPS_ZERO,
-        given=_call(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
-        yours=_counted(yours),
-        expected=_counted(expected),
+        given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+        yours=_summary(yours),
+        expected=_summary(expected),
         draw=lambda: _draw(labels, yours, expected),
     )
 
 
 def _assert_apart(yours: np.ndarray, labels: np.ndarray, minimum: int | None) -> None:
-    """What were two clusters are not one now."""
-    left = yours > 0
-    old = [np.unique(labels[left & (yours == label)]) for label in np.unique(yours[left])]
-    if together := next((both.tolist() for both in old if len(both) > 1), None):
+    """Assert that no two clusters of `labels` have the same label in the answer."""
+    is_left = yours > 0
+    old_labels = [
+        np.unique(labels[is_left & (yours == label)]) for label in np.unique(yours[is_left])
+    ]
+    if merged := next((group.tolist() for group in old_labels if len(group) > 1), None):
         raise CheckFailed(
-            f"Clusters {together[0]} and {together[1]} have the same label now: two obstacles "
+            f"Clusters {merged[0]} and {merged[1]} have the same label now: two obstacles "
             "became one.",
-            given=_call(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+            given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
             yours=brief(yours),
         )
 
 
 def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray) -> None:
-    """What is left of the right points has its old label; whether they are all there is not asked.
+    """Assert that points which rightly stay keep their labels; missing points are ignored.
 
     Parameters
     ----------
     answer : object
     labels, expected : numpy.ndarray of int, shape (n,)
+        The labels that the function was given, and the right answer.
     """
     yours = as_labels(answer, len(labels))
-    both = (yours > 0) & (expected > 0)
-    wrong = np.flatnonzero(both & (yours != expected))
+    stays = (yours > 0) & (expected > 0)
+    wrong = np.flatnonzero(stays & (yours != expected))
     if len(wrong):
-        place = wrong[0]
+        index = wrong[0]
         raise CheckFailed(
-            f"Point {place} has another label than before. What stays keeps its label, gaps and "
+            f"Point {index} has another label than before. What stays keeps its label, gaps and "
             "all.",
-            yours=f"label {yours[place]}",
-            expected=f"label {expected[place]}",
+            yours=f"label {yours[index]}",
+            expected=f"label {expected[index]}",
             draw=lambda: _draw(labels, yours, expected),
         )
 
 
-_BASIC = "clusters with too few points go, the others stay"
+_BASIC_PROPERTY = "clusters with too few points go, the others stay"
 
 
 @once
 def assert_works(filter_clusters: Callable) -> None:
-    """Small clusters go and large ones stay; where not, no other size can be looked at."""
-    with needs(_BASIC):
+    """Assert that small clusters go and large ones stay; raise `NotYet` if not."""
+    with needs(_BASIC_PROPERTY):
         assert_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
 @once
 def assert_chooses(filter_clusters: Callable) -> None:
-    """Of six clusters at least five go or stay as they should.
+    """Assert that at least five of six clusters go or stay as they should; raise `NotYet` if not.
 
-    Enough to ask for what has nothing to do with sizes: names, input, label 0. Who lets all stay,
-    or all go, gets three; who looks at the first label alone, four.
+    This is enough for checks that do not depend on sizes: names, input, label 0. A function that
+    keeps or removes all clusters gets three right; one that uses only the first label gets four.
     """
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
-    same = (yours > 0) == (_KEPT > 0)
-    if sum(same[cluster == _LABELS].all() for cluster in range(1, 7)) < 5:
-        raise NotYet(_BASIC)
+    is_right = (yours > 0) == (_KEPT > 0)
+    if sum(is_right[cluster == _LABELS].all() for cluster in range(1, 7)) < 5:
+        raise NotYet(_BASIC_PROPERTY)
 
 
-def _call(labels: np.ndarray, minimum: int | None) -> str:
+def _call_text(labels: np.ndarray, minimum: int | None) -> str:
     if len(labels) <= 20:
-        said = f"labels {brief(labels)}"
+        text = f"labels {brief(labels)}"
     else:
-        sizes = [np.count_nonzero(labels == one) for one in np.unique(labels)]
-        said = f"clusters of {', '.join(map(str, sizes[:-1]))} and {sizes[-1]} points"
-    return said + (f"; minimum {minimum}" if minimum is not None else "")
+        sizes = [np.count_nonzero(labels == label) for label in np.unique(labels)]
+        text = f"clusters of {', '.join(map(str, sizes[:-1]))} and {sizes[-1]} points"
+    return text + (f"; minimum {minimum}" if minimum is not None else "")
 
 
 def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
-    """Draw each cluster as a row of points, the label as its height."""
+    """Draw each cluster as a row of points, one row per label."""
     place = np.array([np.count_nonzero(labels[:i] == label) for i, label in enumerate(labels)])
     names, row = np.unique(labels, return_inverse=True)
     limits = ((-1, place.max() + 1), (-1, len(names)))
@@ -149,15 +153,15 @@ def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
             panel.set_yticks(range(len(names)), names)
 
 
-def _of(labels: np.ndarray, cluster: int) -> str:
+def _cluster_text(labels: np.ndarray, cluster: int) -> str:
     count = np.count_nonzero(labels == cluster)
     return f"cluster {cluster}, of {count} point{'s' if count != 1 else ''},"
 
 
-def _counted(labels: np.ndarray) -> str:
-    """Labels above 0 that are in use, and the number of points without one, in few words."""
-    found = np.unique(labels[labels > 0]).tolist()
-    names = ", ".join(map(str, found[:8])) + (", ..." if len(found) > 8 else "")
+def _summary(labels: np.ndarray) -> str:
+    """Return the labels above 0 and the number of points without one as a short text."""
+    in_use = np.unique(labels[labels > 0]).tolist()
+    names = ", ".join(map(str, in_use[:8])) + (", ..." if len(in_use) > 8 else "")
     noise = np.count_nonzero(labels <= 0)
     return f"clusters {names or 'none'}; {noise} point{'s' if noise != 1 else ''} of noise"
 
@@ -251,7 +255,7 @@ def follows_the_minimum(filter_clusters: Callable) -> None:
         assert_kept(filter_clusters(labels.copy(), minimum), labels, expected, minimum)
 
 
-_FILTERED = Case(
+_FILTERED_CASE = Case(
     __name__,
     "filter_clusters",
     {"cluster_labels": _LABELS, "min_num_points": 3},
@@ -262,7 +266,7 @@ _FILTERED = Case(
 
 
 @common_checks.default(
-    _FILTERED,
+    _FILTERED_CASE,
     "min_num_points=100",
     title="The minimum is 100 unless another one is given",
     why="Later lessons call filter_clusters(labels) and rely on it.",
@@ -270,21 +274,21 @@ _FILTERED = Case(
 def keeps_the_default(filter_clusters: Callable) -> None:
     sizes = [60, 99, 100, 101]
     labels = np.repeat([1, 2, 3, 4], sizes)
-    given, left_out = (
+    with_minimum, without_minimum = (
         as_labels(answer, len(labels)) > 0
         for answer in (filter_clusters(labels.copy(), 100), filter_clusters(labels.copy()))
     )
-    if not np.array_equal(given, left_out):
+    if not np.array_equal(with_minimum, without_minimum):
         raise CheckFailed(
             fixed("Without a minimum other clusters stay than with a minimum of 100."),
-            given=_call(labels, None),
-            yours=f"{np.count_nonzero(left_out)} points stay",
-            expected=f"{np.count_nonzero(given)}, as in your function with 100",
+            given=_call_text(labels, None),
+            yours=f"{np.count_nonzero(without_minimum)} points stay",
+            expected=f"{np.count_nonzero(with_minimum)}, as in your function with 100",
         )
 
 
 common_checks.names(
-    _FILTERED,
+    _FILTERED_CASE,
     "keeps_the_names",
     why="Later lessons call filter_clusters(labels, min_num_points=10).",
 )
@@ -331,8 +335,8 @@ def allows_gaps(filter_clusters: Callable) -> None:
     hint="The same lines serve every case: np.unique of no points is no labels.",
 )
 def takes_the_smallest(filter_clusters: Callable) -> None:
-    nothing = np.empty(0, dtype=int)
-    assert_kept(filter_clusters(nothing, 2), nothing, nothing)
+    empty = np.empty(0, dtype=int)
+    assert_kept(filter_clusters(empty, 2), empty, empty)
     for labels, minimum, expected in (
         ([1], 0, [1]),
         ([1], 2, [0]),
@@ -344,7 +348,7 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
 
 
 common_checks.untouched(
-    _FILTERED,
+    _FILTERED_CASE,
     "leaves_its_input",
     why="The next step may want to try another minimum on the same labels.",
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
@@ -381,27 +385,29 @@ def returns_an_array(filter_clusters: Callable) -> None:
     why="np.bincount and labels as an index, in the next cells, take no floating point numbers.",
 )
 def has_whole_labels(filter_clusters: Callable) -> None:
-    kind = as_array(filter_clusters(_LABELS.copy(), 3)).dtype
-    if kind.kind not in "iu":
-        raise CheckFailed(f"The labels are of type {kind}.")
+    dtype = as_array(filter_clusters(_LABELS.copy(), 3)).dtype
+    if dtype.kind not in "iu":
+        raise CheckFailed(f"The labels are of type {dtype}.")
 
 
-def _right(labels: np.ndarray, minimum: int) -> np.ndarray:
+def _right_labels(labels: np.ndarray, minimum: int) -> np.ndarray:
     numbers = labels.tolist()
-    return np.array([n if n > 0 and numbers.count(n) >= minimum else 0 for n in numbers])
+    return np.array(
+        [number if number > 0 and numbers.count(number) >= minimum else 0 for number in numbers]
+    )
 
 
-def _counts(labels: np.ndarray) -> np.ndarray:
+def _cluster_sizes(labels: np.ndarray) -> np.ndarray:
     return np.array([labels.tolist().count(label) for label in labels])
 
 
 def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
-    """As if what is left were numbered from 1."""
+    """Number the clusters that stay from 1."""
     return np.searchsorted(np.unique(right[right > 0]), right) + (right > 0)
 
 
-def _closed_up(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """As if the later labels moved up by one whenever a cluster goes, in the middle of the loop."""
+def _labels_move_up(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
+    """Decrease all later labels by one inside the loop whenever a cluster goes."""
     labels = labels.copy()
     for label in range(1, labels.max() + 1):
         if np.count_nonzero(labels == label) < minimum:
@@ -410,8 +416,8 @@ def _closed_up(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarra
     return labels
 
 
-def _one_too_far(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
-    """As if each cluster had the size of the next; the last one has none."""
+def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> np.ndarray:
+    """Use the size of the next cluster for each cluster; the last one always stays."""
     sizes = np.append(np.bincount(labels)[1:], minimum)
     return np.where(sizes[labels] < minimum, 0, labels)
 
@@ -420,7 +426,7 @@ mistakes(
     "filter_clusters",
     Mistake(
         "`<=` stands where `<` is asked for: a cluster of exactly min_num_points goes.",
-        lambda right, labels, minimum: np.where(_counts(labels) > minimum, labels, 0),
+        lambda right, labels, minimum: np.where(_cluster_sizes(labels) > minimum, labels, 0),
         'Only clusters with fewer points go; "fewer than" is <.',
     ),
     Mistake(
@@ -431,11 +437,11 @@ mistakes(
     ),
     Mistake(
         "It is the large clusters that go, and the small ones that stay.",
-        lambda right, labels, minimum: np.where(_counts(labels) < minimum, labels, 0),
+        lambda right, labels, minimum: np.where(_cluster_sizes(labels) < minimum, labels, 0),
     ),
     Mistake(
         "A fixed minimum of 100 decides, whatever min_num_points is.",
-        lambda right, labels, minimum: np.where(_counts(labels) < 100, 0, labels),
+        lambda right, labels, minimum: np.where(_cluster_sizes(labels) < 100, 0, labels),
         "Compare with min_num_points.",
     ),
     Mistake(
@@ -465,7 +471,7 @@ mistakes(
     Mistake(
         "The later labels move up while the loop walks along them, so that it never looks at the "
         "cluster that follows one that goes.",
-        _closed_up,
+        _labels_move_up,
         "Change no label but to 0. Read the labels from cluster_labels, and write into a copy.",
     ),
     Mistake(
@@ -476,16 +482,16 @@ mistakes(
     Mistake(
         "You go by the place in the table of counts, not by the label: each cluster stays or goes "
         "by the size of the next one.",
-        _one_too_far,
+        _next_cluster_sizes,
         "np.unique gives labels and counts side by side: take both, "
         "for label, count in zip(names, how_many).",
     ),
-    # Labels without a gap, which a loop over range() gets right; the first is the call that a
-    # failed check shows.
+    # The labels have no gaps, so that a loop over range() is right. The first case is the call that
+    # a failed check shows.
     cases=(
         (_LABELS, 3),
         (np.array([5, 2, 1, 4, 2, 6, 4, 3, 5, 4, 1, 2, 5, 4, 3]), 3),
         (np.repeat([1, 2, 3, 4, 5], [7, 3, 130, 6, 2]), 7),
     ),
-    right=_right,
+    right=_right_labels,
 )

@@ -31,96 +31,101 @@ from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
 _NAMES = ("longest", "middle", "shortest")
-_CLOSE = np.cos(np.radians(1.0))
+_MIN_COSINE = np.cos(np.radians(1.0))
 
 
 def _turn(points: np.ndarray, degrees: float) -> np.ndarray:
-    """Points (n, 3) turned about z, anticlockwise."""
+    """Return points of shape (n, 3) turned anticlockwise about z."""
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     x, y, z = points.T
     return np.column_stack([cosine * x - sine * y, sine * x + cosine * y, z])
 
 
 def _grid(length: float, width: float, height: float, steps: int = 4) -> np.ndarray:
-    """(steps^3, 3): a solid block around the origin, its corners included."""
+    """Return points that fill a block around the origin, corners included; shape (steps**3, 3)."""
     half = np.linspace(-0.5, 0.5, steps)
     return np.array(list(itertools.product(length * half, width * half, height * half)))
 
 
 # ---- principal_axes ----
 
-# The tiny case of the lesson: 2 m ahead and behind, 1 m aside, half a metre up and down.
+# The small example of the lesson: points 2 m ahead and behind, 1 m to either side, and 0.5 m up and
+# down.
 _CROSS = frozen(np.vstack([np.diag([2.0, 1.0, 0.5]), -np.diag([2.0, 1.0, 0.5])]))
-# Left-handed answers slip through where a library happens to return a right-handed one, so
-# there are several.
+# Several headings, because a library may happen to return right-handed axes for any single one.
 _TURNS = (20, 65, 110, 155, 200, 245, 290, 335)
-# Length, width, height: of something long, something tall and something flat and high. All are
-# centred: what happens elsewhere is a check of its own.
+# Length, width and height of a long, a tall and a thin block. The blocks are centred, because a
+# separate check covers other positions.
 _SIDES = ((4.2, 1.8, 1.0), (1.0, 2.0, 6.0), (5.0, 0.6, 2.4))
 
 
 def as_axes(answer: object) -> np.ndarray:
-    """An answer as three directions, one in each column, of any length.
+    """Convert an answer to three directions of any length, one in each column.
 
     Returns
     -------
     numpy.ndarray, shape (3, 3)
+
+    Raises
+    ------
+    CheckFailed
+        If the answer has another shape or holds numbers that are not finite.
     """
     axes = as_array(answer, what="three axes, one in each column")
     if axes.shape != (3, 3):
-        words = fixed(
+        message = fixed(
             "Three axes of three components are a 3 x 3 matrix, however many points there are."
         )
         if axes.shape == (4, 4):
-            words = "Intensity is not a direction in space: take the first three columns."
+            message = "Intensity is not a direction in space: take the first three columns."
         elif axes.ndim == 2 and axes.shape[0] == axes.shape[1] > 4:
-            words += (
+            message += (
                 " A row and a column for each point come of q @ q.T, and of np.cov(q), which takes "
                 "rows for variables: q.T @ q, or np.cov(q, rowvar=False)."
             )
-        raise WrongForm(words, yours=f"shape {axes.shape}", expected="shape (3, 3)")
+        raise WrongForm(message, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
         raise CheckFailed("Some components are not finite.", yours=brief(axes))
     return axes.astype(float)
 
 
 def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
-    """Along each of the expected axes runs a column, in whatever order, sign and length.
+    """Assert that a column runs along each expected axis, in any order, sign and length.
 
     Parameters
     ----------
     answer : object
-    expected : numpy.ndarray, shape (3, 3)
-        Axes in columns, by decreasing spread, which must differ clearly; or fewer of them.
+    expected : numpy.ndarray, shape (3, k)
+        The first k axes in columns, by decreasing spread. The spreads must differ clearly.
     given : str, optional
-        What the function was given, for the message.
+        The input of the function, for the message.
     """
     axes = as_axes(answer)
     lengths = np.linalg.norm(axes, axis=0)
     cosines = np.abs(expected.T @ (axes / np.where(lengths > 0, lengths, 1)))
-    missing = np.flatnonzero(cosines.max(axis=1) < _CLOSE)
+    missing = np.flatnonzero(cosines.max(axis=1) < _MIN_COSINE)
     if not len(missing):
         return
     axis = missing[0]
     nearest = cosines[axis].argmax()
-    off = np.degrees(np.arccos(min(cosines[axis, nearest], 1)))
+    angle = np.degrees(np.arccos(min(cosines[axis, nearest], 1)))
     raise CheckFailed(
         f"No column runs along the {_NAMES[axis]} direction of the points.",
         given=given,
-        yours=f"the nearest column, {_text(axes[:, nearest])}, is {off:.0f}° off",
-        expected=f"a column {_text(expected[:, axis])}, or minus that",
+        yours=f"the nearest column, {_axis_text(axes[:, nearest])}, is {angle:.0f}° off",
+        expected=f"a column {_axis_text(expected[:, axis])}, or minus that",
     )
 
 
 def assert_order(answer: object, points: np.ndarray, given: str | None = None) -> None:
-    """The spread of the points along the columns falls from left to right.
+    """Assert that the spread of the points along the columns decreases from left to right.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3)
     given : str, optional
-        What the function was given, for the message.
+        The input of the function, for the message.
     """
     axes = as_axes(answer)
     spread = np.std(points @ (axes / np.linalg.norm(axes, axis=0)), axis=0)
@@ -134,7 +139,7 @@ def assert_order(answer: object, points: np.ndarray, given: str | None = None) -
 
 
 def assert_right_handed(answer: object) -> None:
-    """The determinant is positive."""
+    """Assert that the determinant of the axes is not negative."""
     axes = as_axes(answer)
     if np.linalg.det(axes) < 0:
         raise CheckFailed(
@@ -145,7 +150,7 @@ def assert_right_handed(answer: object) -> None:
 
 
 def assert_orthonormal(answer: object) -> None:
-    """Each column has length 1, and all are at right angles to each other."""
+    """Assert that the columns have length 1 and are at right angles to each other."""
     axes = as_axes(answer)
     lengths = np.linalg.norm(axes, axis=0)
     if np.abs(lengths - 1).max() > 1e-3:
@@ -159,40 +164,42 @@ def assert_orthonormal(answer: object) -> None:
 
 
 def _axes_of(sides: Sequence[float], degrees: float) -> np.ndarray:
-    """Axes in columns, by decreasing spread, of a block that is turned about z."""
+    """Return the axes of a block turned about z, in columns by decreasing spread."""
     return _turn(np.eye(3), degrees).T[:, np.argsort(sides)[::-1]]
 
 
-def _text(axis: np.ndarray) -> str:
+def _axis_text(axis: np.ndarray) -> str:
     return brief(np.round(axis, 3) + 0.0)
 
 
-def _words(sides: Sequence[float], degrees: float) -> str:
+def _block_text(sides: Sequence[float], degrees: float) -> str:
     size = " x ".join(f"{side:g}" for side in sides)
     return f"a block of {size} m, turned by {degrees}°"
 
 
-def _leaning(yaw: float, pitch: float, roll: float) -> np.ndarray:
-    """A rotation matrix: its columns are the axes of a block that was turned so (degrees)."""
-    (cr, sr), (cp, sp) = (
+def _rotation(yaw: float, pitch: float, roll: float) -> np.ndarray:
+    """Return the rotation matrix for three angles in degrees; its columns are the rotated axes."""
+    (cos_roll, sin_roll), (cos_pitch, sin_pitch) = (
         (np.cos(np.radians(angle)), np.sin(np.radians(angle))) for angle in (roll, pitch)
     )
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_x = np.array([[1, 0, 0], [0, cos_roll, -sin_roll], [0, sin_roll, cos_roll]])
+    about_y = np.array([[cos_pitch, 0, sin_pitch], [0, 1, 0], [-sin_pitch, 0, cos_pitch]])
     return _turn(np.eye(3), yaw).T @ about_y @ about_x
 
 
-# So many that of the triples of any library some are left-handed.
-_TURNS_IN_SPACE = tuple(
-    frozen(_leaning(yaw, pitch, roll))
+# Enough rotations that any library returns left-handed axes for some of them.
+_ROTATIONS = tuple(
+    frozen(_rotation(yaw, pitch, roll))
     for yaw, pitch, roll in itertools.product((20, 110, 200, 290), (-25, 35), (-30, 40))
 )
-_IN_SPACE = "a block of {:g} x {:g} x {:g} m that leans forwards and to the side".format(*_SIDES[0])
+_LEANING_TEXT = "a block of {:g} x {:g} x {:g} m that leans forwards and to the side".format(
+    *_SIDES[0]
+)
 
 
 @once
 def assert_finds_axes(principal_axes: Callable) -> None:
-    """The directions of a turned block are found; where not, nothing else can be looked at."""
+    """Assert that the directions of a turned block are found; raise `NotYet` if not."""
     with needs("the columns run along the length, width and height of a block"):
         for sides in _SIDES:
             block = _turn(_grid(*sides), 25)
@@ -217,7 +224,7 @@ def finds_the_directions(principal_axes: Callable) -> None:
         for degrees in (25, 50, 140):
             block = _turn(_grid(*sides), degrees)
             assert_directions(
-                principal_axes(block), _axes_of(sides, degrees), _words(sides, degrees)
+                principal_axes(block), _axes_of(sides, degrees), _block_text(sides, degrees)
             )
 
 
@@ -231,10 +238,10 @@ def finds_the_directions(principal_axes: Callable) -> None:
 )
 def leans_in_space(principal_axes: Callable) -> None:
     assert_finds_axes(principal_axes)
-    for axes in _TURNS_IN_SPACE:
+    for axes in _ROTATIONS:
         answer = principal_axes(_grid(*_SIDES[0]) @ axes.T)
         try:
-            assert_directions(answer, axes, _IN_SPACE)
+            assert_directions(answer, axes, _LEANING_TEXT)
         except CheckFailed as failure:
             if (row := _flipped_row(answer, axes)) is not None:
                 failure.hint = (
@@ -245,7 +252,7 @@ def leans_in_space(principal_axes: Callable) -> None:
 
 
 def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
-    """The row whose sign alone is wrong, if there is one."""
+    """Return the row whose sign alone is wrong, or None."""
     for row in range(3):
         mirror = np.where(np.arange(3) == row, -1.0, 1.0)[:, None]
         with contextlib.suppress(CheckFailed):
@@ -267,7 +274,7 @@ def orders_by_spread(principal_axes: Callable) -> None:
     for sides in _SIDES:
         for degrees in (0, 25, 80):
             block = _turn(_grid(*sides), degrees)
-            assert_order(principal_axes(block.copy()), block, _words(sides, degrees))
+            assert_order(principal_axes(block.copy()), block, _block_text(sides, degrees))
 
 
 @visible(
@@ -281,9 +288,9 @@ def orders_by_spread(principal_axes: Callable) -> None:
 def stays_right_handed(principal_axes: Callable) -> None:
     assert_finds_axes(principal_axes)
     for sides in _SIDES:
-        for number, degrees in enumerate(_TURNS):
+        for index, degrees in enumerate(_TURNS):
             block = _turn(_grid(*sides), degrees)
-            assert_right_handed(principal_axes(block[:, [2, 0, 1]] if number % 2 else block))
+            assert_right_handed(principal_axes(block[:, [2, 0, 1]] if index % 2 else block))
 
 
 @visible(
@@ -313,38 +320,39 @@ def centres_the_points(principal_axes: Callable) -> None:
     for place in ([25.0, 3.0, -1.0], [-8.0, -19.0, 4.0]):
         answer = principal_axes(_turn(_grid(*sides), 50) + place)
         assert_directions(
-            answer, _axes_of(sides, 50), f"{_words(sides, 50)}, its middle at {brief(place)}"
+            answer, _axes_of(sides, 50), f"{_block_text(sides, 50)}, its middle at {brief(place)}"
         )
 
 
 @functools.cache
 def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
-    """Vehicles of the lesson's street: name, points (n, 3) where they stand, axes in columns.
+    """Return name, points and axes of the vehicles in the lesson's street.
 
-    By the singular values of the points themselves. Left out is whom two directions of nearly equal
-    spread leave without an order.
+    The points, shape (n, 3), are not centred. The axes, shape (3, 3), are singular vectors in
+    columns. A vehicle with two nearly equal spreads is left out, because its axes have no clear
+    order.
     """
     from utils.datasets import DATA, load_cloud
 
     cloud, truth = load_cloud("cloud.txt")[:, :3], np.load(DATA / "cloud_truth.npz")
     near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
-    found = []
+    vehicles = []
     for label, kind in zip(truth["box_identities"], truth["box_kinds"], strict=True):
         points = cloud[near & (truth["objects"] == label)]
         if kind not in ("car", "truck") or len(points) < 100:
             continue
-        # No more than 250 of each: who makes a matrix of n x n shall not have to wait for it.
+        # At most 250 points each, so that a function which builds an n x n matrix is not slow.
         points = points[:: -(-len(points) // 250)]
         _, spread, rows = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
         if (spread[1:] < 0.9 * spread[:-1]).all():
-            found.append(
+            vehicles.append(
                 (f"{kind} {label}, {len(points):,} points", frozen(points), frozen(rows.T))
             )
-    return tuple(found)
+    return tuple(vehicles)
 
 
 def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) -> None:
-    """Each column runs along the axis that belongs there, forwards or backwards.
+    """Assert that each column runs along the expected axis in that column, in either direction.
 
     Parameters
     ----------
@@ -352,20 +360,20 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
     expected : numpy.ndarray, shape (3, 3)
         Axes in columns, by decreasing spread.
     given : str, optional
-        What the function was given, for the message.
+        The input of the function, for the message.
     """
     axes = as_axes(answer)
     lengths = np.linalg.norm(axes, axis=0)
     cosines = np.abs((expected * axes).sum(axis=0)) / np.where(lengths > 0, lengths, 1)
-    wrong = np.flatnonzero(cosines < _CLOSE)
+    wrong = np.flatnonzero(cosines < _MIN_COSINE)
     if len(wrong):
         column = wrong[0]
-        off = np.degrees(np.arccos(min(cosines[column], 1)))
+        angle = np.degrees(np.arccos(min(cosines[column], 1)))
         raise CheckFailed(
             f"Column {column} does not run along the {_NAMES[column]} direction of the points.",
             given=given,
-            yours=f"{_text(axes[:, column])}, {off:.0f}° off",
-            expected=f"{_text(expected[:, column])}, or minus that",
+            yours=f"{_axis_text(axes[:, column])}, {angle:.0f}° off",
+            expected=f"{_axis_text(expected[:, column])}, or minus that",
         )
 
 
@@ -382,19 +390,19 @@ def finds_vehicles(principal_axes: Callable) -> None:
         assert_axes(principal_axes(points.copy()), axes, name)
 
 
-_TURNED = frozen(_turn(_grid(*_SIDES[0]), 50))
-_BLOCK = Case(
+_TURNED_BLOCK = frozen(_turn(_grid(*_SIDES[0]), 50))
+_BLOCK_CASE = Case(
     __name__,
     "principal_axes",
-    {"points": _TURNED},
+    {"points": _TURNED_BLOCK},
     expected=frozen(_axes_of(_SIDES[0], 50)),
     look=lambda answer, points, axes: assert_directions(answer, axes),
     basic=assert_finds_axes,
 )
 common_checks.fourth_column(
-    _BLOCK,
+    _BLOCK_CASE,
     "ignores_intensity",
-    np.linspace(0, 90, len(_TURNED)),
+    np.linspace(0, 90, len(_TURNED_BLOCK)),
     title="A fourth column, intensity, changes nothing",
     why="Intensity is not a direction in space.",
     hint="points[:, :3] are the coordinates.",
@@ -413,20 +421,21 @@ def takes_few_points(principal_axes: Callable) -> None:
     assert_finds_axes(principal_axes)
     pair = np.array([[1.5, 2.0, 0.0], [-1.5, -2.0, 0.0]])
     assert_directions(principal_axes(pair.copy()), np.array([[0.6, 0.8, 0.0]]).T, "two points")
-    for few in (pair, pair[:1], np.repeat(pair[:1], 3, axis=0), pair[:0]):
-        assert_orthonormal(principal_axes(few.copy()))
-    # Of no points no axis is computed that could come out mirrored.
+    for points in (pair, pair[:1], np.repeat(pair[:1], 3, axis=0), pair[:0]):
+        assert_orthonormal(principal_axes(points.copy()))
+    # Without points no axes are computed, so the fixed answer must be right-handed. Axes of few
+    # points may be mirrored here, because a separate check covers handedness.
     assert_right_handed(principal_axes(pair[:0].copy()))
 
 
 common_checks.names(
-    _BLOCK.by_itself,
+    _BLOCK_CASE.by_itself,
     "keeps_the_name",
     title="The parameter keeps its name",
     why="Whoever reads the docstring may call principal_axes(points=...).",
 )
 common_checks.untouched(
-    _BLOCK.of(frozen(_TURNED + [9.0, -4.0, -0.9])),
+    _BLOCK_CASE.of(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
     why="The next step turns the same points.",
     hint="points - mean is a new array; points -= mean is not.",
@@ -444,23 +453,23 @@ def returns_an_array(principal_axes: Callable) -> None:
         raise CheckFailed(f"The axes are a {type(answer).__name__}.")
 
 
-# Blocks that stand away from the origin, but exactly in the direction of one of their own axes:
-# number `along`. To whoever does not centre them that axis becomes the first.
+# Blocks away from the origin, each exactly in the direction of one of its own axes. Without
+# centring, that axis becomes the first.
 _BLOCKS = tuple(
-    frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, along],))
-    for sides, degrees, along in zip(_SIDES, (25, 110, 155), (2, 1, 2), strict=True)
+    frozen((_turn(_grid(*sides), degrees) + 8 * _axes_of(sides, degrees)[:, axis],))
+    for sides, degrees, axis in zip(_SIDES, (25, 110, 155), (2, 1, 2), strict=True)
 )
 
 
 def _right_axes(points: np.ndarray) -> np.ndarray:
-    known = zip(_BLOCKS, _SIDES, (25, 110, 155), strict=True)
+    blocks = zip(_BLOCKS, _SIDES, (25, 110, 155), strict=True)
     return next(
-        _axes_of(sides, degrees) for (block,), sides, degrees in known if (block == points).all()
+        _axes_of(sides, degrees) for (block,), sides, degrees in blocks if (block == points).all()
     )
 
 
-def _displaced_first(right: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """The axes with the one first that points to the middle of the points, where there are any."""
+def _uncentred_axes(right: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return the axes with the one that points to the mean of the points first."""
     if not len(points):
         return right
     first = np.abs(points.mean(axis=0) @ right).argmax()
@@ -468,7 +477,7 @@ def _displaced_first(right: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _same_axes(answer: object, predicted: np.ndarray) -> bool:
-    """Whether matrices are the same but for signs, which are free."""
+    """Return whether two matrices are equal up to the signs of their elements."""
     try:
         yours = as_array(answer)
     except CheckFailed:
@@ -495,7 +504,7 @@ mistakes(
     ),
     Mistake(
         "The points are not centred: the first axis points from the sensor to the cluster.",
-        _displaced_first,
+        _uncentred_axes,
         "Subtract points.mean(axis=0) before anything else.",
     ),
     Mistake(
@@ -520,28 +529,31 @@ _LABELS = frozen(np.repeat([1, 2], 64))
 
 
 def _street(*headings: float) -> np.ndarray:
-    """(128, 3): two blocks, each with a heading in degrees; `_LABELS` goes with it."""
+    """Return the points of two blocks with these headings in degrees; shape (128, 3).
+
+    `_LABELS` has the labels of the points.
+    """
     blocks = zip(_SIZES, headings, _PLACES, strict=True)
     return np.vstack([_turn(_grid(*size), heading) + place for size, heading, place in blocks])
 
 
-# The tiny case of the lesson: the corners of a rectangle, and one point above its middle.
-_FIVE = frozen(
+# The small example of the lesson: the corners of a rectangle and one point above its centre.
+_FIVE_POINTS = frozen(
     np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]], dtype=float)
 )
 
-# Clusters that stand straight, so that only what has to do with turning turns on it.
+# Clusters along x and y, for the checks that do not depend on turning.
 _STRAIGHT = frozen(_street(0, 0))
 
 
 @once
 def assert_boxes(get_oriented_boxes: Callable) -> None:
-    """Straight clusters get their boxes; where not, nothing else can be looked at."""
+    """Assert that the boxes of straight clusters hold their points; raise `NotYet` if not."""
     with needs("the boxes of two clusters that stand straight hold their points"):
         assert_holds(get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy()), _STRAIGHT, _LABELS)
 
 
-def _two_blocks(*headings: float) -> str:
+def _two_blocks_text(*headings: float) -> str:
     blocks = [
         f"{length:g} x {width:g} m, turned by {heading}°"
         for (length, width, _), heading in zip(_SIZES, headings, strict=True)
@@ -558,17 +570,18 @@ def _two_blocks(*headings: float) -> str:
     "turn the corners by plus yaw.",
 )
 def contains_all_points(get_oriented_boxes: Callable) -> None:
-    # Few points stick out, on all four sides: what leaves out the outermost leaves out these.
-    ends = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
-    # At 30° first: there a box that is turned the wrong way shows by how much.
+    # A few points stick out on all four sides; a box that ignores the outermost points misses them.
+    tip_offsets = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
+    # 30° comes first, because the angle shows by how much a box is turned the wrong way.
     for heading in (30, *_HEADINGS, 0):
         tips = [
-            _turn(ends * size, heading) + place for size, place in zip(_SIZES, _PLACES, strict=True)
+            _turn(tip_offsets * size, heading) + place
+            for size, place in zip(_SIZES, _PLACES, strict=True)
         ]
         street = np.vstack([_street(heading, heading), *tips])
         labels = np.concatenate([_LABELS, np.repeat([1, 2], 4)])
         answer = get_oriented_boxes(street.copy(), labels.copy())
-        assert_holds(answer, street, labels, _two_blocks(heading, heading))
+        assert_holds(answer, street, labels, _two_blocks_text(heading, heading))
 
 
 @visible(
@@ -582,11 +595,11 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     assert_boxes(get_oriented_boxes)
-    five, ones = _turn(_FIVE, 30) + [8.0, 0.0, 0.0], np.ones(5, dtype=int)
+    points, labels = _turn(_FIVE_POINTS, 30) + [8.0, 0.0, 0.0], np.ones(5, dtype=int)
     assert_headings(
-        get_oriented_boxes(five.copy(), ones.copy()),
-        five,
-        ones,
+        get_oriented_boxes(points.copy(), labels.copy()),
+        points,
+        labels,
         (30,),
         "five points: the corners of 4 x 2 m, turned by 30°, and one above their middle",
     )
@@ -594,7 +607,11 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
         street = _street(heading, heading + 15)
         answer = get_oriented_boxes(street.copy(), _LABELS.copy())
         assert_headings(
-            answer, street, _LABELS, (heading, heading + 15), _two_blocks(heading, heading + 15)
+            answer,
+            street,
+            _LABELS,
+            (heading, heading + 15),
+            _two_blocks_text(heading, heading + 15),
         )
 
 
@@ -610,7 +627,7 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
     for heading in _HEADINGS:
         street = _street(heading, heading)
         answer = get_oriented_boxes(street.copy(), _LABELS.copy())
-        assert_snug(answer, street, _LABELS, _AREAS, _two_blocks(heading, heading))
+        assert_snug(answer, street, _LABELS, _AREAS, _two_blocks_text(heading, heading))
 
 
 @visible(
@@ -622,7 +639,7 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
 )
 def stands_upright(get_oriented_boxes: Callable) -> None:
     assert_boxes(get_oriented_boxes)
-    # Bonnet low, boot high: in three dimensions the first axis of this car points upwards.
+    # The bonnet is low and the boot high, so the first principal axis in space is tilted.
     leaning = _street(0, 0)
     leaning[:, 2] += 0.25 * leaning[:, 0]
     assert_upright(get_oriented_boxes(leaning.copy(), _LABELS.copy()), leaning, _LABELS)
@@ -654,16 +671,16 @@ def looks_from_above(get_oriented_boxes: Callable) -> None:
         ((0.7, 0.3, 1.7), 30, [5.0, -2.0, -0.8]),
         ((1.4, 0.4, 2.6), 100, [-6.0, 4.0, -0.4]),
     ):
-        # It leans a little, and not the way it heads.
+        # The block leans slightly, in a direction other than its heading.
         upright = _grid(*size)
         leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
         points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
         answer = get_oriented_boxes(points.copy(), labels.copy())
-        given = f"{_words(size, heading)}, that leans by 5 cm a metre"
+        given = f"{_block_text(size, heading)}, that leans by 5 cm a metre"
         assert_headings(answer, points, labels, (heading,), given)
 
 
-_BOTH = Case(
+_BOXES_CASE = Case(
     __name__,
     "get_oriented_boxes",
     {"cloud": _STRAIGHT, "cluster_labels": _LABELS},
@@ -672,10 +689,13 @@ _BOTH = Case(
     basic=assert_boxes,
 )
 common_box_checks.gaps(
-    _BOTH, "allows_gaps", [3, 8], hint="Loop over np.unique(cluster_labels[cluster_labels > 0])."
+    _BOXES_CASE,
+    "allows_gaps",
+    [3, 8],
+    hint="Loop over np.unique(cluster_labels[cluster_labels > 0]).",
 )
-common_box_checks.ascending(_BOTH, "follows_the_labels", [2, 1])
-common_box_checks.noise(_BOTH, "leaves_noise_alone", weight=6)
+common_box_checks.ascending(_BOXES_CASE, "follows_the_labels", [2, 1])
+common_box_checks.noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
 
 
 @visible(
@@ -688,27 +708,27 @@ common_box_checks.noise(_BOTH, "leaves_noise_alone", weight=6)
 def takes_small_clusters(get_oriented_boxes: Callable) -> None:
     assert_boxes(get_oriented_boxes)
     line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [1.0, 0.0, 0.0])
-    across = _turn(line, 89)  # whoever goes through the angles in degrees meets the last one
-    few = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0), across])
+    turned_line = _turn(line, 89)  # 89° is the last angle of a search in whole degrees
+    points = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0), turned_line])
     labels = np.repeat([1, 2, 3, 4], [1, 9, 3, 9])
-    assert_holds(get_oriented_boxes(few.copy(), labels.copy()), few, labels)
+    assert_holds(get_oriented_boxes(points.copy(), labels.copy()), points, labels)
 
 
 common_box_checks.no_boxes(
-    _BOTH,
+    _BOXES_CASE,
     "takes_nothing",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
     weight=2,
 )
-common_box_checks.fourth_column(_BOTH, "boxes_no_intensity")
+common_box_checks.fourth_column(_BOXES_CASE, "boxes_no_intensity")
 common_checks.names(
-    _BOTH.by_itself,
+    _BOXES_CASE.by_itself,
     "keeps_the_names",
     why="Whoever reads the docstring may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,
 )
 common_box_checks.untouched(
-    _BOTH,
+    _BOXES_CASE,
     "leaves_cloud_and_labels",
     hint="cloud[mask, :3] is already a new array; cloud[:, 2] = 0 changes the old one.",
     weight=0.5,
@@ -745,66 +765,66 @@ def gives_an_array(get_oriented_boxes: Callable) -> None:
         raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
 
 
-def _standing(
-    middle: np.ndarray, length: float, width: float, height: float, degrees: float
+def _make_box(
+    centre: np.ndarray, length: float, width: float, height: float, degrees: float
 ) -> np.ndarray:
-    """(8, 3): a box that stands somewhere; its first side is the length."""
+    """Return the corners of a turned box, shape (8, 3); its length is from corner 0 to corner 1."""
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
     floor = np.column_stack([signs * [length, width], np.full(4, -height / 2)])
-    return _turn(np.vstack([floor, floor + [0, 0, height]]), degrees) + middle
+    return _turn(np.vstack([floor, floor + [0, 0, height]]), degrees) + centre
 
 
-def _parts(box: np.ndarray) -> tuple[np.ndarray, float, float, float, float]:
-    """What `_standing` makes a box of."""
-    along, across = box[1] - box[0], box[2] - box[1]
-    heading = np.degrees(np.arctan2(along[1], along[0]))
-    length, width = np.linalg.norm(along), np.linalg.norm(across)
+def _box_parameters(box: np.ndarray) -> tuple[np.ndarray, float, float, float, float]:
+    """Return centre, length, width, height and heading (degrees) of a box from `_make_box`."""
+    length_side, width_side = box[1] - box[0], box[2] - box[1]
+    heading = np.degrees(np.arctan2(length_side[1], length_side[0]))
+    length, width = np.linalg.norm(length_side), np.linalg.norm(width_side)
     return box.mean(axis=0), length, width, np.ptp(box[:, 2]), heading
 
 
-def _measured_off(box: np.ndarray, degrees: float) -> tuple[float, float]:
-    """Sides of the smallest rectangle that is turned by so much against a box, and holds it."""
-    _, length, width, _, heading = _parts(box)
+def _enclosing_sides(box: np.ndarray, degrees: float) -> tuple[float, float]:
+    """Return the sides of the smallest rectangle that holds a box and is turned against it."""
+    _, length, width, _, heading = _box_parameters(box)
     cosine, sine = np.abs([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     return length * cosine + width * sine, length * sine + width * cosine
 
 
-def _straight(box: np.ndarray) -> np.ndarray:
-    middle, _, _, height, heading = _parts(box)
-    return _standing(middle, *_measured_off(box, heading), height, 0)
+def _axis_aligned(box: np.ndarray) -> np.ndarray:
+    centre, _, _, height, heading = _box_parameters(box)
+    return _make_box(centre, *_enclosing_sides(box, heading), height, 0)
 
 
-def _by_degrees(box: np.ndarray) -> np.ndarray:
-    """As if a heading in whole degrees, from 0 to 89, were one in radians."""
-    middle, _, _, height, heading = _parts(box)
+def _degrees_as_radians(box: np.ndarray) -> np.ndarray:
+    """Return the box for a heading in whole degrees, 0 to 89, that is taken for radians."""
+    centre, _, _, height, heading = _box_parameters(box)
     yaw = np.degrees(np.round(heading) % 90)
-    return _standing(middle, *_measured_off(box, yaw - heading), height, yaw)
+    return _make_box(centre, *_enclosing_sides(box, yaw - heading), height, yaw)
 
 
-def _diagonal(box: np.ndarray) -> np.ndarray:
-    middle, _, _, height, heading = _parts(box)
-    return _standing(middle, *_measured_off(box, 45), height, heading + 45)
+def _turned_by_45(box: np.ndarray) -> np.ndarray:
+    centre, _, _, height, heading = _box_parameters(box)
+    return _make_box(centre, *_enclosing_sides(box, 45), height, heading + 45)
 
 
-def _mirrored(box: np.ndarray) -> np.ndarray:
-    middle, _, _, height, heading = _parts(box)
-    return _standing(middle, *_measured_off(box, 2 * heading), height, -heading)
+def _negative_heading(box: np.ndarray) -> np.ndarray:
+    centre, _, _, height, heading = _box_parameters(box)
+    return _make_box(centre, *_enclosing_sides(box, 2 * heading), height, -heading)
 
 
-def _plus_twice(box: np.ndarray) -> np.ndarray:
-    middle, _, _, height, heading = _parts(box)
-    away = _turn(middle[None], 2 * heading)[0]
-    return _standing(away, *_measured_off(box, 2 * heading), height, heading)
+def _turned_twice(box: np.ndarray) -> np.ndarray:
+    centre, _, _, height, heading = _box_parameters(box)
+    moved_centre = _turn(centre[None], 2 * heading)[0]
+    return _make_box(moved_centre, *_enclosing_sides(box, 2 * heading), height, heading)
 
 
-def _turned_on(times: int) -> Callable:
-    """Predicts right boxes, turned about the sensor by so many times their heading."""
+def _turned_about_sensor(times: int) -> Callable:
+    """Return a prediction: the right boxes, turned about the sensor by `times` their heading."""
     return lambda right, cloud, labels: np.stack(
-        [_turn(box, times * _parts(box)[4]) for box in right]
+        [_turn(box, times * _box_parameters(box)[4]) for box in right]
     )
 
 
-def _each(change: Callable) -> Callable:
+def _change_each(change: Callable) -> Callable:
     return lambda right, cloud, labels: np.stack([change(box) for box in right])
 
 
@@ -817,18 +837,18 @@ _STREETS = tuple(
 
 def _right_boxes(cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
     headings = next(
-        two
-        for two, (street, _) in zip(_TWO_HEADINGS, _STREETS, strict=True)
+        pair
+        for pair, (street, _) in zip(_TWO_HEADINGS, _STREETS, strict=True)
         if (street == cloud).all()
     )
     blocks = zip(_PLACES, _SIZES, headings, strict=True)
-    return np.stack([_standing(np.array(place), *size, turn) for place, size, turn in blocks])
+    return np.stack([_make_box(np.array(place), *size, heading) for place, size, heading in blocks])
 
 
 def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
-    """Whether boxes have the same corners, in whatever order; where turned half round, too.
+    """Return whether boxes have the same corners in any order, as they are or after half a turn.
 
-    An axis may point forwards or backwards, so a yaw may be off by half a turn.
+    An axis may point forwards or backwards, so a yaw may differ by half a turn.
     """
     try:
         yours = as_array(answer)
@@ -844,41 +864,41 @@ mistakes(
     "get_oriented_boxes",
     Mistake(
         "The boxes are not turned at all: their sides run along x and y.",
-        _each(_straight),
+        _change_each(_axis_aligned),
         "Turn the points by minus yaw before you take minimum and maximum.",
     ),
     Mistake(
         "The corners are turned by minus yaw, as the points were; they must be turned back, by "
         "plus yaw.",
-        _turned_on(-2),
+        _turned_about_sensor(-2),
         "Points by minus yaw, corners by plus yaw.",
     ),
     Mistake(
         "Points and corners are both turned by plus yaw.",
-        _each(_plus_twice),
+        _change_each(_turned_twice),
         "Points by minus yaw, corners by plus yaw.",
     ),
     Mistake(
         "The corners are not turned back: the boxes stand where the turned points were.",
-        _turned_on(-1),
+        _turned_about_sensor(-1),
         "After minimum and maximum turn the corners by plus yaw.",
     ),
     Mistake(
         "The boxes are built for minus the heading.",
-        _each(_mirrored),
+        _change_each(_negative_heading),
         "Are the points turned by minus yaw first, and the corners by plus yaw after that? Does "
         "np.arctan2 get y first, then x, of one axis, a column?",
     ),
     Mistake(
         "The boxes are the largest that touch their points, not the smallest: turned by 45° "
         "against them.",
-        _each(_diagonal),
+        _change_each(_turned_by_45),
         "np.argmin finds where the smallest area stands, np.argmax where the largest.",
     ),
     Mistake(
         "A number of degrees, or the row in which the smallest area stands, is taken for an angle "
         "in radians.",
-        _each(_by_degrees),
+        _change_each(_degrees_as_radians),
         "angles[areas.argmin()] is the angle that belongs to the row; np.radians(30) is 30°.",
     ),
     Mistake(

@@ -1,6 +1,6 @@
 """Visible checks of lesson 03: planes through points, distances, RANSAC, refit, rounds."""
 
-# In the order of the lesson, in which exercises are listed.
+# Import in the order of the lesson, because exercises are listed in the order of import.
 from utils.checks.lesson_03 import plane_through, point_plane_distance, ransac_plane
 
 # isort: split

@@ -25,19 +25,19 @@ from utils.checks.lesson_03.planes import (
 from utils.geometry import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
 from utils.remote_objects import Remote
 
-# The rough floor of the notebook: 4 m by 2 m, its corners 10 cm too high or too low.
+# The uneven floor of the notebook, 4 m by 2 m, with corners 10 cm too high or too low.
 _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
 
 
 def assert_direction(answer: object, points: np.ndarray, given: str | None = None) -> None:
-    """No other direction fits better; the length of the normal and d are not looked at.
+    """Assert that no other normal fits better; the length of the normal and d are ignored.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     given : str, optional
-        What the function was given, for the message.
+        The input of the function, for the message.
     """
     plane = as_plane(answer)
     best, least = best_plane(points)
@@ -55,7 +55,7 @@ def assert_direction(answer: object, points: np.ndarray, given: str | None = Non
 
 
 def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
-    """The mean of the points lies on the plane; the rest of it is not looked at.
+    """Assert that the mean of the points lies on the plane; its direction is ignored.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
 
 
 def assert_fits(fit_plane: Callable) -> None:
-    """The direction is right; where not, nothing else can be looked at."""
+    """Assert that the direction of the normal is right; raise `NotYet` if not."""
     with needs("(a, b, c) is the direction of least spread"):
         points, _ = scattered_plane(2, 80, 0, noise=0.05)
         assert_direction(fit_plane(points.copy()), points)
@@ -110,8 +110,8 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
     assert_fits(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     opposite = points - 2 * points.mean(axis=0)  # the origin is on the other side of the plane
-    for some in (points, opposite, _FLOOR):  # of few points the mean of all but one lies elsewhere
-        assert_through_the_mean(fit_plane(some.copy()), some)
+    for cloud in (points, opposite, _FLOOR):  # the mean of few points shows a missing point
+        assert_through_the_mean(fit_plane(cloud.copy()), cloud)
 
 
 @visible(
@@ -166,7 +166,7 @@ def fits_far_away(fit_plane: Callable) -> None:
 def fits_without_intensity(fit_plane: Callable) -> None:
     assert_fits(fit_plane)
     points, _ = scattered_plane(5, 60, 0, noise=0.05, columns=4)
-    for scale in (1.0, 1e-5):  # once it spreads most of all, once least
+    for scale in (1.0, 1e-5):  # intensity spreads most, then least
         cloud = points * [1, 1, 1, scale]
         assert_direction(fit_plane(cloud.copy()), cloud)
 
@@ -196,11 +196,11 @@ def fits_three_points(fit_plane: Callable) -> None:
 )
 def fits_many_points(fit_plane: Callable) -> None:
     assert_fits(fit_plane)
-    # Where the judge asks, memory is limited; in a notebook it is only counted.
+    # The judge limits memory, while a notebook only measures it, so a smaller cloud is used there.
     n = 25_000 if isinstance(fit_plane, Remote) else 3_000
     points, _ = scattered_plane(6, n, 0, noise=0.05)
     try:
-        with _memory_counted() as used:
+        with _peak_memory() as used:
             answer = fit_plane(points.copy())
     except Exception as error:
         if "MemoryError" not in type(error).__name__ + getattr(error, "type_name", ""):
@@ -216,16 +216,16 @@ def fits_many_points(fit_plane: Callable) -> None:
 
 
 @contextlib.contextmanager
-def _memory_counted() -> Iterator[Callable[[], int]]:
-    """Count the bytes that arrays and objects take at most, while it lasts."""
-    was_counting, most = tracemalloc.is_tracing(), [0]
+def _peak_memory() -> Iterator[Callable[[], int]]:
+    """Measure the peak memory of arrays and objects inside the block, in bytes."""
+    was_counting, peak = tracemalloc.is_tracing(), [0]
     tracemalloc.start()
     tracemalloc.reset_peak()
     before = tracemalloc.get_traced_memory()[0]
     try:
-        yield lambda: most[0]
+        yield lambda: peak[0]
     finally:
-        most[0] = tracemalloc.get_traced_memory()[1] - before
+        peak[0] = tracemalloc.get_traced_memory()[1] - before
         if not was_counting:
             tracemalloc.stop()
 
@@ -248,7 +248,7 @@ common_checks.names(
         __name__,
         "fit_plane",
         {"points": frozen(scattered_plane(2, 80, 0, noise=0.05)[0])},
-        expected=None,  # `assert_direction` reckons it
+        expected=None,  # `assert_direction` computes it
         look=lambda answer, points, _: assert_direction(answer, points),
         basic=assert_fits,
     ),
@@ -263,12 +263,12 @@ def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
-    """What stands where the normal is looked for in the wrong direction of the matrix."""
+    """Return the last column of the directions, which a function takes for the last row."""
     return np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:, 2]
 
 
-def _heights_fitted(points: np.ndarray) -> np.ndarray:
-    """Where the errors are measured along z: a x + b y - z + d = 0; shape (4,)."""
+def _fit_along_z(points: np.ndarray) -> np.ndarray:
+    """Return the plane a x + b y - z + d = 0 with the least squared errors along z; shape (4,)."""
     table = np.column_stack([points[:, :2], np.ones(len(points))])
     a, b, d = np.linalg.solve(table.T @ table, table.T @ points[:, 2])
     return np.array([a, b, -1.0, d])
@@ -312,12 +312,12 @@ mistakes(
     ),
     Mistake(
         "The errors are measured along z, not square to the plane.",
-        lambda right, points: with_unit_normal(_heights_fitted(points)),
+        lambda right, points: with_unit_normal(_fit_along_z(points)),
         "Do not solve for z. The SVD treats all three directions alike.",
     ),
     Mistake(
         "The errors are measured along z, and the normal (a, b, -1) is not divided by its length.",
-        lambda right, points: _heights_fitted(points),
+        lambda right, points: _fit_along_z(points),
         "Do not solve for z. The SVD treats all three directions alike.",
     ),
     cases=(

@@ -14,7 +14,7 @@ from utils.checks.diagnosis import Mistake, mistakes
 
 
 def assert_number(answer: object) -> np.ndarray:
-    """The answer is one finite number.
+    """Assert that the answer is a single number, and return it.
 
     Returns
     -------
@@ -29,46 +29,48 @@ def assert_number(answer: object) -> np.ndarray:
 
 
 def assert_about(answer: object, expected: int, *case: object) -> None:
-    """The answer is right but for the rounding, which is another property.
+    """Assert that the answer is right, give or take one, because another check covers rounding.
 
     Parameters
     ----------
     answer : object
     expected : int
-    case : object
-        The arguments, for the message.
+    *case : object
+        The arguments of the call, for the message.
     """
     number = assert_number(answer)
     if not abs(float(number) - expected) <= 1:
         raise CheckFailed(
             "This is not the number of samples that it takes.",
-            given=_call(case),
+            given=_call_text(case),
             yours=f"{number:g}",
             expected=str(expected),
         )
 
 
 def assert_iterations(answer: object, expected: int, *case: object) -> None:
-    """The answer is the whole number expected.
+    """Assert that the answer is exactly the expected whole number.
 
     Parameters
     ----------
     answer : object
     expected : int
-    case : object
-        The arguments, for the message.
+    *case : object
+        The arguments of the call, for the message.
     """
     number = assert_number(answer)
-    sides = {"given": _call(case), "yours": f"{number:g}", "expected": str(expected)}
+    sides = {"given": _call_text(case), "yours": f"{number:g}", "expected": str(expected)}
     if number != np.round(number):
         raise CheckFailed("Half a round cannot be played: take the next whole number.", **sides)
     if number != expected:
-        words = {
+        messages = {
             -1: "One sample fewer does not reach the confidence: round up, not down.",
             1: "One sample fewer would be enough.",
         }
-        near = words.get(float(number) - expected, "This is not the smallest number that suffices.")
-        raise CheckFailed(near, **sides)
+        message = messages.get(
+            float(number) - expected, "This is not the smallest number that suffices."
+        )
+        raise CheckFailed(message, **sides)
 
 
 def assert_never(answer: object) -> None:
@@ -79,31 +81,31 @@ def assert_never(answer: object) -> None:
         return
     raise CheckFailed(
         "Without a single inlier no number of samples is enough.",
-        given=_call((0.0, 3, 0.99)),
+        given=_call_text((0.0, 3, 0.99)),
         yours=brief(answer),
         expected="math.inf",
     )
 
 
-def _call(case: Sequence) -> str | None:
+def _call_text(case: Sequence) -> str | None:
     names = ("inlier_ratio", "sample_size", "confidence")
     return ", ".join(f"{name} {value}" for name, value in zip(names, case, strict=False)) or None
 
 
 def assert_reckons(iterations_needed: Callable) -> None:
-    """The plain case."""
+    """Assert that plain cases are right, give or take one; raise `NotYet` if not."""
     with needs("the number of samples is right, give or take one"):
         assert_about(iterations_needed(0.6, 3, 0.99), 19)
         assert_about(iterations_needed(0.3, 3, 0.99), 169)
 
 
 def assert_falls(iterations_needed: Callable) -> None:
-    """More inliers, fewer samples; where not, the ends say nothing."""
+    """Assert that more inliers need fewer samples; raise `NotYet` if not."""
     with needs("the more inliers there are, the fewer samples it takes"):
-        few, more, most = (
-            float(assert_number(iterations_needed(w, 3, 0.99))) for w in (0.2, 0.4, 0.7)
+        for_few, for_more, for_most = (
+            float(assert_number(iterations_needed(ratio, 3, 0.99))) for ratio in (0.2, 0.4, 0.7)
         )
-        if not np.inf > few > more > most > 0:
+        if not np.inf > for_few > for_more > for_most > 0:
             raise CheckFailed("The number does not fall as the share of inliers grows.")
 
 
@@ -158,7 +160,7 @@ def follows_the_confidence(iterations_needed: Callable) -> None:
     for confidence, expected in ((0.8, 34), (0.9, 49), (0.999, 145), (0.9999, 193)):
         answer = iterations_needed(0.36, 3, confidence)
         assert_about(answer, expected, 0.36, 3, confidence)
-    # More inliers than confidence.
+    # The inlier ratio is larger than the confidence.
     assert_about(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
 
 
@@ -176,7 +178,7 @@ def one_is_enough(iterations_needed: Callable) -> None:
         if assert_number(answer) != 1:
             raise CheckFailed(
                 "Every sample is good here: one is enough, and there must be one.",
-                given=_call((ratio, size, confidence)),
+                given=_call_text((ratio, size, confidence)),
                 yours=brief(answer),
                 expected="1",
             )
@@ -193,7 +195,7 @@ def none_is_enough(iterations_needed: Callable) -> None:
     assert_falls(iterations_needed)
     try:
         answer = iterations_needed(0.0, 3, 0.99)
-    except Exception as error:  # refusing is an answer, too
+    except Exception as error:  # a ValueError is an acceptable answer
         if "ValueError" not in (type(error).__name__, getattr(error, "type_name", "")):
             raise
     else:
@@ -215,22 +217,23 @@ common_checks.names(
 
 
 def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | None:
-    """The right answer to `iterations_needed`, counted up with sixty digits.
+    """Return the right answer to `iterations_needed`, found by counting up with sixty digits.
 
     Returns
     -------
     int or None
-        None where rounding could decide, or where 400 samples are not enough.
+        None if rounding errors could change the answer, or if fewer than 400 samples are not
+        enough.
     """
     with localcontext(prec=60):
-        bad, remaining = 1 - Decimal(ratio) ** size, Decimal(1)
+        p_bad_sample, p_all_bad = 1 - Decimal(ratio) ** size, Decimal(1)
         allowed = 1 - Decimal(confidence)
-        for number in range(1, 400):
-            remaining *= bad
-            if abs(remaining - allowed) < allowed * Decimal("1e-6"):
+        for n_samples in range(1, 400):
+            p_all_bad *= p_bad_sample
+            if abs(p_all_bad - allowed) < allowed * Decimal("1e-6"):
                 return None
-            if remaining <= allowed:
-                return number
+            if p_all_bad <= allowed:
+                return n_samples
     return None
 
 
@@ -276,7 +279,8 @@ mistakes(
         lambda right, ratio, size, confidence: math.ceil(1 / ratio**size),
         "Solve 1 - (1 - w^s)^N >= confidence for N.",
     ),
-    # With a confidence below a half the logarithms change sides.
+    # One confidence is below a half: there, swapping confidence and 1 - confidence gives too many
+    # samples instead of too few.
     cases=(
         (0.6, 2, 0.9),
         (0.4, 3, 0.95),

@@ -44,7 +44,7 @@ _LINES = frozen(
 
 
 def plane_of(answer: object, triangle: np.ndarray) -> np.ndarray:
-    """The answer to three points that have a plane: four numbers.
+    """Return the four numbers of the answer for three points that have a plane.
 
     Parameters
     ----------
@@ -54,6 +54,11 @@ def plane_of(answer: object, triangle: np.ndarray) -> np.ndarray:
     Returns
     -------
     numpy.ndarray, shape (4,)
+
+    Raises
+    ------
+    CheckFailed
+        If the answer is None or is not a plane.
     """
     if answer is None:
         raise CheckFailed(
@@ -68,7 +73,7 @@ def plane_of(answer: object, triangle: np.ndarray) -> np.ndarray:
 
 
 def assert_upright(answer: object, triangle: np.ndarray) -> None:
-    """The normal is perpendicular to a triangle; its length and d are not looked at.
+    """Assert that the normal is perpendicular to a triangle; its length and d are ignored.
 
     Parameters
     ----------
@@ -78,10 +83,10 @@ def assert_upright(answer: object, triangle: np.ndarray) -> None:
     plane = plane_of(answer, triangle)
     sides = np.roll(triangle, -1, axis=0) - triangle
     lengths = np.linalg.norm(sides, axis=1) * np.linalg.norm(plane[:3])
-    leaning = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
-    if leaning > 0.1:
+    angle = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
+    if angle > 0.1:
         raise CheckFailed(
-            f"(a, b, c) is not perpendicular to the triangle: it is off by {leaning:.1f} degrees.",
+            f"(a, b, c) is not perpendicular to the triangle: it is off by {angle:.1f} degrees.",
             given=triangle_text(triangle),
             yours=plane_text(plane),
             expected=expected_text(plane, best_plane(triangle)[0]),
@@ -89,7 +94,7 @@ def assert_upright(answer: object, triangle: np.ndarray) -> None:
 
 
 def assert_through(answer: object, triangle: np.ndarray) -> None:
-    """Three points lie on the plane.
+    """Assert that the three points of a triangle lie on the plane.
 
     Parameters
     ----------
@@ -109,14 +114,14 @@ def assert_through(answer: object, triangle: np.ndarray) -> None:
 
 
 def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
-    """The answer to three points on one line is None.
+    """Assert that the answer for three points on one line is None.
 
     Parameters
     ----------
     answer : object
     line : numpy.ndarray, shape (3, 3)
     nearly : str
-        How far they lie beside it, for the message.
+        A clause about their distance from the line, for the message.
     """
     if answer is not None:
         raise CheckFailed(
@@ -128,14 +133,14 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
 
 
 def assert_fits_triangles(plane_through: Callable) -> None:
-    """The normal is right; where not, its length and d cannot be looked at."""
+    """Assert that the normal is perpendicular to triangles; raise `NotYet` if not."""
     with needs("the normal is perpendicular to the triangle"):
         for triangle in TRIANGLES[2:]:
             assert_upright(plane_through(*triangle.copy()), triangle)
 
 
 def assert_gives_planes(plane_through: Callable) -> None:
-    """There is a plane for points that have one; where not, None for others says nothing."""
+    """Assert that points which have a plane get one; raise `NotYet` if not."""
     with needs("three points that are not on one line give a plane"):
         for triangle in TRIANGLES[:2]:
             plane_of(plane_through(*triangle.copy()), triangle)
@@ -163,8 +168,8 @@ def stands_upright(plane_through: Callable) -> None:
 def holds_its_points(plane_through: Callable) -> None:
     assert_fits_triangles(plane_through)
     for triangle in TRIANGLES:
-        for way_round in (triangle, triangle[::-1]):  # with the normal on either side
-            assert_through(plane_through(*way_round.copy()), way_round)
+        for points in (triangle, triangle[::-1]):  # reversed points flip the normal
+            assert_through(plane_through(*points.copy()), points)
 
 
 @visible(
@@ -233,7 +238,7 @@ def takes_a_small_triangle(plane_through: Callable) -> None:
     assert_upright(answer, _TINY)
 
 
-_SLOPE = Case(
+_SLOPE_CASE = Case(
     __name__,
     "plane_through",
     dict(zip("pqr", TRIANGLES[2], strict=True)),
@@ -242,22 +247,22 @@ _SLOPE = Case(
     basic=assert_fits_triangles,
 )
 common_checks.untouched(
-    _SLOPE,
+    _SLOPE_CASE,
     "leaves_its_points",
     title="Leaves its points untouched",
     why="The sample is part of the cloud: a point that moves is a wrong point for ever.",
     hint="Give q - p and r - p names of their own; q -= p would move q.",
 )
 common_checks.names(
-    _SLOPE,
+    _SLOPE_CASE,
     "keeps_p_q_r",
     title="The parameters keep their names: p, q and r",
     why="Whoever reads the docstring calls plane_through(p=..., q=..., r=...).",
 )
 
 
-def _long_side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
-    """Twice the area of a triangle, from the lengths of its sides: as long is the cross product."""
+def _cross_length(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
+    """Return twice the area of a triangle, the length of the cross product of its sides."""
     a, b, c = math.dist(p, q), math.dist(q, r), math.dist(r, p)
     return math.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)) / 2
 
@@ -272,12 +277,12 @@ mistakes(
     Mistake(
         "d is computed with the long normal, (a, b, c) are divided by its length: the four "
         "numbers do not belong together.",
-        lambda right, *points: right * [1, 1, 1, _long_side(*points)],
+        lambda right, *points: right * [1, 1, 1, _cross_length(*points)],
         "Divide by the length first, and compute d from what comes out.",
     ),
     Mistake(
         "The cross product is not divided by its length.",
-        lambda right, *points: right * _long_side(*points),
+        lambda right, *points: right * _cross_length(*points),
         "Divide it by np.linalg.norm of it, and compute d afterwards.",
     ),
     Mistake(

@@ -1,7 +1,7 @@
-"""What the checks of this lesson share: planes as answers, in words and in pictures.
+"""Helpers shared by the checks of lesson 03: planes as answers, as text and in pictures.
 
-A plane and its negative are the same plane: everything here accepts both. The length of the normal
-is a property of its own: the others do not look at it.
+A plane and its negative are the same plane, so everything here accepts both. Only
+`assert_unit_normal` judges the length of the normal.
 """
 
 from __future__ import annotations
@@ -44,17 +44,22 @@ LARGE_AND_SMALL = frozen(
 
 
 def as_plane(answer: object) -> np.ndarray:
-    """An answer as the four numbers of a plane, with a normal of whatever length.
+    """Convert an answer to the four numbers of a plane, with a normal of any length.
 
     Returns
     -------
     numpy.ndarray, shape (4,)
+
+    Raises
+    ------
+    CheckFailed
+        If the answer is not four finite numbers, or its normal is (0, 0, 0).
     """
     plane = as_array(answer, what="four numbers (a, b, c, d)")
     if plane.shape != (4,):
-        words = " The fourth, d, is missing." if plane.shape == (3,) else ""
+        note = " The fourth, d, is missing." if plane.shape == (3,) else ""
         raise WrongForm(
-            f"A plane is four numbers (a, b, c, d).{words}",
+            f"A plane is four numbers (a, b, c, d).{note}",
             yours=f"shape {plane.shape}",
             expected="shape (4,)",
         )
@@ -70,7 +75,7 @@ def as_plane(answer: object) -> np.ndarray:
 
 
 def assert_unit_normal(answer: object) -> None:
-    """The normal has length 1; whether it is the right one is another property."""
+    """Assert that the normal has length 1, whether its direction is right or wrong."""
     plane = as_plane(answer)
     length = np.linalg.norm(plane[:3])
     if abs(length - 1) > 1e-3:
@@ -82,22 +87,22 @@ def assert_unit_normal(answer: object) -> None:
 
 
 def same_plane(answer: object, predicted: object) -> bool:
-    """Whether an answer is these four numbers, or their negatives."""
+    """Return whether an answer has the predicted four numbers, or their negatives."""
     return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
 
 
 def triangle_text(triangle: np.ndarray) -> str:
-    """Three points, shape (3, 3), as text with their names: p, q and r."""
+    """Return three points, shape (3, 3), as text with their names p, q and r."""
     return ", ".join(f"{name} {point_text(p)}" for name, p in zip("pqr", triangle, strict=True))
 
 
 def expected_text(plane: np.ndarray, expected: np.ndarray) -> str:
-    """The right plane as text, with the sign that stands nearer to another one."""
+    """Return the right plane as text, with the sign whose normal is closer to that of `plane`."""
     return f"{plane_text(expected if expected[:3] @ plane[:3] >= 0 else -expected)} or its negative"
 
 
 def plane_text(plane: np.ndarray | None) -> str:
-    """The four numbers of a plane as text, to the thousandth."""
+    """Return the four numbers of a plane as text, rounded to three decimals."""
     if plane is None:
         return "None"
     return f"[{', '.join(f'{value:.6g}' for value in np.round(plane, 3) + 0.0)}]"
@@ -110,22 +115,40 @@ def draw_on_edge(
     tolerance: float | None,
     expected: np.ndarray | None = None,
 ) -> Axes:
-    """Draw points so that a plane is seen edge on, as a line; the right one too, and level."""
+    """Draw points and a plane edge-on, so that the plane is a line.
+
+    Parameters
+    ----------
+    points : numpy.ndarray, shape (n, 3) or (n, 4)
+    plane : numpy.ndarray, shape (4,)
+    inliers : numpy.ndarray of bool, shape (n,), or None
+        Points to highlight.
+    tolerance : float or None
+        Half the width of the band around the plane, in metres.
+    expected : numpy.ndarray, shape (4,), optional
+        The right plane, which is drawn as a level line.
+    """
     plane = with_unit_normal(plane)
     level = plane if expected is None else expected
     level = level * (1 if level[2] >= 0 else -1)
     plane = plane * (1 if plane[:3] @ level[:3] >= 0 else -1)
-    # The direction in which the plane rises above the level one, or any where it does not.
+    # The direction in which the plane rises above the level plane, or any if they are parallel.
     along = plane[:3] - plane[:3] @ level[:3] * level[:3]
     if np.linalg.norm(along) < 1e-6:
         along = np.linalg.svd(level[None, :3])[2][1]
     along /= np.linalg.norm(along)
-    turn = np.column_stack([along, np.cross(level[:3], along), level[:3]])
-    seen = np.append(plane[:3] @ turn, plane[3])
-    turned = points[:, :3] @ turn
-    heights = [*turned[:, 2], -level[3], *([-plane[3] / seen[2]] if seen[2] > 0.5 else [])]
-    limits = [(min(row) - 0.3, max(row) + 0.3) for row in (turned[:, 0], heights)]
-    axes = utils.plots.plane_model(turned, seen, inliers, tolerance, title="yours", limits=limits)
+    rotation = np.column_stack([along, np.cross(level[:3], along), level[:3]])
+    turned_plane = np.append(plane[:3] @ rotation, plane[3])
+    turned_points = points[:, :3] @ rotation
+    heights = [
+        *turned_points[:, 2],
+        -level[3],
+        *([-plane[3] / turned_plane[2]] if turned_plane[2] > 0.5 else []),
+    ]
+    limits = [(min(row) - 0.3, max(row) + 0.3) for row in (turned_points[:, 0], heights)]
+    axes = utils.plots.plane_model(
+        turned_points, turned_plane, inliers, tolerance, title="yours", limits=limits
+    )
     axes.set_xlabel("along the plane (m)")
     axes.set_ylabel("across it (m)")
     if expected is not None:
@@ -142,23 +165,25 @@ def scattered_plane(
     noise: float = 0.01,
     columns: int = 3,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points on a plane, 12 m across, and others beside it, mixed.
+    """Return points on a plane 12 m across, mixed with outliers off the plane.
 
     Parameters
     ----------
     seed : int
+        Seed of the random generator that draws everything.
     n_plane, n_outliers : int
+        Number of points on the plane and off it.
     plane : (4,) array_like, optional
-        With a unit normal; by default a slope of 11 to 20 degrees, another one for each seed.
+        A plane with a unit normal; by default a slope of 11 to 20 degrees that depends on `seed`.
     noise : float
         Standard deviation across the plane in metres.
     columns : {3, 4}
+        Number of columns; the fourth is an intensity from 0 to 255.
 
     Returns
     -------
     points : numpy.ndarray, shape (n_plane + n_outliers, columns)
-        The fourth column is an intensity from 0 to 255.
-    belongs : numpy.ndarray of bool
+    belongs : numpy.ndarray of bool, shape (n_plane + n_outliers,)
         True for the points of the plane.
     """
     rng = np.random.default_rng(seed)

@@ -22,7 +22,7 @@ from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.run_cache import once
 
-# A unit normal in no special direction, and points in front of the plane through the sensor.
+# A unit normal, and points in front of the plane with this normal through the sensor.
 _NORMAL = (0.6, 0.0, 0.8)
 _IN_FRONT = frozen(
     np.array(
@@ -39,7 +39,7 @@ _BEHIND = frozen(_IN_FRONT * [-1, 1, -1, 1] + 0.0)
 
 
 def distances_by_hand(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
-    """The right answer to `point_plane_distance`, point by point.
+    """Return the right answer to `point_plane_distance`, computed point by point.
 
     Parameters
     ----------
@@ -50,23 +50,23 @@ def distances_by_hand(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
     -------
     numpy.ndarray, shape (n,)
     """
-    return np.array([abs(one) for one in _signed(points, plane)])
+    return np.array([abs(distance) for distance in _signed_distances(points, plane)])
 
 
-def _signed(points: np.ndarray, plane: ArrayLike) -> list[float]:
+def _signed_distances(points: np.ndarray, plane: ArrayLike) -> list[float]:
     a, b, c, d = map(float, plane)
     return [math.fsum((a * x, b * y, c * z, d)) for x, y, z in points[:, :3].astype(float).tolist()]
 
 
 def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> None:
-    """The answer is the distance of each point from a plane.
+    """Assert that the answer is the distance of each point from a plane.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     plane : (4,) array_like
-        With a unit normal.
+        A plane with a unit normal.
     """
     expected = distances_by_hand(points, plane)
     yours = as_array(answer, what="an array of distances")
@@ -93,7 +93,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
 def assert_ignores_intensity(
     point_plane_distance: Callable, cloud: np.ndarray, plane: np.ndarray
 ) -> None:
-    """A cloud has the same distances with and without its fourth column, right or wrong.
+    """Assert that distances are the same with and without a fourth column, right or wrong.
 
     Parameters
     ----------
@@ -106,8 +106,8 @@ def assert_ignores_intensity(
         for points in (cloud[:, :3], cloud)
     )
     for distances in (plain, yours):
-        each = f"one distance for each of the {len(cloud)} points"
-        in_shape(distances, (len(cloud),), each, columns=4)
+        one_per_point = f"one distance for each of the {len(cloud)} points"
+        in_shape(distances, (len(cloud),), one_per_point, columns=4)
     if not np.abs(yours - plain).max() <= 1e-3:
         raise CheckFailed(
             "With the intensity in a fourth column the distances are others than without it.",
@@ -119,7 +119,7 @@ def assert_ignores_intensity(
 
 @once
 def assert_measures(point_plane_distance: Callable) -> None:
-    """The plain case: planes through the sensor, points in front of them."""
+    """Assert that points in front of planes through the sensor are right; raise `NotYet` if not."""
     with needs("the distances from a plane through the sensor are right"):
         _assert_plain(point_plane_distance)
 
@@ -174,8 +174,8 @@ def forgets_the_sign(point_plane_distance: Callable) -> None:
     assert_distances(
         point_plane_distance(_BEHIND[:, :3].copy(), plane.copy()), _BEHIND[:, :3], plane
     )
-    both = np.concatenate([_IN_FRONT, _BEHIND])[:, :3]
-    assert_distances(point_plane_distance(both.copy(), -plane), both, -plane)
+    points = np.concatenate([_IN_FRONT, _BEHIND])[:, :3]
+    assert_distances(point_plane_distance(points.copy(), -plane), points, -plane)
 
 
 @visible(
@@ -189,10 +189,10 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
     with needs("d counts, and no distance has a sign"):
         adds_d(point_plane_distance)
         forgets_the_sign(point_plane_distance)
-    both = np.concatenate([_IN_FRONT, _BEHIND])[:, :3]
+    points = np.concatenate([_IN_FRONT, _BEHIND])[:, :3]
     for offset in (2.0, -2.0):
         plane = np.array([*_NORMAL, offset])
-        assert_distances(point_plane_distance(both.copy(), plane.copy()), both, plane)
+        assert_distances(point_plane_distance(points.copy(), plane.copy()), points, plane)
 
 
 @visible(
@@ -252,7 +252,7 @@ common_checks.names(
         __name__,
         "point_plane_distance",
         {"points": _IN_FRONT[:, :3], "plane": frozen(np.array([*_NORMAL, 0.0]))},
-        expected=None,  # `assert_distances` reckons it
+        expected=None,  # `assert_distances` computes it
         look=lambda answer, points, plane, _: assert_distances(answer, points, plane),
         basic=assert_measures,
     ),
@@ -280,8 +280,8 @@ def gives_an_array(point_plane_distance: Callable) -> None:
         )
 
 
-def _each(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
-    """The three products and d of each point, without their signs; shape (n, 4)."""
+def _absolute_terms(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
+    """Return the absolute values of a x, b y, c z and d for each point; shape (n, 4)."""
     return np.abs(np.column_stack([points[:, :3], np.ones(len(points))]) * np.asarray(plane))
 
 
@@ -289,7 +289,7 @@ mistakes(
     "point_plane_distance",
     Mistake(
         "No absolute value is taken: behind the plane the distances are negative.",
-        lambda right, points, plane: _signed(points, plane),
+        lambda right, points, plane: _signed_distances(points, plane),
         "np.abs of the whole sum.",
     ),
     Mistake(
@@ -313,12 +313,12 @@ mistakes(
     ),
     Mistake(
         "The absolute value is taken of each product, and then they are added.",
-        lambda right, points, plane: _each(points, plane)[:, :3].sum(axis=1) + plane[3],
+        lambda right, points, plane: _absolute_terms(points, plane)[:, :3].sum(axis=1) + plane[3],
         "np.abs around everything: first the sum with d, then its absolute value.",
     ),
     Mistake(
         "The absolute value is taken of a x, of b y, of c z and of d, and then they are added.",
-        lambda right, points, plane: _each(points, plane).sum(axis=1),
+        lambda right, points, plane: _absolute_terms(points, plane).sum(axis=1),
         "np.abs around everything: first the sum with d, then its absolute value.",
     ),
     Mistake(
@@ -335,7 +335,7 @@ mistakes(
     Mistake(
         "Whole rows are multiplied with the plane, so that d is multiplied with the intensity.",
         lambda right, points, plane: np.abs(
-            np.subtract(_signed(points, plane), plane[3] * (1 - points[:, 3]))
+            np.subtract(_signed_distances(points, plane), plane[3] * (1 - points[:, 3]))
         ),
         "Take points[:, :3] and the first three numbers of the plane; add the last one.",
     ),

@@ -35,8 +35,8 @@ from utils.checks.lesson_03.results import (
 from utils.checks.run_cache import once
 from utils.geometry import gaps_from
 
-# The small case of the notebook: five points on a floor, two above it.
-_SEVEN = frozen(
+# The small example of the notebook: five points on a floor and two above it.
+_SEVEN_POINTS = frozen(
     np.array(
         [
             [0.0, 0.0, -1.7],
@@ -53,17 +53,17 @@ _SEVEN = frozen(
 
 @once
 def assert_works(ransac_plane: Callable) -> None:
-    """A plane is found among outliers; where not, most properties cannot be looked at."""
+    """Assert that a plane is found among outliers; raise `NotYet` if not."""
     with needs("the plane is found among the outliers"):
         for seed in (1, 2, 3):
             points, belongs = scattered_plane(seed, 60, 20, noise=0.02)
-            # One sample in three is good: 0.67^60 < 1e-10.
+            # One sample in three is good, so 60 rounds fail with a probability of 0.67^60 < 1e-10.
             answer = ransac_plane(points.copy(), 60, 0.2, np.random.default_rng(seed))
             assert_finds(answer, points, 0.2, belongs)
 
 
 def assert_runs(ransac_plane: Callable) -> None:
-    """Where all points lie on one plane, it comes out, whichever sample it was made from."""
+    """Assert that a plane is found when all points lie on it; raise `NotYet` if not."""
     with needs("a plane is found where there is nothing else"):
         points, belongs = scattered_plane(2, 40, 0)
         answer = ransac_plane(points.copy(), 30, 0.3, np.random.default_rng(2))
@@ -80,24 +80,25 @@ def _assert_masks_belong(ransac_plane: Callable) -> None:
 
 
 def ring_on_a_ramp(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Whole-numbered points of the ramp z = y / 4 - 3, most of them on one line, mixed.
+    """Return shuffled points of the ramp z = y / 4 - 3, most of them on one line.
 
-    More than half of all samples are no plane, exactly; all others give this one.
+    The coordinates are whole numbers, so that computations are exact. More than half of all samples
+    lie on a line and give no plane; all others give this plane.
 
     Returns
     -------
     points : numpy.ndarray, shape (48, 3)
-    belongs : numpy.ndarray of bool
+    belongs : numpy.ndarray of bool, shape (48,)
         All True.
     """
-    ring = np.column_stack([np.arange(40), np.full(40, 4), np.full(40, -2)])
-    up = rng.integers(2, 8, 8)
-    others = np.column_stack([rng.integers(0, 40, 8), 4 * up, up - 3])
-    return rng.permutation(np.concatenate([ring, others])).astype(float), np.ones(48, dtype=bool)
+    line = np.column_stack([np.arange(40), np.full(40, 4), np.full(40, -2)])
+    steps = rng.integers(2, 8, 8)
+    others = np.column_stack([rng.integers(0, 40, 8), 4 * steps, steps - 3])
+    return rng.permutation(np.concatenate([line, others])).astype(float), np.ones(48, dtype=bool)
 
 
-def _crowd_on_a_plane(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a plane, half of them at one and the same place, mixed."""
+def _half_equal_points(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return shuffled points of a plane, half of them equal, and a mask that is all True."""
     points, belongs = scattered_plane(seed, 40, 0)
     points[:20] = points[0]
     return np.random.default_rng(seed).permutation(points), belongs
@@ -112,16 +113,20 @@ def _crowd_on_a_plane(seed: int) -> tuple[np.ndarray, np.ndarray]:
     "with the highest count, and return it after the last round, not inside the loop.",
 )
 def finds_the_plane(ransac_plane: Callable) -> None:
-    on_the_floor = _SEVEN[:, 2] == -1.7
-    # Two samples in seven are good: 0.714^80 < 1e-11.
-    answer = ransac_plane(_SEVEN.copy(), 80, 0.1, np.random.default_rng(1))
+    belongs_to_floor = _SEVEN_POINTS[:, 2] == -1.7
+    # Two samples in seven are good, so 80 rounds fail with a probability of 0.714^80 < 1e-11.
+    answer = ransac_plane(_SEVEN_POINTS.copy(), 80, 0.1, np.random.default_rng(1))
     assert_finds(
-        answer, _SEVEN, 0.1, on_the_floor, given="seven points: five on a floor at z = -1.7"
+        answer,
+        _SEVEN_POINTS,
+        0.1,
+        belongs_to_floor,
+        given="seven points: five on a floor at z = -1.7",
     )
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(seed, 60, 30, noise=0.02)
         rng = np.random.default_rng(seed)
-        # More than one sample in five is good: 0.77^90 < 1e-10.
+        # More than one sample in five is good, so 90 rounds fail with a probability below 1e-10.
         assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
 
 
@@ -186,26 +191,26 @@ def tries_enough(ransac_plane: Callable) -> None:
 
 
 def assert_no_round_is_missing(ransac_plane: Callable) -> None:
-    """A single round finds a plane where every sample makes one."""
+    """Assert that one round is enough to find a plane when every sample makes one."""
     points, _ = scattered_plane(33, 20, 0)
 
-    def planes(rounds: int) -> int:
-        """In how many runs there is one."""
+    def runs_with_plane(rounds: int) -> int:
+        """Return the number of runs that find a plane."""
         runs = (
             ransac_plane(points.copy(), rounds, 0.2, np.random.default_rng(seed))
             for seed in range(12)
         )
         return sum(pair_of(answer)[0] is not None for answer in runs)
 
-    if planes(1):
+    if runs_with_plane(1):
         return
-    after_two = fixed(" With max_iterations=2 there is one: a round is missing.")
+    second_round_note = fixed(" With max_iterations=2 there is one: a round is missing.")
     raise CheckFailed(
         fixed(
             "Twenty points lie on one plane, and with max_iterations=1 there is none, whatever the "
             "seed."
         )
-        + (after_two if planes(2) else ""),
+        + (second_round_note if runs_with_plane(2) else ""),
         yours="None in 12 of 12 runs",
         expected="a plane in each",
         hint="range(max_iterations) has max_iterations rounds; range(1, max_iterations) and "
@@ -224,18 +229,18 @@ def tries_no_more(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
     points, belongs = scattered_plane(32, 20, 40)
     generators = map(np.random.default_rng, range(48))
-    lucky = sum(
+    found = sum(
         np.count_nonzero(belongs & (gaps_from(points, plane) <= 0.2)) > 17
         for plane in _quick_planes(ransac_plane, points, 1, 0.2, generators)
         if plane is not None
     )
-    if lucky > 18:  # expected: one
+    if found > 18:  # about one is expected
         raise CheckFailed(
             fixed(
                 "With max_iterations=1 this plane comes out again and again; one single sample "
                 "hardly ever finds it. More are tried than allowed."
             ),
-            yours=f"found in {lucky} runs of 48",
+            yours=f"found in {found} runs of 48",
             expected="in 1 or 2, perhaps in none",
         )
 
@@ -250,12 +255,15 @@ def tries_no_more(ransac_plane: Callable) -> None:
 )
 def survives_degenerate_samples(ransac_plane: Callable) -> None:
     for seed in range(4):
-        ramp, crowd = ring_on_a_ramp(np.random.default_rng(seed)), _crowd_on_a_plane(40 + seed)
+        ramp, half_equal = (
+            ring_on_a_ramp(np.random.default_rng(seed)),
+            _half_equal_points(40 + seed),
+        )
         for (points, belongs), given in (
             (ramp, "48 points of one plane, 40 of them on one line"),
-            (crowd, "40 points of one plane, 20 of them at one and the same place"),
+            (half_equal, "40 points of one plane, 20 of them at one and the same place"),
         ):
-            # Four samples in ten are good: 0.58^40 < 1e-9.
+            # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
             assert_finds(answer, points, 0.2, belongs, given=given)
 
@@ -278,7 +286,7 @@ def gives_up_politely(ransac_plane: Callable) -> None:
 
 
 def assert_three_are_enough(ransac_plane: Callable, triangle: np.ndarray) -> None:
-    """Three points have a plane, in one run of many at least."""
+    """Assert that at least one of 12 runs finds the plane through three points."""
     for seed in range(12):
         answer = ransac_plane(triangle.copy(), 10, 0.2, np.random.default_rng(seed))
         if pair_of(answer)[0] is not None:
@@ -317,34 +325,39 @@ def finds_nothing_on_a_line(ransac_plane: Callable) -> None:
 )
 def draws_three_rows(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
-    assert_rows_differ(ransac_plane, _FIVE)
+    assert_rows_differ(ransac_plane, _FIVE_POINTS)
 
 
 def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
-    """Each run finds a plane where any three points make one."""
+    """Assert that every run finds a plane when any three points make one."""
     planes = planes_of_few(ransac_plane, points)
-    lost = sum(plane is None for plane in planes)
-    if lost:
+    n_without_plane = sum(plane is None for plane in planes)
+    if n_without_plane:
         raise CheckFailed(
             "Of these points any three make a plane. In some runs there was none.",
             given=f"{len(points)} points, and max_iterations=2",
-            yours=f"None in {lost} of {len(planes)} runs",
+            yours=f"None in {n_without_plane} of {len(planes)} runs",
             expected="a plane in each",
         )
 
 
-# Any three of them make a plane, which the others are 40 cm away from or farther. None of the ten
-# stands steep: whoever refuses such planes is told that elsewhere, and not that rows come up twice.
-_FIVE = frozen(
+# Any three of these points make a plane, and the others are at least 40 cm away from it. None of
+# the ten planes is steep, because another check covers functions that reject steep planes.
+_FIVE_POINTS = frozen(
     np.array([[9, 3, -2.1], [0, 8, -1.6], [7, -9, -1.1], [1, -8, -1.9], [-6, 5, -1.9]], dtype=float)
 )
 
 
 def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray | None]:
-    """The planes that 48 seeds find in two rounds, a few at least.
+    """Return the planes of 48 two-round runs with different seeds; None for a run without a plane.
 
-    Whoever draws with replacement finds none in a quarter of the runs, of five points; whoever
-    leaves a round out is asked about that elsewhere.
+    With five points, a function that draws with replacement finds no plane in a quarter of the
+    runs. Another check looks for a missing round.
+
+    Raises
+    ------
+    NotYet
+        If no run finds a plane.
     """
     planes = _quick_planes(ransac_plane, points, 2, 0.1, map(np.random.default_rng, range(48)))
     if all(plane is None for plane in planes):
@@ -362,15 +375,15 @@ def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
     assert_works(ransac_plane)
-    planes, drawn = [], np.zeros(len(_FIVE), dtype=bool)
-    for plane in planes_of_few(ransac_plane, _FIVE):
+    planes, drawn = [], np.zeros(len(_FIVE_POINTS), dtype=bool)
+    for plane in planes_of_few(ransac_plane, _FIVE_POINTS):
         if plane is not None:
             planes.append(plane)
-            drawn |= gaps_from(_FIVE, plane) < 2e-3
+            drawn |= gaps_from(_FIVE_POINTS, plane) < 2e-3
         if drawn.all():
             return
-    if all(_alike(plane, planes[0]) for plane in planes):
-        return  # whether other seeds draw other samples is another question
+    if all(_planes_equal(plane, planes[0]) for plane in planes):
+        return  # another check asks whether different seeds draw different samples
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Of five points the one in row {row} was in no sample.",
@@ -394,21 +407,22 @@ def includes_the_edge(ransac_plane: Callable) -> None:
 
 
 def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
-    """Of four points the last, exactly 1 m from the plane of the others, is within 1 m of it.
+    """Assert that a point exactly `distance_tolerance` away from the plane counts as an inlier.
 
     Parameters
     ----------
     ransac_plane : callable
     four : numpy.ndarray, shape (4, 3)
-        Whole numbers, of which computers lose no digit; the first three on a plane along two axes.
+        Four points with whole-numbered coordinates, so that distances are exact. The first three
+        are on a plane parallel to two axes, and the fourth is exactly 1 m from that plane.
     """
-    [along] = np.flatnonzero((four[:3] == four[0]).all(axis=0))  # the axis of the normal
-    exact = np.append(np.eye(3)[along], -four[0, along])
-    seen = 0
+    [axis] = np.flatnonzero((four[:3] == four[0]).all(axis=0))  # the axis of the normal
+    exact = np.append(np.eye(3)[axis], -four[0, axis])
+    matching_planes = 0
     for seed in range(40):
         answer = ransac_plane(four.copy(), 3, 1.0, np.random.default_rng(seed))
         plane = _plane_or_none(answer)
-        # Whoever fits the plane anew has one that is off in its last digits: that one is let be.
+        # Skip other planes: one that was refitted to its inliers may be off in the last digits.
         if plane is None or not (np.array_equal(plane, exact) or np.array_equal(plane, -exact)):
             continue
         if not mask_of(answer, 4)[3]:
@@ -419,8 +433,8 @@ def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
                 yours="False",
                 expected="True",
             )
-        seen += 1
-        if seen == 3:  # a comparison counts it always or never
+        matching_planes += 1
+        if matching_planes == 3:  # each comparison gives the same result
             return
 
 
@@ -476,12 +490,12 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
 )
 def follows_the_generator(ransac_plane: Callable) -> None:
     assert_runs(ransac_plane)
-    # One sample of three points is good once in eight times: who refits gets different planes, too.
+    # Only one sample in eight is good, so planes differ even if they are refitted to their inliers.
     points, _ = scattered_plane(61, 30, 30, noise=0.05)
     generators = [np.random.default_rng(seed) for seed in range(12) for _ in range(2)]
     planes = _quick_planes(ransac_plane, points, 2, 0.2, generators)
     for seed, (first, again) in enumerate(zip(planes[::2], planes[1::2], strict=True)):
-        if not _alike(first, again):
+        if not _planes_equal(first, again):
             raise CheckFailed(
                 "The same seed gave two different planes: not all that is drawn comes from rng.",
                 given=f"twice the same points, max_iterations=2, rng=np.random.default_rng({seed})",
@@ -490,7 +504,7 @@ def follows_the_generator(ransac_plane: Callable) -> None:
             )
     if all(plane is None for plane in planes):
         raise NotYet("two rounds give a plane")
-    if all(_alike(planes[0], plane) for plane in planes):
+    if all(_planes_equal(planes[0], plane) for plane in planes):
         raise CheckFailed(
             "Twelve seeds gave the very same plane: which samples are drawn does not depend on "
             "rng.",
@@ -511,15 +525,15 @@ def _quick_planes(
     tolerance: float,
     generators: Iterable[np.random.Generator],
 ) -> list[np.ndarray | None]:
-    """The planes of runs so short that all of them together take next to no time."""
+    """Return the planes of many short runs, which share the time limit of one call."""
     calls = [(points, max_iterations, tolerance, rng) for rng in generators]
     return [_plane_or_none(answer) for answer in call_each(ransac_plane, calls)]
 
 
-def _alike(one: np.ndarray | None, other: np.ndarray | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    return np.allclose(one, other, atol=1e-6) or np.allclose(one, -other, atol=1e-6)
+def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    return np.allclose(first, second, atol=1e-6) or np.allclose(first, -second, atol=1e-6)
 
 
 @visible(
@@ -536,10 +550,10 @@ def takes_a_seed(ransac_plane: Callable) -> None:
         points, belongs = scattered_plane(70 + seed, 60, 30)
         assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, belongs)
     generators, seeds = (
-        _quick_planes(ransac_plane, points, 2, 0.2, pair)
-        for pair in ((np.random.default_rng(3), np.random.default_rng(3)), (3, 3))
+        _quick_planes(ransac_plane, points, 2, 0.2, values)
+        for values in ((np.random.default_rng(3), np.random.default_rng(3)), (3, 3))
     )
-    if _alike(*generators) and not _alike(*seeds):
+    if _planes_equal(*generators) and not _planes_equal(*seeds):
         raise CheckFailed(
             fixed(
                 "The seed 3, given twice, gave two different planes. Generators of that seed give "
@@ -550,13 +564,13 @@ def takes_a_seed(ransac_plane: Callable) -> None:
         )
 
 
-_CROWD, _BELONGS = frozen(scattered_plane(1, 60, 30, noise=0.02))
+_CROWD_POINTS, _BELONGS = frozen(scattered_plane(1, 60, 30, noise=0.02))
 common_checks.names(
     Case(
         __name__,
         "ransac_plane",
         {
-            "points": _CROWD,
+            "points": _CROWD_POINTS,
             "max_iterations": 90,
             "distance_tolerance": 0.2,
             "rng": np.random.default_rng(1),

@@ -1,4 +1,4 @@
-"""What `ransac_plane` returns: a model, and a mask of its inliers."""
+"""Assertions about the results of `ransac_plane`: a model and a mask of its inliers."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from utils.geometry import best_plane, gaps_from
 
 
 def pair_of(answer: object) -> Sequence:
-    """An answer as two things; what they are is not looked at."""
+    """Return an answer as a pair, without judging its two parts."""
     if answer is None:
         raise WrongForm(
             "The function returned None. Does every way through it end with `return`?",
@@ -27,18 +27,23 @@ def pair_of(answer: object) -> Sequence:
 
 
 def model_of(answer: object, given: str | None = None) -> np.ndarray:
-    """The model of an answer where there is one to find; the mask is not looked at.
+    """Return the model of an answer for points that have a plane; the mask is ignored.
 
     Parameters
     ----------
     answer : object
     given : str, optional
-        What the function was given, for the message.
+        The input of the function, for the message.
 
     Returns
     -------
     numpy.ndarray, shape (4,)
-        With a normal of whatever length.
+        A plane with a normal of any length.
+
+    Raises
+    ------
+    CheckFailed
+        If the model is None or is not a plane.
     """
     model, _ = pair_of(answer)
     if model is None:
@@ -59,7 +64,7 @@ def model_of(answer: object, given: str | None = None) -> np.ndarray:
 
 
 def mask_of(answer: object, n: int) -> np.ndarray:
-    """The mask of an answer; the model is not looked at.
+    """Return the mask of an answer; the model is ignored.
 
     Parameters
     ----------
@@ -91,29 +96,32 @@ def assert_finds(
     share: float = 0.9,
     given: str | None = None,
 ) -> None:
-    """At least a share of the points that belong lie near the model; the mask is not looked at.
+    """Assert that most points of the right plane are near the model; the mask is ignored.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     distance_tolerance : float
+        Largest distance of a point that counts as near, in metres.
     belongs : numpy.ndarray of bool, shape (n,)
+        True for the points of the right plane.
     share : float
+        Share of these points that must be near the model.
     given : str, optional
-        What the function was given, for the message.
+        The input of the function, for the message.
     """
     plane = model_of(answer, given)
     near = gaps_from(points, plane) <= distance_tolerance
-    found, whole = np.count_nonzero(near & belongs), np.count_nonzero(belongs)
-    if found < share * whole:
-        share_of_all = f"{whole} of the" if whole < len(points) else "all"
+    found, total = np.count_nonzero(near & belongs), np.count_nonzero(belongs)
+    if found < share * total:
+        subject = f"{total} of the" if total < len(points) else "all"
         raise CheckFailed(
             "A plane with many more points near it exists: "
-            f"{share_of_all} {len(points)} points lie on it.",
+            f"{subject} {len(points)} points lie on it.",
             given=given,
             yours=f"{np.count_nonzero(near)} points within {distance_tolerance:g} m",
-            expected=f"about {whole}",
+            expected=f"about {total}",
             draw=lambda: draw_on_edge(
                 points, plane, near, distance_tolerance, best_plane(points[belongs])[0]
             ),
@@ -121,7 +129,7 @@ def assert_finds(
 
 
 def assert_mask_belongs(answer: object, points: np.ndarray) -> None:
-    """The inliers are the points nearest to the model; up to which distance is another property.
+    """Assert that the inliers are the points nearest to the model, up to any distance.
 
     Parameters
     ----------
@@ -149,13 +157,16 @@ def assert_mask_belongs(answer: object, points: np.ndarray) -> None:
 
 
 def assert_mask_follows(answer: object, points: np.ndarray, distance_tolerance: float) -> None:
-    """The inliers are the points within the tolerance of the model; at the border both are right.
+    """Assert that the inliers are the points within the tolerance of the model.
+
+    Either answer is accepted for points at the border.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     distance_tolerance : float
+        Largest distance of an inlier, in metres.
     """
     plane, mask = model_of(answer), mask_of(answer, len(points))
     gaps = gaps_from(points, plane)
@@ -163,10 +174,10 @@ def assert_mask_follows(answer: object, points: np.ndarray, distance_tolerance: 
     wrong = np.flatnonzero((mask != (gaps <= distance_tolerance)) & clear)
     if len(wrong):
         first = wrong[0]
-        word = "an" if mask[first] else "no"
+        article = "an" if mask[first] else "no"
         raise CheckFailed(
             f"With distance_tolerance={distance_tolerance:g} a point that is {gaps[first]:.3f} m "
-            f"away from the returned plane is {word} inlier.",
+            f"away from the returned plane is {article} inlier.",
             yours=f"{np.count_nonzero(mask)} inliers",
             expected=f"{np.count_nonzero(gaps <= distance_tolerance)} inliers",
             draw=lambda: draw_on_edge(points, plane, mask, distance_tolerance),
@@ -174,7 +185,7 @@ def assert_mask_follows(answer: object, points: np.ndarray, distance_tolerance: 
 
 
 def assert_nothing_found(answer: object, n: int) -> None:
-    """The answer is (None, all False): there is no plane.
+    """Assert that the answer is (None, all False), because there is no plane.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Visible checks of lesson 04: `insert` and `search` through `KdTree`, and `median_order`."""
 
-# In the order of the lesson, in which exercises are listed.
+# Import in the order of the lesson, because exercises are listed in the order of import.
 from utils.checks.lesson_04 import insert, search
 
 # isort: split

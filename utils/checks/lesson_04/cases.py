@@ -1,4 +1,4 @@
-"""Points and right trees that the checks of this lesson ask about."""
+"""Points and right trees for the checks of lesson 04."""
 
 from collections.abc import Callable, Sequence
 
@@ -31,12 +31,12 @@ BALANCED = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
 
 
 def balanced() -> Node:
-    """The right tree of the eleven points, four levels deep."""
+    """Return the right tree of the eleven points, four levels deep."""
     return grown(QUIZ[list(BALANCED)], BALANCED)
 
 
 def chain(count: int) -> Node:
-    """A tree of points that arrived in sorted order; no node has a left child."""
+    """Return a tree of points that arrived in sorted order; no node has a left child."""
     root = last = Node([0.0, 0.0], 0)
     for row in range(1, count):
         last.right = last = Node([float(row), float(row)], row)
@@ -44,7 +44,7 @@ def chain(count: int) -> Node:
 
 
 def distinct(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
-    """Points of which no two share a coordinate, in random order.
+    """Return points in random order, of which no two share a coordinate.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def distinct(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
 
 
 def along_the_diagonal(values: ArrayLike, k: int = 2) -> np.ndarray:
-    """Points with equal coordinates: whichever is compared, the tree is the same.
+    """Return points whose coordinates are all equal, so that any axis gives the same tree.
 
     Parameters
     ----------
@@ -75,21 +75,23 @@ def nested(
     allowed: Callable[[np.ndarray], bool],
     lowest: float = -1.5,
 ) -> np.ndarray:
-    """Points about the origin, in an order in which each cuts off what lies beyond it.
+    """Return points around the origin, each of which cuts closer to the origin than the last.
 
-    Inserted so they make a tree without branches: the origin, and all who follow, lie to the left
-    of each. Whoever searches around the origin on one side alone finds all.
+    Inserted in this order, they make a tree without branches: the origin and all later points are
+    to the left of each point. A search around the origin that follows only one side finds all of
+    them.
 
     Parameters
     ----------
     rng : numpy.random.Generator
     sizes : sequence of float
-        How far from the origin each cuts, descending.
+        Distances from the origin at which the points cut, descending.
     k : {2, 3}
+        Number of coordinates.
     allowed : callable
-        Takes a point, shape (k,): whether it may be one.
+        Takes a point, shape (k,); returns whether it may be used.
     lowest : float
-        The smallest coordinate of a point, in sizes of its own.
+        Smallest coordinate of a point, as a multiple of its size.
 
     Returns
     -------
@@ -106,11 +108,11 @@ def nested(
 
 
 def off_the_corners(points: np.ndarray) -> np.ndarray:
-    """Clear of the unit circle's rim, and not in a corner of the square around it."""
-    far = np.linalg.norm(points, axis=-1)
-    return (far < 0.99) | (np.abs(points).max(axis=-1) > 1.01)
+    """Return whether points are off the rim of the unit circle and the corners of its square."""
+    distances = np.linalg.norm(points, axis=-1)
+    return (distances < 0.99) | (np.abs(points).max(axis=-1) > 1.01)
 
 
 def off_the_rim(point: np.ndarray) -> bool:
-    """Clear of the unit circle's rim."""
+    """Return whether a point is off the rim of the unit circle and the sides of its square."""
     return abs(np.linalg.norm(point) - 1) > 0.02 and abs(np.abs(point).max() - 1) > 0.01

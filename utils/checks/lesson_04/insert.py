@@ -30,10 +30,10 @@ from utils.checks.lesson_04.trees import (
 from utils.checks.run_cache import once
 from utils.geometry import grown, places_of
 
-# Where x decides at the root, and y would decide otherwise.
+# Points that x puts to other sides of the root than y would.
 _SIDEWAYS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
-# Two levels more. Whoever compares x again on the second puts the last ones elsewhere.
-_TWO_TURNS = frozen(
+# One level more. Comparing x again on the second level puts the last points elsewhere.
+_THREE_LEVELS = frozen(
     np.array([[5.0, 5.0], [2.0, 6.0], [8.0, 4.0], [1.0, 7.0], [3.0, 1.0], [7.0, 9.0], [9.0, 2.0]])
 )
 _DIAGONAL = frozen(along_the_diagonal([4, 2, 6, 1, 3, 5, 7]))
@@ -49,7 +49,10 @@ def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None
 
 @once
 def assert_root(KdTree: Callable) -> None:
-    """The first point becomes the root; where not, a walk down the tree may never end."""
+    """Assert that the first point becomes the root; raise `NotYet` if not.
+
+    Without a right root, a walk down the tree may never end.
+    """
     with needs("the first point becomes the root"):
         first_is_root(KdTree)
 
@@ -64,7 +67,7 @@ def _assert_sides(KdTree: Callable) -> None:
 def _assert_turns(KdTree: Callable) -> None:
     _assert_sides(KdTree)
     with needs("x decides at the root and y one level below"):
-        assert_tree(_inserted(KdTree, _TWO_TURNS), _TWO_TURNS)
+        assert_tree(_inserted(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
 @visible(
@@ -105,7 +108,7 @@ def compares_x_first(KdTree: Callable) -> None:
 )
 def axes_alternate(KdTree: Callable) -> None:
     _assert_sides(KdTree)
-    assert_tree(_inserted(KdTree, _TWO_TURNS), _TWO_TURNS)
+    assert_tree(_inserted(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
 @visible(
@@ -118,7 +121,7 @@ def axes_alternate(KdTree: Callable) -> None:
 )
 def grows_the_quiz(KdTree: Callable) -> None:
     _assert_turns(KdTree)
-    # Without point 6, which has a coordinate of another one: what happens then is asked below.
+    # Point 6 is left out because it shares a coordinate; a later check covers equal coordinates.
     rows = [0, 1, 2, 3, 4, 5, 7, 8, 9, 10]
     assert_tree(_inserted(KdTree, QUIZ[rows], rows), QUIZ[rows], rows)
 
@@ -248,7 +251,7 @@ def copes_with_depth(KdTree: Callable) -> None:
     except Exception as error:
         if "AttributeError" not in error_names(error):
             raise
-        last = None  # the way ends before
+        last = None  # the path ends earlier
     if last is None:
         raise CheckFailed(
             fixed("A point that belongs below the last of 1200 levels is not there."),
@@ -256,27 +259,27 @@ def copes_with_depth(KdTree: Callable) -> None:
         )
 
 
-def _ways_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
-    """Index by the way to a node, in a student's tree."""
+def _paths_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
+    """Return the indices in a student's tree, keyed by the path to the node."""
     tree = KdTree()
     for index, point in enumerate(points):
         tree.insert(point, index)
         if index == 0 and tree.root is not None:
-            assert_tree(tree, points[:1])  # below itself, there would be no end
-    found, waiting = {}, [("", tree.root)]
-    for way, node in waiting:  # grows while it is walked
+            assert_tree(tree, points[:1])  # a node below itself would be endless
+    found, pending = {}, [("", tree.root)]
+    for path, node in pending:  # the list grows inside the loop
         if node is not None and len(found) < MOST_NODES:
-            found[way] = node.index
-            waiting += [(way + "l", node.left), (way + "r", node.right)]
+            found[path] = node.index
+            pending += [(path + "l", node.left), (path + "r", node.right)]
     return found
 
 
-def _ways(points: np.ndarray, **rule: Callable) -> dict[str, int]:
-    return {way: node.index for way, node in places_of(grown(points, **rule)).items()}
+def _paths(points: np.ndarray, **rule: Callable) -> dict[str, int]:
+    return {path: node.index for path, node in places_of(grown(points, **rule)).items()}
 
 
-def _below_the_root(right: dict[str, int], points: np.ndarray) -> dict[str, int]:
-    """As if each point took the place of a child of the root."""
+def _replace_children_of_root(right: dict[str, int], points: np.ndarray) -> dict[str, int]:
+    """Return the tree in which each point replaces a child of the root."""
     sides = {"l" if x < points[0, 0] else "r": row for row, x in enumerate(points[:, 0]) if row}
     return {**sides, "": 0}
 
@@ -285,34 +288,34 @@ mistakes(
     "insert",
     Mistake(
         "x is compared at every level: the axis does not change on the way down.",
-        lambda right, points: _ways(points, axis_at=lambda depth, k: 0),
+        lambda right, points: _paths(points, axis_at=lambda depth, k: 0),
         "The axis is depth % len(point), and depth grows by 1 at each step down.",
     ),
     Mistake(
         "The turns begin with y: the root is treated as if it had depth 1.",
-        lambda right, points: _ways(points, axis_at=lambda depth, k: (depth + 1) % k),
+        lambda right, points: _paths(points, axis_at=lambda depth, k: (depth + 1) % k),
         "The root has depth 0.",
     ),
     Mistake(
         "x and y take turns and z is never compared: 2 is written where len(point) is needed.",
-        lambda right, points: _ways(points, axis_at=lambda depth, k: depth % 2),
+        lambda right, points: _paths(points, axis_at=lambda depth, k: depth % 2),
     ),
     Mistake(
         "`<=` stands where `<` is asked for: an equal coordinate goes left.",
-        lambda right, points: _ways(points, goes_left=operator.le),
+        lambda right, points: _paths(points, goes_left=operator.le),
         "Only strictly smaller goes left.",
     ),
     Mistake(
         "The sides are swapped: greater goes left, and smaller or equal right.",
-        lambda right, points: _ways(points, goes_left=operator.gt),
+        lambda right, points: _paths(points, goes_left=operator.gt),
     ),
     Mistake(
         "The sides are swapped: greater or equal goes left, and smaller right.",
-        lambda right, points: _ways(points, goes_left=operator.ge),
+        lambda right, points: _paths(points, goes_left=operator.ge),
     ),
     Mistake(
         "Each point is hung below the root, in the place of the one that hung there before.",
-        _below_the_root,
+        _replace_children_of_root,
         "Is there a child on that side already? Then go on from the child.",
     ),
     Mistake(
@@ -328,8 +331,8 @@ mistakes(
         (np.array([[4, 4, 4], [3, 3, 5], [2, 2, 6], [1, 1, 5], [1.5, 1, 7], [3.5, 0, 1.0]]),),
         (np.array([[0, 0, 0], [2, 1, 5], [1, 2, 3], [4, 5, 2], [3, 6, 4], [5, 0.5, 1.0]]),),
     ),
-    right=_ways,
+    right=_paths,
     same=operator.eq,
-    ask=_ways_in,
+    ask=_paths_in,
     through="KdTree",
 )

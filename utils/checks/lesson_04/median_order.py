@@ -23,16 +23,16 @@ from utils.checks.lesson_04.trees import few_points
 from utils.checks.run_cache import once
 from utils.geometry import grown, in_turn, places_of
 
-_IS_SHORT = (
+_SHORT_HINT = (
     "All rows before the median and all rows after it wait as parts, and each part that waits has "
     "its turn: one without rows is skipped, and ends nothing."
 )
-# Of 7 and 15 points every part has one in the middle.
-_SEVEN = frozen(distinct(np.random.default_rng(51), 7, 2))
+# With 7 or 15 points every part has a single middle point.
+_SEVEN_POINTS = frozen(distinct(np.random.default_rng(51), 7, 2))
 
 
 def as_order(answer: object, n: int) -> np.ndarray:
-    """An answer as a permutation of range(n).
+    """Convert an answer to a permutation of range(n).
 
     Returns
     -------
@@ -47,17 +47,19 @@ def as_order(answer: object, n: int) -> np.ndarray:
             yours=brief(order),
             expected=f"the numbers 0 to {n - 1}",
         )
-    strange = [row for row in order.tolist() if not 0 <= row < n]
+    invalid = [row for row in order.tolist() if not 0 <= row < n]
     missing = [row for row in range(n) if row not in set(order.tolist())]
-    if strange or missing or len(order) != n:
-        odd = f"{strange[0]} is no row number" if strange else "some rows are there more than once"
-        text = f"row {missing[0]} is missing" if missing else odd
-        is_short = not strange and len(order) == n - len(missing)
+    if invalid or missing or len(order) != n:
+        problem = (
+            f"{invalid[0]} is no row number" if invalid else "some rows are there more than once"
+        )
+        text = f"row {missing[0]} is missing" if missing else problem
+        is_short = not invalid and len(order) == n - len(missing)
         raise CheckFailed(
             fixed("Each row number from 0 to n - 1 must occur exactly once; ") + f"{text}.",
             yours=brief(order),
             expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
-            hint=_IS_SHORT if is_short else "",
+            hint=_SHORT_HINT if is_short else "",
         )
     return order
 
@@ -68,7 +70,7 @@ def _order_of(answer: object, points: np.ndarray) -> np.ndarray:
 
 
 def assert_shallow(answer: object, points: np.ndarray) -> None:
-    """Inserting points in this order gives a tree of the least depth.
+    """Assert that inserting points in this order gives a tree of the least depth.
 
     Parameters
     ----------
@@ -85,12 +87,12 @@ def assert_shallow(answer: object, points: np.ndarray) -> None:
             given=few_points(points),
             yours=f"depth {depth}",
             expected=f"depth {least}",
-            draw=_tree_of(order, points),
+            draw=_draw_tree(order, points),
         )
 
 
 def assert_lower_medians(answer: object, points: np.ndarray) -> None:
-    """In every part of the tree the lower median along its axis stands on top.
+    """Assert that the lower median along its axis comes first in every part.
 
     Parameters
     ----------
@@ -98,39 +100,53 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
     points : numpy.ndarray, shape (n, 2) or (n, 3)
     """
     order = _order_of(answer, points)
-    odd = next(_not_on_top(points, order), None)
-    if odd is None:
+    wrong_part = next(_wrong_parts(points, order), None)
+    if wrong_part is None:
         return
-    values, depth, axis, median = odd
+    values, depth, axis, median = wrong_part
     letter = "xyz"[axis]
-    first = "The first point of the order"
+    point = "The first point of the order"
     if depth:
-        first = f"In a part at depth {depth}, the point that comes first"
+        point = f"In a part at depth {depth}, the point that comes first"
     raise CheckFailed(
-        f"{first} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
+        f"{point} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
         f"along {letter}.",
-        given=f"{letter} of these points, sorted: {_values(np.sort(values))}",
+        given=f"{letter} of these points, sorted: {_list_text(np.sort(values))}",
         yours=f"{letter} = {values[0]:g}",
         expected=f"{letter} = {median:g}",
-        draw=_tree_of(order, points),
+        draw=_draw_tree(order, points),
     )
 
 
-def _not_on_top(
+def _wrong_parts(
     points: np.ndarray,
     order: np.ndarray,
     axis_at: Callable[[int, int], int] = in_turn,
     place: Callable[[int], int] = lambda m: (m - 1) // 2,
     deeper: tuple[int, int] = (1, 1),
 ) -> Iterator[tuple]:
-    """Each part whose first point is not the one at a place (of how many) along an axis.
+    """Yield every part whose first point is not the expected one.
 
-    As its coordinates along the axis in the order of the rows, depth, axis, and the coordinate
-    that should come first. `deeper` says by how much the depth grows for the smaller ones and for
-    the others.
+    Parameters
+    ----------
+    points : numpy.ndarray, shape (n, k)
+    order : numpy.ndarray of int, shape (n,)
+    axis_at : callable
+        Takes a depth and the number of coordinates; returns the axis.
+    place : callable
+        Takes the number of points in a part; returns the place of the expected one among them,
+        sorted along the axis.
+    deeper : tuple of int
+        Growth of the depth for the smaller points and for the others.
+
+    Yields
+    ------
+    tuple
+        The coordinates of the part along the axis in the order of the rows, its depth, the axis,
+        and the coordinate that should come first.
     """
-    waiting = [(order, 0)] if len(order) else []
-    for rows, depth in waiting:  # grows while it is walked
+    pending = [(order, 0)] if len(order) else []
+    for rows, depth in pending:  # the list grows inside the loop
         axis = axis_at(depth, points.shape[1])
         values = np.asarray(points, dtype=float)[rows, axis]
         wanted = np.sort(values)[place(len(values))]
@@ -138,13 +154,13 @@ def _not_on_top(
             yield values, depth, axis, wanted
         smaller = values[1:] < values[0]
         parts = rows[1:][smaller], rows[1:][~smaller]
-        waiting += [
-            (part, depth + more) for part, more in zip(parts, deeper, strict=True) if len(part)
+        pending += [
+            (part, depth + growth) for part, growth in zip(parts, deeper, strict=True) if len(part)
         ]
 
 
-# The right turns, and others that leave halves as they are.
-_TURNS = (
+# The right sequence of axes, and wrong ones along which a function may still halve every part.
+_AXIS_RULES = (
     in_turn,
     lambda depth, k: 0,
     lambda depth, k: 1,
@@ -154,7 +170,7 @@ _TURNS = (
 
 
 def assert_halves(answer: object, points: np.ndarray) -> None:
-    """The lower median is on top of every part, if perhaps along other axes than it should be.
+    """Assert that the lower median comes first in every part, along any sequence of axes.
 
     Parameters
     ----------
@@ -162,15 +178,15 @@ def assert_halves(answer: object, points: np.ndarray) -> None:
     points : numpy.ndarray, shape (n, 2) or (n, 3)
     """
     order = _order_of(answer, points)
-    if all(next(_not_on_top(points, order, turns), None) for turns in _TURNS):
+    if all(next(_wrong_parts(points, order, axis_at), None) for axis_at in _AXIS_RULES):
         assert_lower_medians(order, points)
 
 
-def _values(values: np.ndarray) -> str:
+def _list_text(values: np.ndarray) -> str:
     return ", ".join(f"{value:g}" for value in values[:8]) + ", ..." * (len(values) > 8)
 
 
-def _tree_of(order: np.ndarray, points: np.ndarray) -> Callable:
+def _draw_tree(order: np.ndarray, points: np.ndarray) -> Callable:
     root = grown(points[order], order.tolist())
     return lambda: utils.plots.kd_tree(root, title="The tree of your order")
 
@@ -178,13 +194,13 @@ def _tree_of(order: np.ndarray, points: np.ndarray) -> Callable:
 @once
 def _assert_medians(median_order: Callable) -> None:
     with needs("the median of x, then of y comes first in every part"):
-        assert_lower_medians(median_order(_SEVEN.copy()), _SEVEN)
+        assert_lower_medians(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
 @once
 def _assert_halves(median_order: Callable) -> None:
     with needs("the median comes first in every part"):
-        assert_halves(median_order(_SEVEN.copy()), _SEVEN)
+        assert_halves(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
 @visible(
@@ -196,7 +212,7 @@ def _assert_halves(median_order: Callable) -> None:
     "row numbers. The median goes into the order, and into neither of the two parts that wait.",
 )
 def names_every_row(median_order: Callable) -> None:
-    for points in (QUIZ[:5], _SEVEN):
+    for points in (QUIZ[:5], _SEVEN_POINTS):
         as_order(median_order(points.copy()), len(points))
 
 
@@ -208,13 +224,13 @@ def names_every_row(median_order: Callable) -> None:
     hint="Sort the rows by x. Of m rows, the one in the middle stands at place (m - 1) // 2.",
 )
 def starts_with_the_median(median_order: Callable) -> None:
-    for points in (QUIZ[[5, 0, 8]], QUIZ[:3], QUIZ[[6, 9, 1, 7, 3]], _SEVEN):
+    for points in (QUIZ[[5, 0, 8]], QUIZ[:3], QUIZ[[6, 9, 1, 7, 3]], _SEVEN_POINTS):
         order = _order_of(median_order(points.copy()), points)
         x, median = points[order[0], 0], np.median(points[:, 0])
         if x != median:
             raise CheckFailed(
                 "The first point of the order is not the median along x.",
-                given=f"x of the {len(points)} points, sorted: {_values(np.sort(points[:, 0]))}",
+                given=f"x of the {len(points)} points, sorted: {_list_text(np.sort(points[:, 0]))}",
                 yours=f"x = {x:g}",
                 expected=f"x = {median:g}",
             )
@@ -327,7 +343,7 @@ common_checks.untouched(
         __name__,
         "median_order",
         {"points": QUIZ},
-        expected=None,  # `assert_halves` reckons it
+        expected=None,  # `assert_halves` computes it
         look=lambda answer, points, _: assert_halves(answer, points),
         basic=_assert_halves,
     ),
@@ -337,22 +353,22 @@ common_checks.untouched(
 )
 
 
-def _each_on_top(**rule: Callable) -> Callable:
-    """Whether an order has in every part the point on top that a rule names."""
-    return lambda *_: lambda points, order: next(_not_on_top(points, order, **rule), None) is None
+def _begins_every_part(**rule: Callable) -> Callable:
+    """Return a prediction: every part of the order begins with the point that a rule names."""
+    return lambda *_: lambda points, order: next(_wrong_parts(points, order, **rule), None) is None
 
 
-def _halves_before_and_after(points: np.ndarray, order: np.ndarray) -> bool:
-    """Whether the median stands between its two parts, again and again."""
-    waiting = [(order, 0)]
-    for rows, depth in waiting:  # grows while it is walked
+def _median_between_parts(points: np.ndarray, order: np.ndarray) -> bool:
+    """Return whether the median is between its two parts, in every part."""
+    pending = [(order, 0)]
+    for rows, depth in pending:  # the list grows inside the loop
         middle = (len(rows) - 1) // 2
         values = points[rows, depth % points.shape[1]]
         before, after = values[:middle], values[middle + 1 :]
         if not (before < values[middle]).all() or not (after > values[middle]).all():
             return False
         parts = rows[:middle], rows[middle + 1 :]
-        waiting += [(part, depth + 1) for part in parts if len(part)]
+        pending += [(part, depth + 1) for part in parts if len(part)]
     return True
 
 
@@ -360,46 +376,46 @@ mistakes(
     "median_order",
     Mistake(
         "Of two points in the middle, the upper one comes first.",
-        _each_on_top(place=lambda m: m // 2),
+        _begins_every_part(place=lambda m: m // 2),
         "The lower one stands at place (number of rows - 1) // 2 of the rows from the smallest to "
         "the largest.",
     ),
     Mistake(
         "x decides in every part: the axis does not change from level to level.",
-        _each_on_top(axis_at=lambda depth, k: 0),
+        _begins_every_part(axis_at=lambda depth, k: 0),
         "The axis is depth % points.shape[1], and a part's parts have depth + 1.",
     ),
     Mistake(
         "The turns begin with y.",
-        _each_on_top(axis_at=lambda depth, k: (depth + 1) % k),
+        _begins_every_part(axis_at=lambda depth, k: (depth + 1) % k),
         "The first part has depth 0: x.",
     ),
     Mistake(
         "x and y take turns and z is left out: 2 is written where points.shape[1] is needed.",
-        _each_on_top(axis_at=lambda depth, k: depth % 2),
+        _begins_every_part(axis_at=lambda depth, k: depth % 2),
     ),
     Mistake(
         "The rows before a median are sorted along the axis of the median itself: their depth "
         "does not grow.",
-        _each_on_top(deeper=(0, 1)),
+        _begins_every_part(deeper=(0, 1)),
         "Both parts wait with depth + 1.",
     ),
     Mistake(
         "The rows after a median are sorted along the axis of the median itself: their depth does "
         "not grow.",
-        _each_on_top(deeper=(1, 0)),
+        _begins_every_part(deeper=(1, 0)),
         "Both parts wait with depth + 1.",
     ),
     Mistake(
         "The rows are sorted by x, and that is all.",
-        _each_on_top(axis_at=lambda depth, k: 0, place=lambda m: 0),
+        _begins_every_part(axis_at=lambda depth, k: 0, place=lambda m: 0),
         "A sorted order makes a tree that is a list. Take the median first, then go on with each "
         "half.",
         is_cheap=True,
     ),
     Mistake(
         "The rows are sorted by x, the largest first.",
-        _each_on_top(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
+        _begins_every_part(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
         "The median is the one in the middle, not the largest.",
     ),
     Mistake(
@@ -409,12 +425,12 @@ mistakes(
     ),
     Mistake(
         "Each median stands between its two parts; it should come before both.",
-        lambda *_: _halves_before_and_after,
+        lambda *_: _median_between_parts,
         "What comes first is on top: [median] + smaller ones + others.",
     ),
     Mistake(
         "Each median stands after its two parts; it should come before both.",
-        lambda *_: lambda points, order: next(_not_on_top(points, order[::-1]), None) is None,
+        lambda *_: lambda points, order: next(_wrong_parts(points, order[::-1]), None) is None,
         "What comes first is on top: [median] + smaller ones + others.",
     ),
     cases=tuple(

@@ -29,10 +29,10 @@ from utils.checks.lesson_04.trees import planted
 from utils.checks.run_cache import once
 from utils.geometry import SIDES, Node, grown, in_turn, places_of
 
-# How far from the target each node cuts: from a tree far larger than the circle down to a tenth.
-_FROM_AFAR = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
-# Any two of them are a quarter of a metre apart along x, and along y.
-_SPREAD = frozen(4 * distinct(np.random.default_rng(46), 11, 2))
+# Distances from the target at which nodes cut, from 8 times the radius of the circle to a tenth.
+_SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
+# Any two of these points are at least a quarter of a metre apart along x and along y.
+_SCATTERED_POINTS = frozen(4 * distinct(np.random.default_rng(46), 11, 2))
 
 
 @once
@@ -50,9 +50,9 @@ def _assert_at_target(KdTree: Callable) -> None:
     "and decide for each side whether to go on there.",
 )
 def finds_the_target(KdTree: Callable) -> None:
-    root = grown(_SPREAD)
+    root = grown(_SCATTERED_POINTS)
     tree = planted(KdTree, root)
-    for point in _SPREAD:
+    for point in _SCATTERED_POINTS:
         assert_found(tree, root, point + [0.03, -0.02], 0.1)
 
 
@@ -66,7 +66,7 @@ def finds_the_target(KdTree: Callable) -> None:
     "below the split? Does it reach the split or beyond it?",
 )
 def looks_on_both_sides(KdTree: Callable) -> None:
-    # The root is far away, and its cut goes between two neighbours.
+    # The root is far from the target, but its cut is between two neighbours of the target.
     root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
         assert_found(planted(KdTree, root), root, np.array([x, 0.0]), 1.0)
@@ -147,7 +147,7 @@ def reaches_the_split(KdTree: Callable) -> None:
     hint="The axis is depth % len(target), as in insert.",
 )
 def searches_space(KdTree: Callable) -> None:
-    points = nested(np.random.default_rng(5), _FROM_AFAR, 3, off_the_corners)
+    points = nested(np.random.default_rng(5), _SIZES, 3, off_the_corners)
     root = grown(points)
     assert_found(planted(KdTree, root), root, np.zeros(3), 1.0)
 
@@ -197,17 +197,17 @@ def takes_an_empty_tree(KdTree: Callable) -> None:
 def names_each_once(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     yours = as_indices(planted(KdTree, balanced()).search(np.array([-6.0, 7.0]), 3.0))
-    twice = sorted({index for index in yours if yours.count(index) > 1})
-    if twice:
+    repeated = sorted({index for index in yours if yours.count(index) > 1})
+    if repeated:
         raise CheckFailed(
-            f"Index {twice[0]} is there {yours.count(twice[0])} times.",
+            f"Index {repeated[0]} is there {yours.count(repeated[0])} times.",
             given="target (-6, 7), tolerance 3",
-            yours=_listed(yours),
+            yours=_indices_text(yours),
             expected="each index once",
         )
 
 
-def _listed(indices: list[int]) -> str:
+def _indices_text(indices: list[int]) -> str:
     return f"{indices}" if len(indices) <= 12 else f"{len(indices)} indices"
 
 
@@ -253,10 +253,18 @@ def searches_deep_trees(KdTree: Callable) -> None:
 
 
 class _Split(NamedTuple):
-    """A node on the way to another one, as a search sees it.
+    """A node on the path to another node, as a search sees it.
 
-    low, at and high are where the box begins, where the target is and where the box ends along
-    the axis of the split; is_left is the side of the other one.
+    Attributes
+    ----------
+    low, at, high : float
+        Start of the box, target and end of the box along the axis of the split.
+    split : float
+        Coordinate of the node along this axis.
+    is_near : bool
+        Whether the point of the node is within the tolerance of the target.
+    is_left : bool
+        Whether the other node is on the left.
     """
 
     low: float
@@ -267,7 +275,7 @@ class _Split(NamedTuple):
     is_left: bool
 
 
-def _entered(
+def _visited(
     points: np.ndarray,
     target: np.ndarray,
     tolerance: float,
@@ -275,15 +283,17 @@ def _entered(
     axis_at: Callable[[int, int], int] = in_turn,
     depth_of: Callable[[str], int] = len,
 ) -> set[int]:
-    """Indices of the nodes to which a rule lets a search come, whatever it thinks of them."""
+    """Return the indices of the nodes that a search with this rule visits, near or not."""
     places = places_of(grown(points))
 
-    def passes(way: str, depth: int) -> bool:
-        axis = axis_at(depth_of(way[:depth]), len(target))
-        return rule(_split(places[way[:depth]], axis, way[depth] == "l", target, tolerance))
+    def passes(path: str, depth: int) -> bool:
+        axis = axis_at(depth_of(path[:depth]), len(target))
+        return rule(_split(places[path[:depth]], axis, path[depth] == "l", target, tolerance))
 
     return {
-        places[way].index for way in places if all(passes(way, depth) for depth in range(len(way)))
+        places[path].index
+        for path in places
+        if all(passes(path, depth) for depth in range(len(path)))
     }
 
 
@@ -292,50 +302,54 @@ def _split(node: Node, axis: int, is_left: bool, target: np.ndarray, tolerance: 
     return _Split(at - tolerance, at, at + tolerance, node.point[axis], is_near, is_left)
 
 
-def _reached(one: _Split) -> bool:
-    """Whether the box lies on that side, or in part."""
-    return one.low < one.split if one.is_left else one.high >= one.split
+def _reaches(node: _Split) -> bool:
+    """Return whether at least a part of the box is on that side."""
+    return node.low < node.split if node.is_left else node.high >= node.split
 
 
-def _limited(rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len) -> Callable:
-    """What is found of the right points where the search goes by a rule of its own."""
+def _visits_by(rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len) -> Callable:
+    """Return a prediction: the right points that a search with this rule visits."""
     return lambda right, points, target, tolerance: (
-        right & _entered(points, target, tolerance, rule, axis_at, depth_of)
+        right & _visited(points, target, tolerance, rule, axis_at, depth_of)
     )
 
 
-def _until_empty(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
-    """What is found, level by level, before the search comes to a place without a node."""
-    places, seen, waiting = places_of(grown(points)), set(), [""]
-    for way in waiting:  # grows while it is walked
-        if way not in places:
+def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
+    """Predict the points found level by level before the first place without a node."""
+    places, found, pending = places_of(grown(points)), set(), [""]
+    for path in pending:  # the list grows inside the loop
+        if path not in places:
             break
-        node, axis = places[way], in_turn(len(way), len(target))
-        seen.add(node.index)
-        waiting += [
-            way + letter
+        node, axis = places[path], in_turn(len(path), len(target))
+        found.add(node.index)
+        pending += [
+            path + letter
             for letter in SIDES
-            if _reached(_split(node, axis, letter == "l", target, tolerance))
+            if _reaches(_split(node, axis, letter == "l", target, tolerance))
         ]
-    return right & seen
+    return right & found
 
 
-# What leads along one path: an `else`; or, where the last place that waits is taken first, an end
-# at the first place without a node.
+# Either of two slips leads along a single path: an `else`, or an end at the first place without a
+# node in a search that takes the newest place first.
 _ONE_PATH = (
     "Write two ifs, one for each child, and no `else` or `elif`. Where no node is, `continue` "
     "with the next place: `break` and `return` end the whole search."
 )
 
 
-def _measured(is_near: Callable) -> Callable:
-    """What is found where nearness is another: of a step (k,), the tolerance and the depth."""
+def _judged_by(is_near: Callable) -> Callable:
+    """Return the prediction of a search that decides with `is_near` which points are near.
+
+    `is_near` takes the absolute differences from the target, shape (k,), the tolerance and the
+    depth.
+    """
 
     def predict(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
-        depths = {node.index: len(way) for way, node in places_of(grown(points)).items()}
+        depths = {node.index: len(path) for path, node in places_of(grown(points)).items()}
         return {
             index
-            for index in _entered(points, target, tolerance, _reached)
+            for index in _visited(points, target, tolerance, _reaches)
             if is_near(np.abs(points[index] - target), tolerance, depths[index])
         }
 
@@ -349,8 +363,8 @@ def _same_indices(answer: object, predicted: set[int]) -> bool:
         return False
 
 
-def _scattered(seed: int, k: int) -> np.ndarray:
-    """Points with whole-numbered coordinates, many of them equal and many on the rim."""
+def _grid_points(seed: int, k: int) -> np.ndarray:
+    """Return points with whole-numbered coordinates, many of them equal and many on the rim."""
     return np.random.default_rng(seed).integers(-3, 4, (24, k)).astype(float)
 
 
@@ -358,136 +372,136 @@ mistakes(
     "search",
     Mistake(
         "Only the side on which the target itself lies is searched.",
-        _limited(lambda one: (one.at < one.split) == one.is_left),
+        _visits_by(lambda node: (node.at < node.split) == node.is_left),
         "Where the circle crosses the split, both sides must be: two ifs, no else.",
     ),
     Mistake(
         "The search follows a single path: where the box reaches both sides, only the left one is "
         "searched.",
-        _limited(lambda one: (one.low < one.split) == one.is_left),
+        _visits_by(lambda node: (node.low < node.split) == node.is_left),
         _ONE_PATH,
     ),
     Mistake(
         "The search follows a single path: where the box reaches both sides, only the right one "
         "is searched.",
-        _limited(lambda one: (one.high >= one.split) != one.is_left),
+        _visits_by(lambda node: (node.high >= node.split) != node.is_left),
         _ONE_PATH,
     ),
     Mistake(
         "The search ends at the first empty place that it comes to, though others still wait.",
-        _until_empty,
+        _until_first_gap,
         "`break` and `return` end the whole search; `continue` takes the next place.",
     ),
     Mistake(
         "The right side is asked only where the left one was taken.",
-        _limited(lambda one: _reached(one) and (one.is_left or one.low < one.split)),
+        _visits_by(lambda node: _reaches(node) and (node.is_left or node.low < node.split)),
         "Is the second `if` indented under the first? Both belong on the same level.",
     ),
     Mistake(
         "The left side is asked only where the right one was taken.",
-        _limited(lambda one: _reached(one) and (not one.is_left or one.high >= one.split)),
+        _visits_by(lambda node: _reaches(node) and (not node.is_left or node.high >= node.split)),
         "Is the second `if` indented under the first? Both belong on the same level.",
     ),
     Mistake(
         "The depth stays as it is on the way to a left child: it cuts along the same axis as its "
         "parent.",
-        _limited(_reached, depth_of=lambda way: way.count("r")),
+        _visits_by(_reaches, depth_of=lambda path: path.count("r")),
         "Both children wait with depth + 1.",
     ),
     Mistake(
         "The depth stays as it is on the way to a right child: it cuts along the same axis as its "
         "parent.",
-        _limited(_reached, depth_of=lambda way: way.count("l")),
+        _visits_by(_reaches, depth_of=lambda path: path.count("l")),
         "Both children wait with depth + 1.",
     ),
     Mistake(
         "The ends of the box are swapped: plus stands where minus is asked for, so that a side is "
         "searched only where the whole box lies on it.",
-        _limited(lambda one: one.high < one.split if one.is_left else one.low >= one.split),
+        _visits_by(lambda node: node.high < node.split if node.is_left else node.low >= node.split),
         "The box begins at target[axis] - tolerance, which decides about the left child; it ends "
         "at target[axis] + tolerance.",
     ),
     Mistake(
         "The sides are swapped: what decides about the left child is asked for the right one, and "
         "the other way round.",
-        _limited(lambda one: _reached(one._replace(is_left=not one.is_left))),
+        _visits_by(lambda node: _reaches(node._replace(is_left=not node.is_left))),
         "Smaller coordinates stand on the left: go there when the box begins below the split.",
     ),
     Mistake(
         "`>` stands where `>=` is asked for: where the box ends exactly at the split, the right "
         "side is left out.",
-        _limited(lambda one: _reached(one) and (one.is_left or one.high > one.split)),
+        _visits_by(lambda node: _reaches(node) and (node.is_left or node.high > node.split)),
         "What stands at the split itself stands on the right.",
     ),
     Mistake(
         "Both sides are searched below nodes that are near, and only the target's own side below "
         "all others.",
-        _limited(lambda one: one.is_near or (one.at < one.split) == one.is_left),
+        _visits_by(lambda node: node.is_near or (node.at < node.split) == node.is_left),
         "Whether the node is near says nothing about its sides: ask whether the box reaches them.",
     ),
     Mistake(
         "The search ends at each node that is not near: nothing below it is looked at.",
-        _limited(lambda one: one.is_near and _reached(one)),
+        _visits_by(lambda node: node.is_near and _reaches(node)),
         "A node may be far and have neighbours of the target below it: ask about its sides in any "
         "case.",
     ),
     Mistake(
         "The tolerance is left out on the left: only what the target itself is below is searched.",
-        _limited(lambda one: _reached(one) and (not one.is_left or one.at < one.split)),
+        _visits_by(lambda node: _reaches(node) and (not node.is_left or node.at < node.split)),
         "The box begins at target[axis] - tolerance.",
     ),
     Mistake(
         "The tolerance is left out on the right: only what the target itself is beyond is "
         "searched.",
-        _limited(lambda one: _reached(one) and (one.is_left or one.at >= one.split)),
+        _visits_by(lambda node: _reaches(node) and (node.is_left or node.at >= node.split)),
         "The box ends at target[axis] + tolerance.",
     ),
     Mistake(
         "x and y take turns and z is never compared: 2 is written where len(target) is needed.",
-        _limited(_reached, lambda depth, k: depth % 2),
+        _visits_by(_reaches, lambda depth, k: depth % 2),
     ),
     Mistake(
         "x is compared at every level: the axis does not change on the way down.",
-        _limited(_reached, lambda depth, k: 0),
+        _visits_by(_reaches, lambda depth, k: 0),
         "The axis is depth % len(target), and a child waits with depth + 1.",
     ),
     Mistake(
         "The turns begin with y: the root is treated as if it had depth 1.",
-        _limited(_reached, lambda depth, k: (depth + 1) % k),
+        _visits_by(_reaches, lambda depth, k: (depth + 1) % k),
         "The root has depth 0.",
     ),
     Mistake(
         "`<` stands where `<=` is asked for: a point at exactly the tolerance is not found.",
-        _measured(lambda step, tolerance, depth: np.linalg.norm(step) < tolerance),
+        _judged_by(lambda step, tolerance, depth: np.linalg.norm(step) < tolerance),
     ),
     Mistake(
         "The box decides, not the circle: points in its corners are found, too.",
-        _measured(lambda step, tolerance, depth: step.max() <= tolerance),
+        _judged_by(lambda step, tolerance, depth: step.max() <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     Mistake(
         "The square of the distance is compared with the tolerance itself.",
-        _measured(lambda step, tolerance, depth: step @ step <= tolerance),
+        _judged_by(lambda step, tolerance, depth: step @ step <= tolerance),
         "Take the square root of the sum of squares, or math.dist.",
     ),
     Mistake(
         "One coordinate decides whether a point is near, the one that its node cuts.",
-        _measured(lambda step, tolerance, depth: step[depth % len(step)] <= tolerance),
+        _judged_by(lambda step, tolerance, depth: step[depth % len(step)] <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     Mistake(
         "Every node that the search comes to is found, whatever its distance.",
-        _measured(lambda step, tolerance, depth: True),
+        _judged_by(lambda step, tolerance, depth: True),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     cases=(
-        (_scattered(13, 2), np.zeros(2), 2.0),
-        (_scattered(12, 2), np.zeros(2), 3.0),
-        (_scattered(13, 3), np.zeros(3), 2.0),
-        (_scattered(52, 3), np.zeros(3), 3.0),
-        (_scattered(49, 2), np.full(2, 2.0), 1.0),
-        (_scattered(62, 2), np.zeros(2), 2.0),
-        (_scattered(64, 2), np.zeros(2), 2.0),
+        (_grid_points(13, 2), np.zeros(2), 2.0),
+        (_grid_points(12, 2), np.zeros(2), 3.0),
+        (_grid_points(13, 3), np.zeros(3), 2.0),
+        (_grid_points(52, 3), np.zeros(3), 3.0),
+        (_grid_points(49, 2), np.full(2, 2.0), 1.0),
+        (_grid_points(62, 2), np.zeros(2), 2.0),
+        (_grid_points(64, 2), np.zeros(2), 2.0),
     ),
     right=lambda points, target, tolerance: {
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance

@@ -1,4 +1,4 @@
-"""What a search must find, and what it must leave alone."""
+"""Assertions about a search: the points that it finds and the regions that it skips."""
 
 import copy
 import math
@@ -13,7 +13,7 @@ from utils.geometry import Node, table_of
 
 
 def as_indices(answer: object) -> list[int]:
-    """What a search returned as a sorted list of whole numbers."""
+    """Convert the answer of a search to a sorted list of whole numbers."""
     array = as_array(list(answer) if isinstance(answer, set) else answer, what="a list of indices")
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise WrongForm(
@@ -27,63 +27,71 @@ def as_indices(answer: object) -> list[int]:
 def assert_found(
     tree: object, root: Node | None, target: Sequence[float], tolerance: float
 ) -> None:
-    """A search finds exactly the points of a right tree that lie within the tolerance.
+    """Assert that a search finds exactly the points of a right tree within the tolerance.
 
     Parameters
     ----------
     tree : object
-        Of the student's class, with the nodes of the right tree.
+        Instance of the student's class, with the nodes of the right tree.
     root : node or None
         The right tree.
     target : sequence of float
     tolerance : float
     """
     points, _, _, indices = table_of(root)
-    where = dict(zip(indices, points, strict=True))
-    expected = {index for index in where if math.dist(where[index], target) <= tolerance}
+    points_by_index = dict(zip(indices, points, strict=True))
+    expected = {
+        index for index in points_by_index if math.dist(points_by_index[index], target) <= tolerance
+    }
     yours = set(as_indices(tree.search(copy.copy(target), tolerance)))
     if yours == expected:
         return
     missing, extra = sorted(expected - yours), sorted(yours - expected)
-    unknown = [index for index in extra if index not in where]
+    unknown = [index for index in extra if index not in points_by_index]
     parts = []
     if missing:
-        parts.append(f"Not found: {_first(missing, where, target)}")
+        parts.append(f"Not found: {_first_text(missing, points_by_index, target)}")
     if unknown:
         parts.append(f"Found: index {unknown[0]}, which the tree does not hold")
     elif extra:
-        parts.append(f"Found, but farther than {tolerance:g}: {_first(extra, where, target)}")
+        parts.append(
+            f"Found, but farther than {tolerance:g}: {_first_text(extra, points_by_index, target)}"
+        )
     raise CheckFailed(
         f"{'. '.join(parts)}.",
         given=f"target {exact_text(target)}, tolerance {tolerance:g}",
-        yours=_indices(yours),
-        expected=_indices(expected),
-        draw=_drawn(root, target, tolerance, yours & set(where), "What your search found"),
+        yours=_indices_text(yours),
+        expected=_indices_text(expected),
+        draw=_drawing(
+            root, target, tolerance, yours & set(points_by_index), "What your search found"
+        ),
     )
 
 
-def _first(indices: list[int], where: dict[int, list[float]], target: Sequence[float]) -> str:
-    one = indices[0]
+def _first_text(indices: list[int], points: dict[int, list[float]], target: Sequence[float]) -> str:
+    index = indices[0]
     text = f"{len(indices)} points, for example point " if len(indices) > 1 else "point "
-    return f"{text}{one} at {exact_text(where[one])}, {math.dist(where[one], target):.3g} away"
+    return (
+        f"{text}{index} at {exact_text(points[index])}, {math.dist(points[index], target):.3g} away"
+    )
 
 
-def _indices(found: set[int]) -> str:
+def _indices_text(found: set[int]) -> str:
     return f"{sorted(found)}" if len(found) <= 8 else f"{len(found)} indices"
 
 
-def _drawn(
+def _drawing(
     root: Node | None, target: Sequence[float], tolerance: float, found: set[int], title: str
 ) -> Callable | None:
-    """Draw a search in the plane; in space and without points there is nothing to draw."""
+    """Return a function that draws a search in the plane; None in space or without points."""
     if root is None or len(target) != 2:
         return None
     points, _, _, indices = table_of(root)
     rows = {index: row for row, index in enumerate(sorted(indices))}
-    reach = [np.subtract(target, tolerance), np.add(target, tolerance)]
-    corners = np.vstack([*points, *reach])
-    pad = 0.08 * np.ptp(corners, axis=0).max()
-    limits = np.column_stack([corners.min(axis=0) - pad, corners.max(axis=0) + pad])
+    box = [np.subtract(target, tolerance), np.add(target, tolerance)]
+    corners = np.vstack([*points, *box])
+    margin = 0.08 * np.ptp(corners, axis=0).max()
+    limits = np.column_stack([corners.min(axis=0) - margin, corners.max(axis=0) + margin])
     return lambda: utils.plots.kd_search(
         np.array(points)[np.argsort(indices)],
         root,
@@ -104,9 +112,10 @@ def assert_pruned(
     decoy: int,
     place: Sequence[float],
 ) -> None:
-    """A search leaves a region alone that cannot hold a neighbour, and follows the splits.
+    """Assert that a search follows the splits and skips a region that cannot hold a neighbour.
 
-    Two leaves are moved to where no right tree has them. What else is found is not looked at.
+    Two leaves are moved to places where no right tree has them. Other points that the search finds
+    are ignored.
 
     Parameters
     ----------
@@ -116,13 +125,13 @@ def assert_pruned(
     target : sequence of float
     tolerance : float
     trap : int
-        Index of a leaf in a region beyond the tolerance. It is moved to the target: only a search
-        that looks into the region finds it.
+        Index of a leaf in a region beyond the tolerance. It is moved to the target, so that only a
+        search that enters the region finds it.
     decoy : int
-        Index of the leaf in whose region the target lies. Every search that goes by the splits
-        comes to it; whoever sorts out nodes in wrong places, to compare with the others, does not.
+        Index of the leaf in whose region the target is. Every search that follows the splits finds
+        it. A search that drops nodes in wrong places and compares all others does not.
     place : sequence of float
-        Where it is moved: within the tolerance, and beyond a split.
+        New place of the decoy, within the tolerance and beyond a split.
     """
     _, left, right, indices = table_of(root)
     rows = indices.index(trap), indices.index(decoy)
@@ -136,7 +145,7 @@ def assert_pruned(
             given=f"target {exact_text(target)}, tolerance {tolerance:g}",
             yours=f"asks node {trap}",
             expected="leaves its whole region out",
-            draw=_drawn(root, target, tolerance, {trap}, f"Node {trap} is beyond the box"),
+            draw=_drawing(root, target, tolerance, {trap}, f"Node {trap} is beyond the box"),
         )
     if decoy not in answer:
         raise CheckFailed(
@@ -147,11 +156,12 @@ def assert_pruned(
 
 
 def assert_same_tree(tree: object, points: np.ndarray, indices: list[int]) -> None:
-    """A search left a tree as it was.
+    """Assert that a search did not change a tree.
 
     Parameters
     ----------
     tree : object
+        Instance of the student's class.
     points, indices
         As for `grown`.
     """

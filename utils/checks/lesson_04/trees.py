@@ -1,4 +1,4 @@
-"""A student's tree: planted ready-made, and what must stand where."""
+"""A student's tree: creating it from given nodes, and assertions about the places of points."""
 
 import operator
 from collections.abc import Callable, Sequence
@@ -22,9 +22,9 @@ from utils.checks.size_limits import MOST_OF_A_POINT
 from utils.geometry import SIDES, Node, grown, places_of, table_of
 from utils.remote_objects import Remote, RemoteError, RemoteStopped
 
-# Nodes of a wrong tree that are looked through; it may have no end.
+# Limit on the nodes of a wrong tree that are visited, because the tree may be endless.
 MOST_NODES = 200
-# In the plane and in space: no point twice, many coordinates equal.
+# Points in the plane and in space. No point occurs twice, but many coordinates are equal.
 _SAMPLES = frozen(
     tuple(
         np.random.default_rng(7).permutation(list(np.ndindex((3,) * k)))[:9].astype(float)
@@ -34,28 +34,30 @@ _SAMPLES = frozen(
 
 
 def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> object:
-    """A tree of the student's class with the same nodes as a right one.
+    """Return a tree of the student's class with the same nodes as a right one.
 
-    The class of the lesson is given its nodes ready-made, so that a slip in `insert` does not
-    spoil `search`. One that knows more about a tree than the lesson's inserts them.
+    The class of the lesson gets its nodes ready-made, so that a mistake in `insert` does not affect
+    `search`. A class whose trees store more than the lesson's has its points inserted.
 
     Parameters
     ----------
     KdTree : callable
+        The student's class.
     root : node or None
+        A right tree.
     as_lists : bool
-        Whether points are lists and not arrays.
+        Whether points are lists instead of arrays.
 
     Returns
     -------
     object
-        Of the student's class.
+        Instance of the student's class.
     """
     tree = KdTree()
     points, left, right, indices = table_of(root)
     points = points if as_lists else np.array(points)
     plant = method_of(tree, "plant")
-    if plant and _is_planted(KdTree):
+    if plant and _uses_plant(KdTree):
         plant(points, left, right, indices)
         return tree
     call_each(tree.insert, zip(points, indices, strict=True))
@@ -63,29 +65,35 @@ def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> obje
 
 
 def planted_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]]) -> object:
-    """A tree of the student's class with some points where no right tree has them.
+    """Return a tree of the student's class with some points where no right tree has them.
 
     Parameters
     ----------
     KdTree : callable
+        The student's class.
     root : node
         A right tree.
     places : dict of int to sequence of float
-        By index, the points that some of its nodes have instead of their own.
+        New points of some nodes, keyed by the index of the node.
 
     Returns
     -------
     object
-        Of the student's class.
+        Instance of the student's class.
+
+    Raises
+    ------
+    CheckFailed
+        If the class cannot build such a tree.
     """
     tree = KdTree()
     points, left, right, indices = table_of(root)
     plant = method_of(tree, "plant")
-    if not plant or not _is_planted(KdTree):
+    if not plant or not _uses_plant(KdTree):
         tree = planted(KdTree, root)
         with needs("every point is where it belongs"):
             assert_tree(tree, points, indices)
-        if _are_moved(tree, root, places):
+        if _move_points(tree, root, places):
             return tree
         if not plant:
             raise CheckFailed(
@@ -100,28 +108,28 @@ def planted_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]
     return tree
 
 
-def _are_moved(tree: object, root: Node, places: dict[int, Sequence[float]]) -> bool:
-    """Give nodes other points; whether that can be done."""
-    for way, node in places_of(root).items():
+def _move_points(tree: object, root: Node, places: dict[int, Sequence[float]]) -> bool:
+    """Set the points of some nodes; return whether the nodes allow it."""
+    for path, node in places_of(root).items():
         if node.index in places:
-            names = ["root", *(SIDES[letter] for letter in way), "__setattr__"]
+            names = ["root", *(SIDES[letter] for letter in path), "__setattr__"]
             try:
                 reach(tree, names)("point", np.array(places[node.index]))
             except Exception as error:
-                if not _is_readable_only(error):
+                if not _is_read_only(error):
                     raise
                 return False
     return True
 
 
-def _is_readable_only(error: Exception) -> bool:
+def _is_read_only(error: Exception) -> bool:
     return not {"AttributeError", "FrozenInstanceError"}.isdisjoint(error_names(error))
 
 
-def _is_planted(KdTree: Callable) -> bool:
-    """Whether trees of a class that can plant are planted, and not inserted node by node."""
+def _uses_plant(KdTree: Callable) -> bool:
+    """Return whether a class with a `plant` method should use it instead of inserting points."""
     try:
-        _assert_knows_more(KdTree)
+        _assert_stores_more(KdTree)
         _assert_inserts(KdTree)
     except CheckFailed:
         return True
@@ -129,48 +137,48 @@ def _is_planted(KdTree: Callable) -> bool:
 
 
 @once
-def _assert_knows_more(KdTree: Callable) -> None:
-    """A tree of one point, or its node, holds more than the lesson's, or is of another kind."""
+def _assert_stores_more(KdTree: Callable) -> None:
+    """Assert that a tree or its node stores more than the lesson's, or is of another class."""
     try:
-        tree, ready = KdTree(), KdTree()
+        tree, ready_made = KdTree(), KdTree()
         tree.insert(np.zeros(2), 0)
-        kind = _kind_of_root(tree)
-        if kind == "NoneType" or type(kind) is not str:
+        root_class = _root_class(tree)
+        if root_class == "NoneType" or type(root_class) is not str:
             raise CheckFailed("Nothing is at the root.")
-        ready.plant(np.zeros((1, 2)), [-1], [-1], [0])
-        same = kind == _kind_of_root(ready)
-        fields = [reach(tree, [*of, "__dict__", "__len__"])() for of in ([], ["root"])]
-    except _of_the_student(KdTree):
+        ready_made.plant(np.zeros((1, 2)), [-1], [-1], [0])
+        same_class = root_class == _root_class(ready_made)
+        field_counts = [reach(tree, [*owner, "__dict__", "__len__"])() for owner in ([], ["root"])]
+    except _student_errors(KdTree):
         return
-    if same and fields == [1, 4]:
+    if same_class and field_counts == [1, 4]:
         raise CheckFailed("A tree knows its root, and a node the four things of the lesson.")
 
 
-def _kind_of_root(tree: object) -> object:
+def _root_class(tree: object) -> object:
     return reach(tree, ["root", "__class__", "__qualname__"])
 
 
 @once
 def _assert_inserts(KdTree: Callable) -> None:
-    """What is inserted stands where it belongs, so that a tree can be made so."""
+    """Assert that inserted points are in their places, so that a tree can be built by inserting."""
     for points in _SAMPLES:
-        indices = list(range(len(points)))[::-1]  # not those of a count
+        indices = list(range(len(points)))[::-1]  # reversed, so that a counter gives other indices
         try:
             tree = KdTree()
             call_each(tree.insert, zip(points.copy(), indices, strict=True))
             assert_tree(tree, points, indices)
             assert_indices(tree, points, indices)
-        except _of_the_student(KdTree):
+        except _student_errors(KdTree):
             raise CheckFailed("Nothing can be inserted.") from None
 
 
-def _of_the_student(KdTree: Callable) -> type[Exception] | tuple[type[Exception], ...]:
-    """What a student's code may raise, or make of its process, when it is asked."""
+def _student_errors(KdTree: Callable) -> type[Exception] | tuple[type[Exception], ...]:
+    """Return the exceptions that a call of the student's code may cause, here or in the sandbox."""
     return (RemoteError, RemoteStopped) if isinstance(KdTree, Remote) else Exception
 
 
 def method_of(tree: object, name: str) -> Callable | None:
-    """A method of a student's object, here or in the sandbox; None where there is none."""
+    """Return a method of a student's object, here or in the sandbox; None if there is none."""
     try:
         return getattr(tree, name)
     except Exception as error:
@@ -180,7 +188,7 @@ def method_of(tree: object, name: str) -> Callable | None:
 
 
 def error_names(error: Exception) -> tuple[str, str]:
-    """What an exception is called, here and in the sandbox, where it is reported."""
+    """Return the name of an exception's class, and the name that the sandbox reported."""
     return type(error).__name__, getattr(error, "type_name", "")
 
 
@@ -190,43 +198,43 @@ def assert_tree(
     indices: Sequence[int] | None = None,
     either_way: bool = False,
 ) -> None:
-    """Points stand where they belong when they arrive one after another; indices do not count.
+    """Assert that points inserted one after another are in their places; indices are ignored.
 
     Parameters
     ----------
     tree : object
-        Of the student's class.
+        Instance of the student's class.
     points, indices
         As for `grown`.
     either_way : bool
-        Whether the sides may be swapped, in all of the tree: for properties that have nothing to
-        do with that.
+        Whether left and right may be swapped in the whole tree, for properties that do not depend
+        on the sides.
     """
-    if either_way and not _odd_in(tree, grown(points, indices, goes_left=operator.gt))[0]:
+    if either_way and not _first_misplaced(tree, grown(points, indices, goes_left=operator.gt))[0]:
         return
     root = grown(points, indices)
-    says, hint = _odd_in(tree, root)
-    if says:
+    message, hint = _first_misplaced(tree, root)
+    if message:
         raise CheckFailed(
-            says[0].upper() + says[1:],
+            message[0].upper() + message[1:],
             given=few_points(points),
             hint=hint,
-            draw=_two_trees(tree, root),
+            draw=_draw_two_trees(tree, root),
         )
 
 
-def _odd_in(tree: object, root: Node | None) -> tuple[str, str]:
-    """The first point in its order of arrival that is not in its place, and a hint, or nothing."""
+def _first_misplaced(tree: object, root: Node | None) -> tuple[str, str]:
+    """Return a message about the first misplaced point to arrive, and a hint; both may be empty."""
     expected = places_of(root)
-    yours = _looked_at(tree, expected)
-    for way in sorted(expected, key=lambda way: expected[way].arrival):
-        if way not in yours or not _same_point(yours[way][0], expected[way]):
-            return _misplaced(tree, way, expected, yours)
-    return _one_too_many(expected, yours)
+    yours = _nodes_by_path(tree, expected)
+    for path in sorted(expected, key=lambda path: expected[path].arrival):
+        if path not in yours or not _same_point(yours[path][0], expected[path]):
+            return _misplaced(tree, path, expected, yours)
+    return _extra_node(expected, yours)
 
 
 def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> None:
-    """Each point has the index that was inserted with it, wherever it stands.
+    """Assert that each point has the index that was inserted with it, in whatever place it is.
 
     Parameters
     ----------
@@ -234,8 +242,8 @@ def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> N
         As for `assert_tree`.
     """
     places = places_of(grown(points, indices))
-    for point, index in _looked_at(tree, places).values():
-        node = next((one for one in places.values() if _same_point(point, one)), None)
+    for point, index in _nodes_by_path(tree, places).values():
+        node = next((other for other in places.values() if _same_point(point, other)), None)
         if node and not _is_number(index, node.index):
             raise CheckFailed(
                 f"The node of the point {exact_text(node.point)} has another index than the one "
@@ -250,14 +258,14 @@ def _is_number(value: object, expected: int) -> bool:
     return isinstance(value, (int, np.integer)) and bool(value == expected)
 
 
-def _looked_at(tree: object, expected: dict[str, Node]) -> dict[str, tuple[np.ndarray, object]]:
-    """Point and index of a student's nodes by the way to them, no farther than it should go."""
-    found, waiting = {}, [("", tree.root)]
-    for way, node in waiting:  # grows while it is walked
+def _nodes_by_path(tree: object, expected: dict[str, Node]) -> dict[str, tuple[np.ndarray, object]]:
+    """Return point and index of a student's nodes by path, to one level below the right tree."""
+    found, pending = {}, [("", tree.root)]
+    for path, node in pending:  # the list grows inside the loop
         if node is None:
             continue
         point, index, left, right = (
-            _attribute(node, name, way, expected) for name in ("point", "index", "left", "right")
+            _attribute(node, name, path, expected) for name in ("point", "index", "left", "right")
         )
         point = as_array(point, what="a point", most=MOST_OF_A_POINT)
         if point.ndim == 0 and np.ndim(index) == 1:
@@ -268,20 +276,20 @@ def _looked_at(tree: object, expected: dict[str, Node]) -> dict[str, tuple[np.nd
                 expected="Node(point, index): the point comes first",
             )
         point = point.ravel()
-        found[way] = (point, index)
-        if way in expected:
-            waiting += [(way + "l", left), (way + "r", right)]
+        found[path] = (point, index)
+        if path in expected:
+            pending += [(path + "l", left), (path + "r", right)]
     return found
 
 
-def _attribute(node: object, name: str, way: str, expected: dict[str, Node]) -> object:
+def _attribute(node: object, name: str, path: str, expected: dict[str, Node]) -> object:
     try:
         return getattr(node, name)
     except Exception as error:
         if "AttributeError" not in error_names(error):
             raise
         raise WrongForm(
-            f"What stands {_place(way, expected)} has no attribute {name!r}: hang a Node into "
+            f"What stands {_place(path, expected)} has no attribute {name!r}: hang a Node into "
             "the tree, as given in the lesson.",
             yours=brief(node),
         ) from None
@@ -293,77 +301,84 @@ def _same_point(point: np.ndarray, node: Node) -> bool:
     )
 
 
-def _misplaced(tree: object, way: str, expected: dict, yours: dict) -> tuple[str, str]:
-    """What became of a point that does not stand where it belongs, and a hint, or nothing."""
-    node = expected[way]
+def _misplaced(tree: object, path: str, expected: dict, yours: dict) -> tuple[str, str]:
+    """Return a message about a point that is not in its place, and a hint, which may be empty."""
+    node = expected[path]
     if not yours:
         return f"the tree is empty: tree.root is None after {_name(node)} was inserted.", ""
-    landed = _way_to(tree, node, expected)
-    if landed is None:
-        return _missing(way, expected, yours)
-    depth = next((d for d, (a, b) in enumerate(zip(way, landed, strict=False)) if a != b), None)
+    actual = _path_to(tree, node, expected)
+    if actual is None:
+        return _missing(path, expected, yours)
+    depth = next((d for d, (a, b) in enumerate(zip(path, actual, strict=False)) if a != b), None)
     if depth is None:
-        return f"{_name(node)} belongs {_place(way, expected)}, where another point stands.", ""
-    other, axis = expected[way[:depth]], depth % len(node.point)
-    smaller = "is smaller than" if way[depth] == "l" else "is not smaller than"
+        return (
+            f"{_name(node)} belongs {_place(path, expected)}, where another point stands.",
+            "",
+        )
+    parent, axis = expected[path[:depth]], depth % len(node.point)
+    smaller = "is smaller than" if path[depth] == "l" else "is not smaller than"
     return (
-        f"{_name(node)} went {SIDES[landed[depth]]} at {_name(other)} and should go "
-        f"{SIDES[way[depth]]}: at depth {depth} {'xyz'[axis]} is compared, and "
-        f"{node.point[axis]:g} {smaller} {other.point[axis]:g}."
+        f"{_name(node)} went {SIDES[actual[depth]]} at {_name(parent)} and should go "
+        f"{SIDES[path[depth]]}: at depth {depth} {'xyz'[axis]} is compared, and "
+        f"{node.point[axis]:g} {smaller} {parent.point[axis]:g}."
     ), ""
 
 
-def _missing(way: str, expected: dict, yours: dict) -> tuple[str, str]:
-    """What stands in the place of a point that stands nowhere, and a hint, or nothing."""
-    says = f"{_name(expected[way])} is not in the tree; it belongs {_place(way, expected)}"
-    if way not in yours:
-        return f"{says}, where nothing stands.", ""
-    there = next((one for one in expected if _same_point(yours[way][0], expected[one])), None)
-    if there is None:
-        return f"{says}.", ""
-    says = f"{says}, where {_name(expected[there])} stands."
-    if there and there[:-1] == way[:-1]:
-        return says, (
-            f"{_name(expected[there]).capitalize()} belongs to the {SIDES[there[-1]]}: does each "
+def _missing(path: str, expected: dict, yours: dict) -> tuple[str, str]:
+    """Return a message about a missing point and its place, and a hint, which may be empty."""
+    text = f"{_name(expected[path])} is not in the tree; it belongs {_place(path, expected)}"
+    if path not in yours:
+        return f"{text}, where nothing stands.", ""
+    found = next(
+        (other for other in expected if _same_point(yours[path][0], expected[other])), None
+    )
+    if found is None:
+        return f"{text}.", ""
+    text = f"{text}, where {_name(expected[found])} stands."
+    if found and found[:-1] == path[:-1]:
+        return text, (
+            f"{_name(expected[found]).capitalize()} belongs to the {SIDES[found[-1]]}: does each "
             "branch hang the new node on its own side, node.left or node.right?"
         )
-    return says, "A child that is there stays there: the walk goes on from it."
+    return text, "A child that is there stays there: the walk goes on from it."
 
 
-def _way_to(tree: object, node: Node, expected: dict[str, Node]) -> str | None:
-    """Where a point is in a student's tree, where it should not be; None where it is nowhere."""
-    waiting = [("", tree.root)]
-    for way, one in waiting:  # grows while it is walked
-        if one is None:
+def _path_to(tree: object, node: Node, expected: dict[str, Node]) -> str | None:
+    """Return the path to a misplaced point in a student's tree; None if the tree lacks it."""
+    pending = [("", tree.root)]
+    for path, current in pending:  # the list grows inside the loop
+        if current is None:
             continue
-        point = as_array(one.point, what="a point", most=MOST_OF_A_POINT).ravel()
-        if _same_point(point, node) and not (way in expected and _same_point(point, expected[way])):
-            return way
-        if len(waiting) < MOST_NODES:
-            waiting += [(way + "l", one.left), (way + "r", one.right)]
+        point = as_array(current.point, what="a point", most=MOST_OF_A_POINT).ravel()
+        if _same_point(point, node) and not (
+            path in expected and _same_point(point, expected[path])
+        ):
+            return path
+        if len(pending) < MOST_NODES:
+            pending += [(path + "l", current.left), (path + "r", current.right)]
     return None
 
 
-def _one_too_many(expected: dict, yours: dict) -> tuple[str, str]:
-    """A node where the tree should end, and a hint; two empty texts where there is none."""
-    extra = next((way for way in yours if way not in expected), None)
+def _extra_node(expected: dict, yours: dict) -> tuple[str, str]:
+    """Return a message about a node beyond the right tree, and a hint; both empty if none."""
+    extra = next((path for path in yours if path not in expected), None)
     if extra is None:
         return "", ""
-    for way, node in expected.items():
+    for path, node in expected.items():
         if _same_point(yours[extra][0], node):
-            says = f"{_name(node)} stands {_place(way, expected)} and once more "
-            return f"{says}{_place(extra, expected)}.", (
+            message = f"{_name(node)} stands {_place(path, expected)} and once more "
+            return f"{message}{_place(extra, expected)}.", (
                 "A point that has been hung into the tree is done: `return`, and the walk ends."
-                if way
+                if path
                 else "A point that has become the root is done: `return` before the walk begins."
             )
     return f"a node stands {_place(extra, expected)}, where the tree should end.", ""
 
 
-def _place(way: str, expected: dict[str, Node]) -> str:
-    if not way:
+def _place(path: str, expected: dict[str, Node]) -> str:
+    if not path:
         return "at the root"
-    return f"to the {SIDES[way[-1]]} of {_name(expected[way[:-1]])}"
+    return f"to the {SIDES[path[-1]]} of {_name(expected[path[:-1]])}"
 
 
 def _name(node: Node) -> str:
@@ -371,20 +386,20 @@ def _name(node: Node) -> str:
 
 
 def exact_text(point: Sequence[float]) -> str:
-    """A point of any length, with all the digits that it was written with."""
+    """Return a point of any length as text, without rounding to centimetres."""
     return "(" + ", ".join(f"{float(value):g}" for value in np.ravel(point)) + ")"
 
 
 def few_points(points: ArrayLike) -> str | None:
-    """Points in their order, where they are few enough to read."""
+    """Return points in their order as text; None if there are more than seven."""
     if len(points) > 7:
         return None
-    several = len(points) > 1
+    is_plural = len(points) > 1
     text = ", ".join(map(exact_text, points))
-    return f"points {text} in this order" if several else f"point {text}"
+    return f"points {text} in this order" if is_plural else f"point {text}"
 
 
-def _two_trees(tree: object, expected: Node | None) -> Callable:
+def _draw_two_trees(tree: object, expected: Node | None) -> Callable:
     def draw() -> None:
         import matplotlib.pyplot as plt
 

@@ -1,6 +1,6 @@
 """Visible checks of lesson 10: its three steps, which give no points, and the exercise."""
 
-# In the order of the lesson, in which exercises are listed.
+# Import in the order of the lesson, because exercises are listed in the order of import.
 from utils.checks.lesson_10 import steps
 
 # isort: split

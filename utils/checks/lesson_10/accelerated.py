@@ -1,7 +1,7 @@
 """Visible checks of `euclidean_clustering_accelerated`.
 
-Whether the clusters are right, and whether they come in time, are looked at apart: what is timed
-gets right whoever joins cells by any rule, and what is exact is small.
+Separate checks cover correctness and speed. Any rule that joins cells is right on the timed clouds,
+and the clouds that need an exact rule are small.
 """
 
 import functools
@@ -50,8 +50,8 @@ from utils.checks.failures import fixed
 from utils.checks.lesson_10.steps import SEVEN, WIDE
 
 _NAME = "euclidean_clustering_accelerated"
-# Of a cell whose diagonal is the threshold, in thresholds.
-_SIDE = 1 / np.sqrt(3)
+# Side of a cell whose diagonal is the threshold, in thresholds.
+_CELL_SIDE = 1 / np.sqrt(3)
 
 
 @visible(
@@ -153,7 +153,7 @@ def parts_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     with needs("pairs just above the threshold stay apart, where nothing else is"):
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
-    # More points than there are cells, within 0.2 m.
+    # The heap has more points within 0.2 m than the cloud has cells.
     heap = np.random.default_rng(2).uniform(-8.2, -8.0, (2 * len(pairs), 3))
     cloud = np.vstack([heap, pairs])
     labels = np.concatenate([np.zeros(len(heap), dtype=int), 1 + np.arange(len(pairs))])
@@ -174,8 +174,8 @@ def parts_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
         pairs = _pairs_of_points(1.01)
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
-    for middle, way in _across_zero():
-        pair = middle + np.outer([-0.505, 0.505], way)
+    for centre, direction in _across_zero():
+        pair = centre + np.outer([-0.505, 0.505], direction)
         answer = euclidean_clustering_accelerated(pair.copy(), 1.0)
         assert_clusters(answer, np.array([1, 2]), pair, 1.0)
 
@@ -219,7 +219,7 @@ def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
     "in the exact step.",
 )
 def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
-    # Gaps of 0.1, 1 and 10 m: each threshold joins another number of points, by far.
+    # Gaps of 0.1, 1 and 10 m, so that each threshold joins a different number of points.
     cloud = row_of_points([2.0, 1.0, 1.0], 0.1, 2)
     cloud = np.vstack([cloud, cloud + [1.1, 0.0, 0.0], cloud[:1] + [11.2, 0.0, 0.0]])
     for threshold, labels in (
@@ -229,14 +229,15 @@ def follows_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     ):
         answer = euclidean_clustering_accelerated(cloud.copy(), threshold)
         assert_clusters(answer, np.array(labels), cloud, threshold)
-    # In neighbouring cells, so that the exact step decides: closer than 0.5 m, and yet apart.
+    # Two points in neighbouring cells, so that the exact step decides. They are closer than 0.5 m,
+    # but not closer than 0.3 m.
     pair = np.array([2.0, 1.0, 1.0]) + np.outer([0.0, 0.4], np.ones(3) / np.sqrt(3))
     with needs("points in neighbouring cells that are not close stay apart"):
         answer = euclidean_clustering_accelerated(pair / 0.6, 0.5)
         assert_partition(answer, np.array([1, 2]), pair)
     answer = euclidean_clustering_accelerated(pair.copy(), 0.3)
     assert_clusters(answer, np.array([1, 2]), pair, 0.3)
-    # Farther apart than 2 m, in neighbouring cells.
+    # Pairs in neighbouring cells that are slightly more than 2 m apart.
     cloud = 2.0 * _pairs_of_points(1.01)[:40]
     with needs("pairs just above the threshold stay apart"):
         answer = euclidean_clustering_accelerated(cloud / 2, 1.0)
@@ -267,8 +268,8 @@ common_checks.names(
 )
 def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
     assert_works(euclidean_clustering_accelerated)
-    for way in np.eye(3):
-        cloud = np.vstack([GROUPS, GROUPS + 20.0 * way])
+    for direction in np.eye(3):
+        cloud = np.vstack([GROUPS, GROUPS + 20.0 * direction])
         labels = np.concatenate([LABELS, LABELS + 3])
         assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
 
@@ -307,9 +308,9 @@ common_cluster_checks.untouched(_CASE, "leaves_its_input")
     "however short each is. Work with cells: their number is what counts.",
 )
 def is_quick(euclidean_clustering_accelerated: Callable) -> None:
-    # Fourteen walls, 0.1 m from point to point, 3 m from wall to wall.
+    # Fourteen walls at least 3 m apart, with points every 0.1 m.
     wall = np.stack(np.meshgrid(np.arange(25) * 0.1, [0.0], np.arange(20) * 0.1), axis=-1)
-    places = np.array([[6.0 * (i % 5), 3.0 * (i // 5), 0.0] for i in range(14)])
+    places = np.array([[6.0 * (index % 5), 3.0 * (index // 5), 0.0] for index in range(14)])
     cloud = (wall.reshape(1, -1, 3) + places[:, None]).reshape(-1, 3)
     order = np.random.default_rng(6).permutation(len(cloud))
     labels = np.repeat(np.arange(14), 500)[order]
@@ -341,7 +342,7 @@ def takes_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     "cKDTree(p).query(q) finds the nearest in p for each in q.",
 )
 def takes_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
-    # A little more than the threshold lies between them: the exact test must go to the end.
+    # The gap is slightly larger than the threshold, so the exact test cannot stop early.
     cloud, labels = _two_heaps(3000, 0.51)
     assert_in_time(euclidean_clustering_accelerated, cloud, labels, 20)
 
@@ -349,27 +350,29 @@ def takes_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
 def assert_in_time(
     euclidean_clustering: Callable, cloud: np.ndarray, labels: np.ndarray, times: float
 ) -> None:
-    """Clusters at 0.5 m are right, and come within so many searches for nearest neighbours.
+    """Assert that clusters at 0.5 m are right and take at most a multiple of a reference time.
 
-    Such a search takes n log n steps, and longer on a slow machine. A right answer, also one in
-    plain Python, needs a fifth of what it is given, or less. Time is the processor's: others who
-    use the machine, too, make nobody slow.
+    The reference is one search for the nearest neighbour of each point. It takes n log n steps,
+    and more time on a slow machine. A right answer, even in plain Python, needs at most a fifth of
+    the allowed time. Processor time is measured, so that other programs have no influence.
 
     Parameters
     ----------
     euclidean_clustering : callable
     cloud : numpy.ndarray, shape (n, 3)
     labels : numpy.ndarray of int, shape (n,)
+        The right clusters.
     times : float
+        Allowed time, as a multiple of the reference.
     """
     assert_works(euclidean_clustering)
     allowed = times * min(_seconds_to_find_neighbours(cloud) for _ in range(3))
     best = np.inf
-    for turn in range(3):  # one of them may be disturbed
+    for attempt in range(3):  # repeat, because other load may disturb a single run
         answer, seconds = timed(euclidean_clustering, cloud, 0.5)
         best = min(best, seconds)
         assert_in_clusters(answer, labels, cloud)
-        if best <= allowed or (turn and best > 3 * allowed):
+        if best <= allowed or (attempt and best > 3 * allowed):
             break
     if best > allowed:
         raise CheckFailed(
@@ -382,12 +385,13 @@ def assert_in_time(
 
 
 def assert_in_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) -> None:
-    """What was timed is right; if not, the hint is not about time.
+    """Assert that the clusters of a timed call are right, and hint at correctness if not.
 
     Parameters
     ----------
     answer : object
     labels : numpy.ndarray of int, shape (n,)
+        The right clusters.
     cloud : numpy.ndarray, shape (n, 3)
     """
     try:
@@ -402,15 +406,15 @@ def assert_in_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) ->
 def _seconds_to_find_neighbours(cloud: np.ndarray) -> float:
     from scipy.spatial import cKDTree
 
-    # Of this thread, and not of the process: while a clock like the judge's waits for the time of
-    # the process, Linux tells that only to the tick of its own, and a quick machine takes less.
+    # Use thread time: while a timer like the judge's watches process time, Linux updates the latter
+    # only once per tick. A quick machine needs less than a tick.
     begin = thread_time()
     cKDTree(cloud).query(cloud, k=2)
     return thread_time() - begin
 
 
 def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
-    """Two heaps of n points within 0.1 m, so far apart (m), and their labels."""
+    """Return two heaps of n points within 0.1 m, `gap` metres apart, and their labels."""
     rng = np.random.default_rng(3)
     heaps = rng.uniform(0, 0.1, (2, n, 3))
     heaps[1, :, 0] += 0.1 + gap
@@ -418,7 +422,7 @@ def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
     return heaps.reshape(-1, 3)[order] + 3.05, np.repeat([1, 2], n)[order]
 
 
-# ---- what costs no points ----------------------------------------------------------------------
+# ---- notes, which cost no points ---------------------------------------------------------------
 
 
 @noted(
@@ -451,7 +455,7 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)
-    # From near to far these begin at rows 1, 2, 0: an order that differs from its ranks.
+    # From near to far the points are in rows 1, 2 and 0; this order differs from its ranks.
     cloud = np.outer([9.0, 1.0, 5.0], [1.0, 0.0, 0.0])
     labels = as_labels(euclidean_clustering_accelerated(cloud.copy(), 1.0), 3)
     if not np.array_equal(labels, in_order(labels)):
@@ -475,9 +479,9 @@ def parts_at_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
 
 @functools.cache
 def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
-    """What stands 20 to 40 m ahead in the course's scan, point for point, and its clusters.
+    """Return the obstacle points 20 to 40 m ahead in the course's scan, and their clusters.
 
-    Of a pair at the threshold, give or take a millimetre, the second point is left out.
+    If the distance of two points is within 1 mm of the threshold, 0.5 m, one of them is left out.
     """
     from scipy.spatial import cKDTree
 
@@ -490,12 +494,12 @@ def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
     doubtful = pairs[length(xyz[pairs[:, 0]] - xyz[pairs[:, 1]]) > 0.499, 1]
     xyz = np.delete(xyz, np.unique(doubtful), axis=0)
     return frozen(xyz), frozen(
-        _hung_together(len(xyz), cKDTree(xyz).query_pairs(0.5, output_type="ndarray"))
+        _connected_labels(len(xyz), cKDTree(xyz).query_pairs(0.5, output_type="ndarray"))
     )
 
 
-def _hung_together(n: int, pairs: np.ndarray) -> np.ndarray:
-    """Labels of n points of which pairs, (k, 2), are joined."""
+def _connected_labels(n: int, pairs: np.ndarray) -> np.ndarray:
+    """Return the labels of n points that are joined by pairs, shape (k, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -504,99 +508,122 @@ def _hung_together(n: int, pairs: np.ndarray) -> np.ndarray:
 
 
 def _pairs_of_points(gap: float) -> np.ndarray:
-    """Points (240, 3) in pairs, so far apart (m) in all directions; from pair to pair 4 m."""
-    numbers, way = np.arange(120), _directions(120)
-    places = np.column_stack([numbers % 11, numbers // 11, 0 * numbers]) * 6.0 + 4
+    """Return 120 pairs of points `gap` metres apart in various directions; shape (240, 3).
+
+    Different pairs are far from each other.
+    """
+    indices, directions = np.arange(120), _directions(120)
+    places = np.column_stack([indices % 11, indices // 11, 0 * indices]) * 6.0 + 4
     places += np.random.default_rng(7).uniform(0, 1, (120, 3))
-    return np.stack([places, places + gap * way], axis=1).reshape(-1, 3)
+    return np.stack([places, places + gap * directions], axis=1).reshape(-1, 3)
 
 
 def _diagonal_pairs() -> np.ndarray:
-    """Points (200, 3) in pairs, 1.01 m apart, that a cube of 1 / sqrt(2) m holds if well placed."""
+    """Return 100 pairs of points 1.01 m apart; shape (200, 3).
+
+    Each pair fits into a cell with the side 1 / sqrt(2) m.
+    """
     grid = np.stack(np.meshgrid(np.arange(10), np.arange(10), [0]), axis=-1).reshape(-1, 3)
     corners = (7 * grid + 1) / np.sqrt(2)
     low = corners + np.random.default_rng(5).uniform(0.005, 0.115, corners.shape)
-    return np.stack([low, low + 1.01 * _SIDE], axis=1).reshape(-1, 3)
+    return np.stack([low, low + 1.01 * _CELL_SIDE], axis=1).reshape(-1, 3)
 
 
 def _touching_rods() -> tuple[np.ndarray, np.ndarray]:
-    """Points of pairs of rods, (n, 3), of which only the ends are close at 0.3 m; their labels."""
+    """Return pairs of rods, shape (n, 3), of which only the facing ends are close at 0.3 m.
+
+    The second result has the labels of the points.
+    """
     rng = np.random.default_rng(8)
     rod = np.column_stack([np.linspace(0, 0.57, 15), np.zeros((15, 2))])
     clouds = []
-    for number in range(30):
-        both = np.vstack([rod, rod + [0.57 + 0.56, 0.0, 0.0]])
-        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-        place = np.array([3.0 + 8 * (number % 6), 3.0 + 8 * (number // 6), 3.0])
-        clouds.append(both @ turn.T + place + rng.uniform(0, 0.6, 3))
+    for index in range(30):
+        rods = np.vstack([rod, rod + [0.57 + 0.56, 0.0, 0.0]])
+        rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        place = np.array([3.0 + 8 * (index % 6), 3.0 + 8 * (index // 6), 3.0])
+        clouds.append(rods @ rotation.T + place + rng.uniform(0, 0.6, 3))
     order = rng.permutation(30 * 30)
     return 0.3 * np.vstack(clouds)[order], np.repeat(np.arange(30), 30)[order]
 
 
 def _directions(n: int) -> np.ndarray:
-    way = np.random.default_rng(4).normal(size=(n, 3))
-    return way / np.linalg.norm(way, axis=1, keepdims=True)
+    vectors = np.random.default_rng(4).normal(size=(n, 3))
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """A middle and a direction, both (3,): all signs change at zero, or those of one axis alone."""
-    for way in _directions(8):
-        yield np.zeros(3), way
+    """Yield centres and directions, both of shape (3,), of pairs that reach across zero.
+
+    All coordinates change their sign between the two points, or one coordinate alone.
+    """
+    for direction in _directions(8):
+        yield np.zeros(3), direction
     for axis in np.eye(3):
-        way = 0.26 + 0.68 * axis
-        yield 0.25 * (1 - axis), way / np.linalg.norm(way)
+        direction = 0.26 + 0.68 * axis
+        yield 0.25 * (1 - axis), direction / np.linalg.norm(direction)
 
 
-# ---- what people do ----------------------------------------------------------------------------
+# ---- common mistakes ---------------------------------------------------------------------------
 
 
-def _with_cells(side: float, joins: Callable, rounded: Callable = np.floor) -> Callable:
-    """What a mistake predicts that joins neighbours on a line by their cells.
+def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor) -> Callable:
+    """Return the prediction of a mistake that joins neighbours on a line by their cells.
 
-    `side` is that of a cell in thresholds. `joins` takes the ways from each point to the next in
-    metres, the same in cells, and the ways from one cell's first point to the next one's.
+    Parameters
+    ----------
+    side : float
+        Side of a cell in thresholds.
+    joins : callable
+        Takes three arrays with an entry for each pair of neighbours and returns which are joined:
+        their distance in thresholds, the steps between their cells, and the distance in thresholds
+        between the first points of these cells.
+    rounding : callable
+        Takes coordinates in cells; returns the cells.
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
-        def holds(line: np.ndarray, order: np.ndarray) -> np.ndarray:
+        def are_joined(line: np.ndarray, order: np.ndarray) -> np.ndarray:
             places = line[:, :3] / threshold
-            steps = np.abs(np.diff(rounded(places / side), axis=0)).max(axis=1)
-            number = np.concatenate([[0], np.cumsum(steps > 0)])
-            by_cell = np.lexsort((order, number))  # in each cell the first row of the cloud first
-            first = by_cell[np.searchsorted(number, number)]
-            gaps, firsts = (length(np.diff(one, axis=0)) for one in (places, places[first]))
+            steps = np.abs(np.diff(rounding(places / side), axis=0)).max(axis=1)
+            cells = np.concatenate([[0], np.cumsum(steps > 0)])
+            by_cell = np.lexsort((order, cells))  # within a cell, sorted by row in the cloud
+            first = by_cell[np.searchsorted(cells, cells)]
+            gaps, firsts = (length(np.diff(points, axis=0)) for points in (places, places[first]))
             return joins(gaps, steps, firsts)
 
-        return parted(cloud, holds)
+        return parted(cloud, are_joined)
 
     return predicts
 
 
-def _with_rows(of_points: bool) -> Callable:
-    """What a mistake predicts that mixes up cells and points in the cheap step.
+def _joined_by_rows(takes_points: bool) -> Callable:
+    """Return the prediction of a mistake that confuses cells and points in the cheap step.
 
-    Either it takes the rows of two cells for rows of points, or it measures from cell to cell, in
-    cells, and compares that with metres. The exact step then finds what is close all the same.
+    With `takes_points` it takes the rows of two cells for rows of points. Otherwise it measures the
+    distance between cells, in cells, and compares it with metres. The exact step still joins all
+    points that are close.
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
         from scipy.spatial import cKDTree
 
         xyz = cloud[:, :3]
-        cells, which = np.unique(np.floor(xyz / (threshold * _SIDE)), axis=0, return_inverse=True)
-        measured, which = (xyz if of_points else cells), which.ravel()
+        cells, cell_of_point = np.unique(
+            np.floor(xyz / (threshold * _CELL_SIDE)), axis=0, return_inverse=True
+        )
+        measured, cell_of_point = (xyz if takes_points else cells), cell_of_point.ravel()
         pairs = cKDTree(cells).query_pairs(2.5, p=np.inf, output_type="ndarray")
         joined = pairs[length(measured[pairs[:, 0]] - measured[pairs[:, 1]]) < threshold]
-        first = np.unique(which, return_index=True)[1]
+        representatives = np.unique(cell_of_point, return_index=True)[1]
         _, start, piece = np.unique(right, return_index=True, return_inverse=True)
         same = np.column_stack([start[piece], np.arange(len(right))])
-        return in_order(_hung_together(len(cloud), np.vstack([same, first[joined]])))
+        return in_order(_connected_labels(len(cloud), np.vstack([same, representatives[joined]])))
 
     return predicts
 
 
 def _same(answer: object, predicted: np.ndarray) -> bool:
-    """Whether an answer groups the points as predicted and begins with the same label."""
+    """Return whether an answer groups the points as predicted and has the same smallest label."""
     try:
         yours = as_labels(answer, len(predicted))
     except CheckFailed:
@@ -604,29 +631,30 @@ def _same(answer: object, predicted: np.ndarray) -> bool:
     return same_clusters(in_order(yours) + yours.min(), in_order(predicted) + predicted.min())
 
 
-# Places on a line, in thresholds. Along an axis, where a cell is 0.577 long, close points may be
-# two cells apart; along the diagonal, where it is 1 long, those of too large a cell are not close.
+# Directions, and places along them in thresholds. A cell is 0.577 long along an axis, so close
+# points may be two cells apart. It is 1 long along the diagonal, so points that share a larger cell
+# may be too far apart.
 _AXIS = ([1.0, 0.0, 0.0], [0.52, 14.46, -0.53, 5.21, 15.5, 4.6, 10.9, 9.25, 14.98, 20.3])
 _DIAGONAL = (
-    [_SIDE, _SIDE, _SIDE],
+    [_CELL_SIDE, _CELL_SIDE, _CELL_SIDE],
     [0.6, 16.05, 12.2, 5.25, -0.7, 11.05, 17.75, 6.75, 16.95, 22.4],
 )
 
 
 def _lines_across_cells() -> tuple[tuple[np.ndarray, float], ...]:
-    """Cases in which each rule about cells parts others of the points: (cloud, threshold)."""
+    """Return cases, (cloud, threshold), in which every rule about cells gives other clusters."""
     cases = []
-    for threshold, (way, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
+    for threshold, (direction, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
         for scale in (threshold, -1.5 * threshold):
-            cases.append((on_a_line(scale * np.array(places), way=way), abs(scale)))
-    # Not close, on both sides of the sensor: in rounded cells as in others. Whoever adds where a
-    # difference is asked for joins them.
+            cases.append((on_a_line(scale * np.array(places), way=direction), abs(scale)))
+    # Two points on both sides of the sensor are not close, however cells are rounded. A function
+    # that adds coordinates instead of subtracting them joins these points.
     cases.append((on_a_line([0.6, -0.5, 9.0, 9.4], way=_AXIS[0]), 1.0))
     return frozen_cases(cases)
 
 
 def _lines_behind_a_heap() -> tuple[tuple[np.ndarray, float], ...]:
-    """Cases that begin with a heap, after which neighbouring cells hold nothing that is close."""
+    """Return cases that begin with a heap; the cells behind it have no close points."""
     cases = []
     for threshold in (0.7, 1.4, 2.1):
         behind = 3.05 + 1.15 * np.arange(8)
@@ -640,53 +668,55 @@ mistakes(
     *measured_wrongly(),
     Mistake(
         "Cells have the side threshold: two points in one may be 1.7 thresholds apart.",
-        _with_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
+        _joined_by_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
         "The side is threshold / sqrt(3): then the diagonal is the threshold.",
     ),
     Mistake(
         "Cells have the side threshold / sqrt(2), which is right in the plane only.",
-        _with_cells(1 / np.sqrt(2), lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
+        _joined_by_cells(1 / np.sqrt(2), lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
         "In space the diagonal is side * sqrt(3): the side is threshold / sqrt(3).",
     ),
     Mistake(
         "Neighbouring cells are joined without measuring, or at too large a distance.",
-        _with_cells(_SIDE, lambda gaps, steps, firsts: steps <= 2),
+        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps <= 2),
         "Neighbours may be close: join them if a point of the one is closer than the threshold to "
         "a point of the other.",
     ),
     Mistake(
         "Only the next cell on each side is looked at; close points may be two cells apart.",
-        _with_cells(_SIDE, lambda gaps, steps, firsts: (steps <= 1) & (gaps < 1)),
+        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps <= 1) & (gaps < 1)),
         "5 x 5 x 5 cells, corners included: query_pairs(2, p=np.inf).",
     ),
     Mistake(
         "Two cells whose representatives are far apart stay apart, also where other points of "
         "theirs are close.",
-        _with_cells(_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
+        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
         "Where the pieces of two neighbouring cells still differ, compare all their points, and "
         "go on with what comes of it.",
     ),
     Mistake(
         "Each cell is a cluster: none are joined.",
-        _with_cells(_SIDE, lambda gaps, steps, firsts: steps == 0),
+        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps == 0),
         "Join neighbouring cells that hold close points, and number the pieces.",
     ),
     Mistake(
         "Cells are rounded towards 0: those around the sensor are twice as wide.",
-        _with_cells(_SIDE, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0), np.trunc),
+        _joined_by_cells(
+            _CELL_SIDE, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0), np.trunc
+        ),
         "np.floor rounds down on both sides of 0; .astype(int) alone does not.",
     ),
     *mixed_up(),
     Mistake(
         "The rows of two cells are taken for rows of points: what is measured are points that have "
         "nothing to do with these cells.",
-        _with_rows(of_points=True),
+        _joined_by_rows(takes_points=True),
         "pairs[:, 0] are rows of cells, first[pairs[:, 0]] are rows of points: "
         "points[first[pairs[:, 0]]].",
     ),
     Mistake(
         "The distance is measured from cell to cell, in cells, and compared with metres.",
-        _with_rows(of_points=False),
+        _joined_by_rows(takes_points=False),
         "Measure between representatives: points[first[pairs[:, 0]]], and not cells[pairs[:, 0]].",
     ),
     cases=(*lines_of_points(), *_lines_across_cells(), *_lines_behind_a_heap()),

@@ -1,6 +1,6 @@
 """Visible checks of the three steps, on the seven points of the lesson.
 
-They give no points: whoever goes another way needs no steps. Where the exercise calls a step that
+The steps give no points, because a solution need not use them. If the exercise calls a step that
 fails here, `check` says so.
 """
 
@@ -39,7 +39,7 @@ SEVEN = frozen(
         ]
     )
 )
-# What the steps make of them, as the lesson prints it.
+# Results of the steps for these points, as the lesson prints them.
 _CELLS = frozen(np.array([[-1, 2, 0], [0, 0, 0], [1, 0, 0], [2, 0, 0], [4, 0, 0], [6, 0, 0]]))
 _FIRST = frozen(np.array([6, 0, 1, 2, 4, 5]))
 _CELL_OF_POINT = frozen(np.array([1, 2, 3, 3, 4, 5, 0]))
@@ -49,8 +49,8 @@ _JOINED = frozen(np.array([0, 1, 1, 1, 1, 1]))
 _GIVEN = "the seven points, threshold √3 m"
 
 
-def _parts(answer: object, names: Sequence[str]) -> tuple:
-    """An answer of several results, one for each name."""
+def _results(answer: object, names: Sequence[str]) -> tuple:
+    """Return the results of a step as a tuple with one result for each name."""
     if not isinstance(answer, (tuple, list)) or len(answer) != len(names):
         raise WrongForm(
             f"The step returns {len(names)} things: {', '.join(names)}.", yours=brief(answer)
@@ -59,20 +59,20 @@ def _parts(answer: object, names: Sequence[str]) -> tuple:
 
 
 def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> None:
-    """Cells hang together as expected, under whatever numbers."""
+    """Assert that the cells are joined into the expected pieces, whatever their labels."""
     yours = as_labels(answer, len(expected), of="cells")
-    shared, number, others = overlaps(yours, expected)
-    if not shared == number == others:
+    shared, number_yours, number_expected = overlaps(yours, expected)
+    if not shared == number_yours == number_expected:
         raise CheckFailed(
             "Other cells hang together.",
             given=given,
-            yours=f"pieces {_pieces(yours)}",
-            expected=f"pieces {_pieces(expected)}",
+            yours=f"pieces {_pieces_text(yours)}",
+            expected=f"pieces {_pieces_text(expected)}",
         )
 
 
-def _pieces(label: np.ndarray) -> str:
-    groups = [np.flatnonzero(label == one).tolist() for one in dict.fromkeys(label.tolist())]
+def _pieces_text(label: np.ndarray) -> str:
+    groups = [np.flatnonzero(label == piece).tolist() for piece in dict.fromkeys(label.tolist())]
     return brief(groups)
 
 
@@ -80,44 +80,44 @@ def _pieces(label: np.ndarray) -> str:
 
 
 def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
-    cells, first, cell_of_point = _parts(answer, ("cells", "first", "cell_of_point"))
+    cells, first, cell_of_point = _results(answer, ("cells", "first", "cell_of_point"))
     cells = as_array(cells, columns=3, what="cells, three numbers each", each="cell").astype(float)
     right = np.floor(points / (threshold / np.sqrt(3)))
-    which = as_array(cell_of_point, what="a row of cells for each point")
-    each = f"one number in cell_of_point for each of the {len(points)} points"
-    which = as_labels(in_shape(which, (len(points),), each), len(points))
-    different = len(np.unique(right, axis=0))
-    if len(cells) != different or which.min() < 0 or which.max() >= len(cells):
+    cell_rows = as_array(cell_of_point, what="a row of cells for each point")
+    one_per_point = f"one number in cell_of_point for each of the {len(points)} points"
+    cell_rows = as_labels(in_shape(cell_rows, (len(points),), one_per_point), len(points))
+    n_cells = len(np.unique(right, axis=0))
+    if len(cells) != n_cells or cell_rows.min() < 0 or cell_rows.max() >= len(cells):
         raise CheckFailed(
-            f"The points lie in {different} different cells, {fixed('numbered from 0')}.",
+            f"The points lie in {n_cells} different cells, {fixed('numbered from 0')}.",
             given=given,
-            yours=f"{len(cells)} cells; of the points {brief(which)}",
-            expected=f"{different} cells",
+            yours=f"{len(cells)} cells; of the points {brief(cell_rows)}",
+            expected=f"{n_cells} cells",
         )
-    wrong = np.flatnonzero((cells[which] != right).any(axis=1))
+    wrong = np.flatnonzero((cells[cell_rows] != right).any(axis=1))
     if len(wrong):
         row = wrong[0]
         raise CheckFailed(
             f"Point {row}, at {brief(points[row])}, lies in another cell.",
             given=given,
-            yours=f"cell {brief(cells[which[row]])}",
+            yours=f"cell {brief(cells[cell_rows[row]])}",
             expected=f"cell {brief(right[row])}",
         )
     rows = as_array(first, what="one row for each cell")
-    if rows.shape != (different,) or not np.isin(rows, np.arange(len(points))).all():
+    if rows.shape != (n_cells,) or not np.isin(rows, np.arange(len(points))).all():
         raise WrongForm(
             "There must be one representative for each cell: the row of one of the points.",
             yours=brief(rows),
-            expected=f"{different} rows from 0 to {len(points) - 1}",
+            expected=f"{n_cells} rows from 0 to {len(points) - 1}",
         )
-    strangers = np.flatnonzero(which[rows.astype(int)] != np.arange(different))
-    if len(strangers):
-        cell = strangers[0]
+    misplaced = np.flatnonzero(cell_rows[rows.astype(int)] != np.arange(n_cells))
+    if len(misplaced):
+        cell = misplaced[0]
         raise CheckFailed(
             f"The representative of cell {cell} lies in another cell.",
             given=given,
             yours=f"row {rows[cell]:g}",
-            expected=f"one of the rows {brief(np.flatnonzero(which == cell))}",
+            expected=f"one of the rows {brief(np.flatnonzero(cell_rows == cell))}",
         )
 
 
@@ -160,16 +160,16 @@ def leaves_the_points(points_in_cells: Callable) -> None:
 
 # ---- step 2 ------------------------------------------------------------------------------------
 
-# More points in the first cell than there are cells, and then one cell two steps on along x, y
-# and z: as many rows of points as of cells lie close together, while no two cells do.
+# Six points in the first cell, then one point in each of three cells that are two steps further
+# along x, y and z. The first four points are close together, while no two of the four cells are.
 _HEAP = frozen(np.vstack([0.1 + 0.02 * np.arange(6)[:, None] * np.ones(3), 2.05 * np.tri(3)]))
 _HEAP_CELLS = frozen(np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [2, 2, 2]]))
 _HEAP_FIRST = frozen(np.array([0, 6, 7, 8]))
 
 
-def _joined(join_cheaply: Callable) -> tuple:
+def _join_seven(join_cheaply: Callable) -> tuple:
     arguments = SEVEN.copy(), _CELLS.copy(), _FIRST.copy(), WIDE
-    return _parts(join_cheaply(*arguments), ("pairs", "label"))
+    return _results(join_cheaply(*arguments), ("pairs", "label"))
 
 
 @visible(
@@ -180,7 +180,7 @@ def _joined(join_cheaply: Callable) -> tuple:
     "two steps apart along each axis. All of them are returned, joined or not.",
 )
 def finds_the_neighbours(join_cheaply: Callable) -> None:
-    pairs = _joined(join_cheaply)[0]
+    pairs = _join_seven(join_cheaply)[0]
     pairs = as_array(pairs, columns=2, what="pairs of cells", each="pair of cells")
     yours = np.unique(np.sort(pairs, axis=1), axis=0)
     if len(yours) != len(pairs) or not np.array_equal(yours, _PAIRS):
@@ -200,7 +200,7 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
     "the pairs with gap < threshold.",
 )
 def joins_what_is_close(join_cheaply: Callable) -> None:
-    _assert_same_pieces(_joined(join_cheaply)[1], _PIECES, _GIVEN)
+    _assert_same_pieces(_join_seven(join_cheaply)[1], _PIECES, _GIVEN)
 
 
 @visible(
@@ -212,21 +212,21 @@ def joins_what_is_close(join_cheaply: Callable) -> None:
 )
 def measures_representatives(join_cheaply: Callable) -> None:
     arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE
-    _, label = _parts(join_cheaply(*arguments), ("pairs", "label"))
+    _, label = _results(join_cheaply(*arguments), ("pairs", "label"))
     given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
     _assert_same_pieces(label, np.arange(4), f"{given}; from cell to cell about 2 m, threshold √3")
 
 
 # ---- step 3 ------------------------------------------------------------------------------------
 
-# Cells in a row, two steps from each to the next and three points in each, of which the first lie
-# too far apart. Of the others some are close, but for those of the last two cells.
+# Five cells in a row, two steps apart, with three points in each. The first points of neighbouring
+# cells are too far apart. Other points of theirs are close, except in the last two cells.
 _IN_CELL = frozen(np.array([[0.1, 0.5, 0.9]] * 4 + [[0.9, 0.95, 0.85]]))
 _ROW = frozen(np.outer((2 * np.arange(5)[:, None] + _IN_CELL).ravel(), np.eye(3)[0]))
 _ROW_PAIRS = frozen(np.array([[0, 1], [1, 2], [2, 3], [3, 4]]))
 
 
-def _exactly(label: np.ndarray) -> tuple:
+def _exact_arguments(label: np.ndarray) -> tuple:
     return SEVEN, _CELL_OF_POINT, _PAIRS, label, WIDE
 
 
@@ -239,10 +239,14 @@ def _exactly(label: np.ndarray) -> tuple:
     "label[label == label[b]] = label[a].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
-    # The pieces have numbers as they come, and either may be the larger.
+    # Pieces are numbered in any order, so either of the two to join may have the larger number.
     for label in (_PIECES, 2 - _PIECES):
-        answer = join_exactly(*(np.copy(part) for part in _exactly(label)[:-1]), WIDE)
-        _assert_same_pieces(answer, _JOINED, f"{_GIVEN}; pieces {_pieces(_PIECES)} after step 2")
+        answer = join_exactly(
+            *(np.copy(argument) for argument in _exact_arguments(label)[:-1]), WIDE
+        )
+        _assert_same_pieces(
+            answer, _JOINED, f"{_GIVEN}; pieces {_pieces_text(_PIECES)} after step 2"
+        )
 
 
 @visible(
@@ -254,7 +258,7 @@ def joins_exactly(join_exactly: Callable) -> None:
 def leaves_the_labels(join_exactly: Callable) -> None:
     with needs("points 3 and 4 join their pieces, and all cells of these"):
         joins_exactly(join_exactly)
-    assert_left_alone(observe(join_exactly, *_exactly(_PIECES)), *_exactly(_PIECES))
+    assert_left_alone(observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES))
 
 
 @visible(

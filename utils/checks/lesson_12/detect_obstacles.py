@@ -1,4 +1,4 @@
-"""Visible checks of `detect_obstacles`: each property is looked at where cars are found."""
+"""Visible checks of `detect_obstacles`: further properties are judged only if cars are found."""
 
 from __future__ import annotations
 
@@ -55,7 +55,8 @@ SQUARE, WALK = 25, 7
     "they vanish?",
 )
 def finds_cars(detect_obstacles: Callable) -> None:
-    # One by one, and all that rows below are asked about: so none of them waits for this in vain.
+    # Cover every scan that later checks use, one by one, because those checks can be judged only if
+    # the cars in their scan are found.
     for frame in (street(), street_before(), square(SQUARE), walk(WALK)):
         assert_cars_found([detected(detect_obstacles, frame)], [frame])
 
@@ -207,10 +208,10 @@ def takes_three_columns(detect_obstacles: Callable) -> None:
 )
 def leaves_the_cloud(detect_obstacles: Callable) -> None:
     cloud = square(SQUARE).cloud.copy()
-    cloud[::50, 3] = np.nan  # who mends a cloud in place, mends these
-    seen = observe(detect_obstacles, cloud)
-    assert_sees(seen.result, square(SQUARE))
-    assert_left_alone(seen, cloud)
+    cloud[::50, 3] = np.nan  # a function that cleans the cloud in place replaces these
+    observed = observe(detect_obstacles, cloud)
+    assert_sees(observed.result, square(SQUARE))
+    assert_left_alone(observed, cloud)
 
 
 @noted(
@@ -248,24 +249,26 @@ def has_the_floor_first(detect_obstacles: Callable) -> None:
     "nothing: paste what it needs into the cells above it.",
 )
 def stands_alone(detect_obstacles: Callable) -> None:
-    if name := _from_elsewhere(detect_obstacles):
+    if name := _foreign_name(detect_obstacles):
         raise CheckFailed(f"The detector uses {name}, which brings functions of another notebook.")
 
 
-def _from_elsewhere(function: Callable) -> str | None:
-    """The name by which a function, or one that it calls, reaches into another notebook."""
-    parts = [function, *functions_used(function).values()]
-    waiting = [(part.__code__, part.__globals__) for part in parts if hasattr(part, "__code__")]
-    while waiting:
-        code, names = waiting.pop(0)
-        waiting += [(inner, names) for inner in code.co_consts if isinstance(inner, CodeType)]
+def _foreign_name(function: Callable) -> str | None:
+    """Return the name through which a function, or one that it calls, uses another notebook."""
+    functions = [function, *functions_used(function).values()]
+    pending = [
+        (called.__code__, called.__globals__) for called in functions if hasattr(called, "__code__")
+    ]
+    while pending:
+        code, names = pending.pop(0)
+        pending += [(nested, names) for nested in code.co_consts if isinstance(nested, CodeType)]
         for name in code.co_names:
             value = names.get(name)
-            inside = vars(value).values() if isinstance(value, SimpleNamespace) else [value]
-            # `load_my_functions` gives the functions of a notebook its name for a module.
-            homes = {str(getattr(one, "__module__", "")) for one in inside}
+            members = vars(value).values() if isinstance(value, SimpleNamespace) else [value]
+            # `load_my_functions` sets the module of the functions to the name of their notebook.
+            modules = {str(getattr(member, "__module__", "")) for member in members}
             if name == "load_my_functions" or any(
-                home.endswith(".ipynb") and home != function.__module__ for home in homes
+                module.endswith(".ipynb") and module != function.__module__ for module in modules
             ):
                 return name
     return None

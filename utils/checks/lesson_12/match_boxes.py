@@ -1,4 +1,4 @@
-"""Visible checks of `match_boxes`: each property is looked at where boxes are found again."""
+"""Visible checks of `match_boxes`: further properties are judged only if boxes are matched."""
 
 from __future__ import annotations
 
@@ -26,13 +26,15 @@ from utils.checks.run_cache import once
 
 
 def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
-    """Boxes around some places; `turn` starts the corners elsewhere, in the same cyclic order.
+    """Return cubes with these centres.
 
     Parameters
     ----------
     centres : array_like, shape (N, 2) or (N, 3)
     size : float
+        Length of an edge in metres.
     turn : int
+        Number of places by which the corners are shifted, in the same cyclic order.
 
     Returns
     -------
@@ -45,14 +47,14 @@ def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
     return centres[:, None] + size / 2 * np.vstack([floor, floor + [0, 0, 2]])
 
 
-# Four boxes that move half a metre, far from each other, and come in another order.
+# Four boxes, far from each other, that move by half a metre and come back in another order.
 _ORDER = frozen(np.array([2, 0, 3, 1]))
 _BEFORE = frozen(cubes([[4, 1], [9, -3], [15, 2], [-6, -4]]))
 _AFTER = frozen(_BEFORE[_ORDER] + [-0.5, 0.1, 0.0])
 
 
 def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.ndarray:
-    """An answer as one number for each current box.
+    """Convert an answer to an array with one index for each current box.
 
     Parameters
     ----------
@@ -62,6 +64,11 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     Returns
     -------
     numpy.ndarray, shape (N_current,)
+
+    Raises
+    ------
+    WrongForm
+        If the answer contains None, holds truth values or has another shape.
     """
     if isinstance(answer, (list, tuple)) and any(entry is None for entry in answer):
         raise WrongForm(
@@ -74,20 +81,20 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
         return np.empty(0)
     if yours.shape == (len(current),) and yours.dtype.kind != "b":
         return yours
-    words = ""
+    message = ""
     if yours.dtype.kind == "b":
-        words = " This is a mask, True or False."
+        message = " This is a mask, True or False."
     elif yours.shape == (len(current), len(previous)):
-        words = " This has the shape of a table of all pairs: which column does each row choose?"
+        message = " This has the shape of a table of all pairs: which column does each row choose?"
     elif yours.shape == (len(previous),):
-        words = f" There are {len(previous)}, one for each previous box."
+        message = f" There are {len(previous)}, one for each previous box."
     elif yours.ndim == 2 and yours.shape[1] == 2:
-        words = (
+        message = (
             " If these are pairs: the second number of each belongs at the place that the first "
             "one names."
         )
     raise WrongForm(
-        f"There must be one index for each of the {len(current)} current boxes.{words}",
+        f"There must be one index for each of the {len(current)} current boxes.{message}",
         yours=f"shape {yours.shape}",
         expected=f"shape ({len(current)},)",
     )
@@ -101,22 +108,23 @@ def assert_matched(
     look_at: ArrayLike | slice = slice(None),
     given: str | None = None,
 ) -> None:
-    """The answer names for each current box the right previous one.
+    """Assert that the answer has the index of the right previous box for each current box.
 
     Parameters
     ----------
     answer : object
     expected : array_like of int, shape (N_current,)
+        Index of the previous box, or -1 for a new box.
     previous, current : numpy.ndarray, shape (N, 8, 3)
     look_at : array_like or slice
-        Which current boxes are looked at; all, if not given.
+        Rows of the current boxes to compare; by default all.
     given : str, optional
-        What else the function was given, for the message.
+        Other arguments of the function as text, for the message.
     """
     expected = np.asarray(expected, dtype=int).ravel()
     yours = as_indices(answer, previous, current)
-    looked = np.arange(len(expected))[look_at]
-    wrong = looked[yours[looked] != expected[looked]]
+    compared = np.arange(len(expected))[look_at]
+    wrong = compared[yours[compared] != expected[compared]]
     if not len(wrong):
         return
     first = wrong[0]
@@ -131,24 +139,24 @@ def assert_matched(
         message = f"Current box {first} was previous box {expected[first]}."
     raise CheckFailed(
         message,
-        given=_centres(previous, current, given),
+        given=_centres_text(previous, current, given),
         yours=brief(yours),
         expected=brief(expected),
-        hint=_OTHER_WAY_ROUND if _is_inverse(yours, expected) else "",
+        hint=_SWAPPED_HINT if _is_inverse(yours, expected) else "",
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
     )
 
 
-_OTHER_WAY_ROUND = (
+_SWAPPED_HINT = (
     "Read the other way round, your pairs are right: entry k of yours says which current box "
     "previous box k became. answer[row] = column, where rows are current and columns previous."
 )
 
 
 def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
-    """Whether an answer has the right pairs, and each the wrong way round."""
-    everybody = np.arange(len(expected))
-    return np.array_equal(np.sort(expected), everybody) and np.array_equal(
+    """Return whether an answer has the right pairs, with current and previous swapped."""
+    indices = np.arange(len(expected))
+    return np.array_equal(np.sort(expected), indices) and np.array_equal(
         yours, np.argsort(expected)
     )
 
@@ -156,24 +164,24 @@ def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
 def assert_one_to_one(
     answer: object, previous: np.ndarray, current: np.ndarray, given: str | None = None
 ) -> None:
-    """No previous box has two partners; whether they are the right ones is not asked.
+    """Assert that no previous box has two partners, whether these are right or wrong.
 
     Parameters
     ----------
     answer : object
     previous, current : numpy.ndarray, shape (N, 8, 3)
     given : str, optional
-        What else the function was given, for the message.
+        Other arguments of the function as text, for the message.
     """
     yours = as_indices(answer, previous, current)
-    taken, times = np.unique(yours[yours >= 0], return_counts=True)
-    if (times > 1).any():
-        twice = taken[times > 1][0]
-        owners = np.flatnonzero(yours == twice)
+    partners, counts = np.unique(yours[yours >= 0], return_counts=True)
+    if (counts > 1).any():
+        shared = partners[counts > 1][0]
+        owners = np.flatnonzero(yours == shared)
         raise CheckFailed(
-            f"Previous box {twice:.0f} is given to several current boxes, for example to "
+            f"Previous box {shared:.0f} is given to several current boxes, for example to "
             f"{owners[0]} and {owners[1]}.",
-            given=_centres(previous, current, given),
+            given=_centres_text(previous, current, given),
             yours=brief(yours),
             draw=functools.partial(_draw_matches, previous, current, yours, np.empty(0)),
         )
@@ -186,14 +194,18 @@ def assert_within(
     current: np.ndarray,
     max_distance: float,
 ) -> None:
-    """Partners are those boxes that are close enough; what the others get is not asked.
+    """Assert that close boxes are partners, and that others have no partner.
+
+    Any negative number counts as no partner, because another check asks for -1.
 
     Parameters
     ----------
     answer : object
     expected : array_like of int, shape (N_current,)
+        Index of the previous box, or -1 if none is close enough.
     previous, current : numpy.ndarray, shape (N, 8, 3)
     max_distance : float
+        The limit that the function was given, in metres.
     """
     expected = np.asarray(expected, dtype=int)
     yours = as_indices(answer, previous, current)
@@ -205,12 +217,12 @@ def assert_within(
         raise CheckFailed(
             f"There is no previous box, and current box {first} has a partner.", yours=brief(yours)
         )
-    away = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
+    gap = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
     text = "it has no partner" if expected[first] < 0 else "that is its partner"
     raise CheckFailed(
-        f"Current box {first} is {away:.2f} m from the nearest previous box, and max_distance is "
+        f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
         f"{max_distance:g} m: {text}.",
-        given=_centres(previous, current, f"max_distance {max_distance:g}"),
+        given=_centres_text(previous, current, f"max_distance {max_distance:g}"),
         yours=brief(yours),
         expected=brief(expected),
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
@@ -219,14 +231,14 @@ def assert_within(
 
 @once
 def assert_finds_again(match_boxes: Callable) -> None:
-    """Boxes are found again after a small move; where not, nothing else can be looked at."""
+    """Assert that boxes are found again after a small move; raise `NotYet` if not."""
     with needs("boxes are found again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
         assert_matched(answer, _ORDER, _BEFORE, _AFTER)
 
 
-def _centres(previous: np.ndarray, current: np.ndarray, more: str | None = None) -> str | None:
-    """What a function was given, if that is little: the centres of the boxes."""
+def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = None) -> str | None:
+    """Return the centres of the boxes as text, or None if there are more than eight boxes."""
     if len(previous) + len(current) > 8:
         return None
     parts = []
@@ -274,7 +286,7 @@ def marks_new_ones(match_boxes: Callable) -> None:
 def ends_at_the_limit(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
     previous = cubes([[0, 0], [20, 0], [40, 0]])
-    # The last one has moved by 1.4 m, askew.
+    # The last box has moved diagonally by 1.4 m.
     current = cubes([[40, 2.6], [0, 0.4], [19.16, -1.12]])
     for limit, expected in (
         (3.0, [2, 0, 1]),
@@ -285,7 +297,7 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
     ):
         answer = match_boxes(previous.copy(), current.copy(), limit)
         assert_within(answer, expected, previous, current, limit)
-    # The two pairs that are too far apart have the smaller sum.
+    # A search for the smallest sum would choose the two pairs that are too far apart.
     previous, current = cubes([[0, 0], [4, 0]]), cubes([[3.2, 0], [7.2, 0]])
     assert_within(
         match_boxes(previous.copy(), current.copy(), 2.0), [1, -1], previous, current, 2.0
@@ -301,11 +313,11 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
 )
 def is_one_to_one(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
-    # The nearer one comes first, then last, and nobody is where previous box 0 was.
+    # The nearer current box comes first, then last. No current box is near previous box 0.
     previous, current = cubes([[-20, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
-    for now in (current, current[::-1]):
-        answer = match_boxes(previous.copy(), now.copy(), 2.0)
-        assert_one_to_one(answer, previous, now, "max_distance 2")
+    for ordered in (current, current[::-1]):
+        answer = match_boxes(previous.copy(), ordered.copy(), 2.0)
+        assert_one_to_one(answer, previous, ordered, "max_distance 2")
 
 
 @visible(
@@ -361,14 +373,14 @@ def goes_by_the_centres(match_boxes: Callable) -> None:
 )
 def takes_no_boxes(match_boxes: Callable) -> None:
     assert_finds_again(match_boxes)
-    some, none = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
+    boxes, no_boxes = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
     far = cubes([[40, 7]])
-    [marker] = as_indices(match_boxes(some.copy(), far.copy(), 2.0), some, far)
-    for previous, current in ((none, some), (some, none), (none, none)):
+    [marker] = as_indices(match_boxes(boxes.copy(), far.copy(), 2.0), boxes, far)
+    for previous, current in ((no_boxes, boxes), (boxes, no_boxes), (no_boxes, no_boxes)):
         answer = match_boxes(previous.copy(), current.copy(), 2.0)
         assert_within(answer, np.full(len(current), -1), previous, current, 2.0)
         yours = as_indices(answer, previous, current)
-        # Whoever marks new ones otherwise is told that where others have partners.
+        # Skip functions with another marker for new boxes: the check that asks for -1 reports them.
         if marker == -1 and not (yours == marker).all():
             raise CheckFailed(
                 "Without a previous box each current one is new, and is not marked as new.",
@@ -378,7 +390,7 @@ def takes_no_boxes(match_boxes: Callable) -> None:
             )
 
 
-_MOVED = Case(
+_MOVED_CASE = Case(
     __name__,
     "match_boxes",
     {"previous": _BEFORE, "current": _AFTER, "max_distance": 1.5},
@@ -389,12 +401,12 @@ _MOVED = Case(
     basic=assert_finds_again,
 )
 common_checks.names(
-    _MOVED,
+    _MOVED_CASE,
     "keeps_the_names",
     why="Whoever writes match_boxes(before, after, max_distance=1.5) relies on them.",
 )
 common_checks.untouched(
-    _MOVED,
+    _MOVED_CASE,
     "leaves_the_boxes",
     why="The boxes of this frame are the previous ones of the next.",
     hint="Put infinity into a table of your own, and nothing into the boxes.",
@@ -407,14 +419,14 @@ common_checks.untouched(
     why="The tracker, below, looks names up with them, and 2.0 is no index.",
 )
 def has_whole_indices(match_boxes: Callable) -> None:
-    kind = as_array(match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)).dtype
-    if kind.kind not in "iu":
-        raise CheckFailed(f"The indices are of type {kind}.")
+    dtype = as_array(match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)).dtype
+    if dtype.kind not in "iu":
+        raise CheckFailed(f"The indices are of type {dtype}.")
 
 
-# Eleven small calls that tell the usual mistakes apart, each with a max_distance of its own, by
-# which it is known: where (x, y) the boxes were and are, and who is whose partner. In "far" and
-# "near" boxes are large, and their corners start elsewhere in the second frame.
+# Eleven small calls that distinguish the usual mistakes: max_distance, previous centres (x, y),
+# current centres and the right partners. Each call has a different max_distance, which identifies
+# it. In "far" and "near" boxes are large, and their corners start elsewhere in the second frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
 _CALLS = {
     "moved": (2.0, (*_ROW, (30, 0)), ((20, 1.15), (0, 1.1), (30, 1.2), (10, 1.25)), (2, 0, 3, 1)),
@@ -431,26 +443,26 @@ _CALLS = {
 }
 
 
-def _called(name: str) -> tuple[np.ndarray, np.ndarray, float]:
+def _arguments_of(name: str) -> tuple[np.ndarray, np.ndarray, float]:
     limit, before, after, _ = _CALLS[name]
     size, turn = (4.0, 2) if name in ("far", "near") else (1.0, 0)
     return cubes(before, size), cubes(after, size, turn), limit
 
 
-def _right(previous: np.ndarray, current: np.ndarray, max_distance: float) -> np.ndarray:
+def _right_partners(previous: np.ndarray, current: np.ndarray, max_distance: float) -> np.ndarray:
     return next(np.array(call[3]) for call in _CALLS.values() if call[0] == max_distance)
 
 
-def _but(**answers: tuple) -> Callable:
-    """Predicts the right answer, but for some of the calls."""
+def _right_except(**answers: tuple) -> Callable:
+    """Return a prediction that gives these answers for the named calls, else the right answer."""
     by_limit = {_CALLS[name][0]: np.array(answer) for name, answer in answers.items()}
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 
 
-def _by_means_of_corners(
+def _match_corner_means(
     right: np.ndarray, previous: np.ndarray, current: np.ndarray, max_distance: float
 ) -> np.ndarray:
-    """As if the middle of a box were the means of x, y and z of its corners, eight numbers."""
+    """Match boxes by eight numbers, the mean of x, y and z of each corner, not by the centre."""
     table = np.linalg.norm(current.mean(axis=2)[:, None] - previous.mean(axis=2), axis=2)
     partners = np.full(len(current), -1)
     while table.min() <= max_distance:
@@ -460,38 +472,38 @@ def _by_means_of_corners(
     return partners
 
 
-def _closest_alone(
+def _closest_pair_only(
     right: np.ndarray, previous: np.ndarray, current: np.ndarray, max_distance: float
 ) -> np.ndarray:
-    """As if there were one pair at most."""
+    """Keep only the closest pair of the right answer."""
     table = np.linalg.norm(current.mean(axis=1)[:, None] - previous.mean(axis=1), axis=2)
     closest = table.min(axis=1)
-    alone = (closest == closest.min()) & (closest <= max_distance)
-    return np.where(alone, right, -1)
+    is_closest = (closest == closest.min()) & (closest <= max_distance)
+    return np.where(is_closest, right, -1)
 
 
 mistakes(
     "match_boxes",
     Mistake(
         "A single pair is made, the closest of all. The other boxes are not looked at.",
-        _closest_alone,
+        _closest_pair_only,
         "Go on with while as long as a pair is close enough, and return behind the loop.",
     ),
     Mistake(
         "Each current box takes the nearest previous one that is close enough, also where that "
         "one has a nearer partner.",
-        _but(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
+        _right_except(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
         "Once a pair is chosen, strike out its row and its column.",
     ),
     Mistake(
         "Whichever current box comes first in the list takes the partner, also where a later one "
         "is nearer.",
-        _but(rivals=(1, -1, 2, -1), crowd=(0, -1, -1)),
+        _right_except(rivals=(1, -1, 2, -1), crowd=(0, -1, -1)),
         "Take the closest of all pairs first.",
     ),
     Mistake(
         "max_distance is not looked at: pairs are made as long as there are boxes on both sides.",
-        _but(
+        _right_except(
             rivals=(0, 1, 2, -1),
             far=(2, 0, 1),
             small=(0, 2, 1),
@@ -504,7 +516,7 @@ mistakes(
     Mistake(
         "Each current box takes the nearest previous one, however far it is and whoever else has "
         "it.",
-        _but(
+        _right_except(
             rivals=(1, 1, 2, 2),
             crowd=(0, 0, 0),
             far=(2, 0, 1),
@@ -518,7 +530,7 @@ mistakes(
     Mistake(
         "Each previous box takes the nearest current one, however far it is: max_distance is not "
         "looked at.",
-        _but(
+        _right_except(
             merge=(2,),
             between=(1, 2),
             far=(2, 0, 1),
@@ -531,28 +543,28 @@ mistakes(
     Mistake(
         "The best sum is sought among all pairs, and those too far apart are dropped only then: "
         "one of them may have taken the place of one that is near enough.",
-        _but(chain=(-1, -1), gap=(-1, -1)),
+        _right_except(chain=(-1, -1), gap=(-1, -1)),
         "Before linear_sum_assignment write a huge number where a distance is too large.",
     ),
     Mistake(
         "A box that has its partner gets another, farther one later: its row is not struck out.",
-        _but(merge=(0,), between=(1, 2)),
+        _right_except(merge=(0,), between=(1, 2)),
         "After each pair put infinity into table[row, :], not into the column alone.",
     ),
     Mistake(
         "The square of the distance is compared with max_distance.",
-        _but(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
+        _right_except(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
         "Take the root, or let np.linalg.norm do it.",
     ),
     Mistake(
         "A fixed distance decides, whatever max_distance is.",
-        _but(far=(-1, 0, -1), small=(0, 2, 1), askew=(0, 1)),
+        _right_except(far=(-1, 0, -1), small=(0, 2, 1), askew=(0, 1)),
         "Compare with max_distance, by its name.",
     ),
     Mistake(
         "The answer is the wrong way round: it says for each previous box which current one it "
         "became.",
-        _but(
+        _right_except(
             moved=(1, 3, 0, 2),
             rivals=(-1, 1, 2),
             crowd=(1,),
@@ -586,17 +598,17 @@ mistakes(
     Mistake(
         "The mean is taken over x, y and z of each corner, and not over the eight corners of each "
         "box.",
-        _by_means_of_corners,
+        _match_corner_means,
         "boxes.mean(axis=1) is one centre (x, y, z) for each box; axis=2 would mix x with y.",
     ),
     Mistake(
         "Corners are compared, one or all of them, and not centres. Another box may start its "
         "corners elsewhere.",
-        _but(far=(-1, -1, -1), near=(-1, -1)),
+        _right_except(far=(-1, -1, -1), near=(-1, -1)),
         "Compare the centres: the mean of all eight corners.",
     ),
-    cases=tuple(_called(name) for name in _CALLS),
-    right=_right,
+    cases=tuple(_arguments_of(name) for name in _CALLS),
+    right=_right_partners,
 )
 
 
@@ -605,9 +617,9 @@ def _draw_matches(
 ) -> None:
     axes = utils.plots.boxes(previous, reference=True, names=True, label="previous")
     if len(current):
-        middle = np.vstack([previous, current])[:, :, :2].reshape(-1, 2)
-        axes.set_xlim(middle[:, 0].min() - 2, middle[:, 0].max() + 2)
-        axes.set_ylim(middle[:, 1].min() - 2, middle[:, 1].max() + 2)
+        corners = np.vstack([previous, current])[:, :, :2].reshape(-1, 2)
+        axes.set_xlim(corners[:, 0].min() - 2, corners[:, 0].max() + 2)
+        axes.set_ylim(corners[:, 1].min() - 2, corners[:, 1].max() + 2)
         utils.plots.boxes(
             current,
             names=True,
@@ -616,8 +628,8 @@ def _draw_matches(
             title="Solid lines: your pairs" + ("; dotted: the right ones" if len(expected) else ""),
         )
     chosen = np.nan_to_num(yours, nan=-1).astype(int)
-    for pairs, line, wide in ((expected, ":", 4.0), (chosen, "-", 1.5)):
-        for number, partner in enumerate(pairs):
+    for pairs, style, width in ((expected, ":", 4.0), (chosen, "-", 1.5)):
+        for index, partner in enumerate(pairs):
             if 0 <= partner < len(previous):
-                ends = np.stack([previous[partner], current[number]])[:, :, :2].mean(axis=1)
-                axes.plot(*ends.T, line, color="black", linewidth=wide)
+                ends = np.stack([previous[partner], current[index]])[:, :, :2].mean(axis=1)
+                axes.plot(*ends.T, style, color="black", linewidth=width)

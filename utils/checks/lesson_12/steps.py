@@ -1,6 +1,6 @@
 """Visible checks of the three steps of a tracker: `predict_boxes`, `correct_boxes`, `coast`.
 
-They give no points: whoever wants to go on without them, can.
+The steps give no points, so they can be skipped.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from utils.checks.diagnosis import Mistake, mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.lesson_12.match_boxes import cubes
 
-_NONE = frozen(np.empty((0, 8, 3)))
+_NO_BOXES = frozen(np.empty((0, 8, 3)))
 
 
 def _centres(boxes: np.ndarray) -> np.ndarray:
-    """Where boxes are, rounded to a tenth of a millimetre."""
+    """Return the centres of boxes, rounded to a tenth of a millimetre."""
     return np.round(boxes.mean(axis=1), 4) + 0.0
 
 
 def _as_boxes(answer: object, n: int, what: str = "boxes") -> np.ndarray:
     boxes = as_array(answer, what=f"an array of {what}")
     if boxes.size == 0 and n == 0:
-        return _NONE
+        return _NO_BOXES
     if boxes.shape != (n, 8, 3):
-        words = " These are centres: move all eight corners." if boxes.shape == (n, 3) else ""
+        note = " These are centres: move all eight corners." if boxes.shape == (n, 3) else ""
         raise WrongForm(
-            f"There must be eight corners for each of the {n} {what}.{words}",
+            f"There must be eight corners for each of the {n} {what}.{note}",
             yours=f"shape {boxes.shape}",
             expected=f"shape ({n}, 8, 3)",
         )
@@ -47,7 +47,7 @@ def _as_boxes(answer: object, n: int, what: str = "boxes") -> np.ndarray:
 
 
 def _pair(answer: object, names: tuple[str, str]) -> tuple[object, object]:
-    """An answer of two results."""
+    """Return the two results of a step."""
     if not isinstance(answer, tuple | list) or len(answer) != 2:
         raise WrongForm(
             f"The step returns two things: {' and '.join(names)}.",
@@ -68,14 +68,16 @@ def _same_pair(answer: object, predicted: tuple) -> bool:
 # ---- predict_boxes -----------------------------------------------------------------------------
 
 _PARKED = frozen(cubes([[10, 2], [20, -1], [-4, 3]]))
-_WAYS = frozen(np.array([[-5.0, 0, 0], [-13.0, 0.5, 0], [2.0, -4.0, 1.0]]))
-# As many boxes as a box has corners.
+_PARKED_VELOCITIES = frozen(np.array([[-5.0, 0, 0], [-13.0, 0.5, 0], [2.0, -4.0, 1.0]]))
+# As many boxes as a box has corners, so that wrong broadcasting does not raise an exception.
 _EIGHT = frozen(cubes([[3.0 * number, number % 3] for number in range(8)]))
-_EIGHT_WAYS = frozen(np.array([[number - 3.0, 2.0 - number, 0.0] for number in range(8)]))
+_EIGHT_VELOCITIES = frozen(np.array([[number - 3.0, 2.0 - number, 0.0] for number in range(8)]))
 
 
 def _moved(boxes: np.ndarray, velocities: np.ndarray, seconds: float) -> np.ndarray:
-    return np.stack([box + seconds * way for box, way in zip(boxes, velocities, strict=True)])
+    return np.stack(
+        [box + seconds * velocity for box, velocity in zip(boxes, velocities, strict=True)]
+    )
 
 
 def _assert_moved(
@@ -114,7 +116,7 @@ def _assert_moved(
     "velocities[:, None] is (N, 1, 3), one way for all corners of a box.",
 )
 def moves_the_boxes(predict_boxes: Callable) -> None:
-    _assert_moved(predict_boxes, _PARKED, _WAYS, 0.1)
+    _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
 
 
 @visible(
@@ -125,7 +127,7 @@ def moves_the_boxes(predict_boxes: Callable) -> None:
 )
 def takes_the_time(predict_boxes: Callable) -> None:
     for seconds in (0.2, 0.05, 0.0):
-        _assert_moved(predict_boxes, _PARKED, _WAYS, seconds)
+        _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, seconds)
 
 
 @visible(
@@ -136,7 +138,7 @@ def takes_the_time(predict_boxes: Callable) -> None:
     hint="velocities[:, None] says that the three numbers of a row are for a whole box.",
 )
 def moves_eight_boxes(predict_boxes: Callable) -> None:
-    _assert_moved(predict_boxes, _EIGHT, _EIGHT_WAYS, 0.1)
+    _assert_moved(predict_boxes, _EIGHT, _EIGHT_VELOCITIES, 0.1)
 
 
 @visible(
@@ -146,7 +148,7 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
     hint="Whole arrays do it all: no loop and no special case is needed.",
 )
 def predicts_nothing(predict_boxes: Callable) -> None:
-    _as_boxes(predict_boxes(_NONE.copy(), np.empty((0, 3)), 0.1), 0)
+    _as_boxes(predict_boxes(_NO_BOXES.copy(), np.empty((0, 3)), 0.1), 0)
 
 
 @visible(
@@ -156,7 +158,9 @@ def predicts_nothing(predict_boxes: Callable) -> None:
     hint="boxes + ... makes new boxes; boxes += ... writes into the old ones.",
 )
 def leaves_what_was(predict_boxes: Callable) -> None:
-    assert_left_alone(observe(predict_boxes, _PARKED, _WAYS, 0.1), _PARKED, _WAYS, 0.1)
+    assert_left_alone(
+        observe(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1), _PARKED, _PARKED_VELOCITIES, 0.1
+    )
 
 
 mistakes(
@@ -196,7 +200,7 @@ mistakes(
         lambda right, boxes, velocities, seconds: boxes,
         is_cheap=True,
     ),
-    cases=((_EIGHT, _EIGHT_WAYS, 0.25), (_EIGHT[::-1], _EIGHT_WAYS, 0.4)),
+    cases=((_EIGHT, _EIGHT_VELOCITIES, 0.25), (_EIGHT[::-1], _EIGHT_VELOCITIES, 0.4)),
     right=_moved,
 )
 
@@ -205,59 +209,62 @@ mistakes(
 
 _EXPECTED = frozen(cubes([[10, 0], [20, -1]]))
 _FOUND = frozen(np.vstack([cubes([[10.4, 0.2]]), cubes([[19, -1, 0.4]], 2.0, turn=2)]))
-_SPEEDS = frozen(np.array([[-5.0, 0, 0], [-12.0, 1.0, 0.5]]))
-_RESULTS = "boxes", "velocities"
+_VELOCITIES = frozen(np.array([[-5.0, 0, 0], [-12.0, 1.0, 0.5]]))
+_RESULT_NAMES = "boxes", "velocities"
 
 
-def _believed(
+def _filtered(
     expected: np.ndarray, velocities: np.ndarray, found: np.ndarray, gain: float, seconds: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Pulled towards what was expected, in the field's way to write it: x = z - (1 - a) r."""
-    off = _middle(found) - _middle(expected)
-    second = 2 * (1 - np.sqrt(1 - gain)) ** 2
-    return found - ((1 - gain) * off)[:, None], velocities + second * off / seconds
+    """Return boxes and velocities corrected by an alpha-beta filter.
+
+    A box is z - (1 - gain) r, where z is the box found and r its offset from the expected box.
+    """
+    offset = _mean_corners(found) - _mean_corners(expected)
+    beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
+    return found - ((1 - gain) * offset)[:, None], velocities + beta * offset / seconds
 
 
-def _middle(boxes: np.ndarray) -> np.ndarray:
+def _mean_corners(boxes: np.ndarray) -> np.ndarray:
     return boxes.sum(axis=1) / 8
 
 
 def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
-    arguments = (_EXPECTED.copy(), _SPEEDS.copy(), _FOUND.copy(), gain, seconds)
-    boxes, velocities = _pair(correct_boxes(*arguments), _RESULTS)
-    if np.shape(boxes) == _SPEEDS.shape and np.shape(velocities) == _FOUND.shape:
+    arguments = (_EXPECTED.copy(), _VELOCITIES.copy(), _FOUND.copy(), gain, seconds)
+    boxes, velocities = _pair(correct_boxes(*arguments), _RESULT_NAMES)
+    if np.shape(boxes) == _VELOCITIES.shape and np.shape(velocities) == _FOUND.shape:
         raise WrongForm(
             "The two answers are exchanged: boxes come first, then velocities.",
             yours=f"shapes {np.shape(boxes)} and {np.shape(velocities)}",
-            expected=f"shapes {_FOUND.shape} and {_SPEEDS.shape}",
+            expected=f"shapes {_FOUND.shape} and {_VELOCITIES.shape}",
         )
-    what = "velocities, three numbers each"
-    velocities = as_array(velocities, columns=3, what=what, each="velocity")
+    description = "velocities, three numbers each"
+    velocities = as_array(velocities, columns=3, what=description, each="velocity")
     if len(velocities) != len(_FOUND):
         raise WrongForm(
             f"There must be one velocity for each of the {len(_FOUND)} boxes.",
             yours=f"shape {velocities.shape}",
-            expected=f"shape {_SPEEDS.shape}",
+            expected=f"shape {_VELOCITIES.shape}",
         )
     return _as_boxes(boxes, len(_FOUND)), velocities
 
 
-def _told(row: int, gain: float, seconds: float) -> str:
+def _given_text(row: int, gain: float, seconds: float) -> str:
     return (
         f"expected at {brief(_centres(_EXPECTED)[row])}, found at {brief(_centres(_FOUND)[row])}, "
-        f"velocity {brief(_SPEEDS[row])} m/s, gain {gain:g}, {seconds:g} s"
+        f"velocity {brief(_VELOCITIES[row])} m/s, gain {gain:g}, {seconds:g} s"
     )
 
 
 def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None:
     yours, _ = _corrected(correct_boxes, gain, seconds)
-    right, _ = _believed(_EXPECTED, _SPEEDS, _FOUND, gain, seconds)
-    off = ~np.isclose(_centres(yours), _centres(right), rtol=0, atol=1e-3).all(axis=1)
-    if off.any():
-        row = np.flatnonzero(off)[0]
+    right, _ = _filtered(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
+    is_wrong = ~np.isclose(_centres(yours), _centres(right), rtol=0, atol=1e-3).all(axis=1)
+    if is_wrong.any():
+        row = np.flatnonzero(is_wrong)[0]
         raise CheckFailed(
             f"Box {row} is not the gain's share of the way from expected to found.",
-            given=_told(row, gain, seconds),
+            given=_given_text(row, gain, seconds),
             yours=f"centre at {brief(_centres(yours)[row])}",
             expected=f"centre at {brief(_centres(right)[row])}",
         )
@@ -286,10 +293,10 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
     with needs("a box lies between where it was expected and where it is found"):
         lies_between(correct_boxes)
     yours, _ = _corrected(correct_boxes, 0.5, 0.1)
-    right, _ = _believed(_EXPECTED, _SPEEDS, _FOUND, 0.5, 0.1)
-    off = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=1e-3).all(axis=(1, 2)))
-    if len(off):
-        row = off[0]
+    right, _ = _filtered(_EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1)
+    wrong = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=1e-3).all(axis=(1, 2)))
+    if len(wrong):
+        row = wrong[0]
         raise CheckFailed(
             f"Box {row} has other corners than the box that was found.",
             given="a box found twice as large as expected, its corners counted from elsewhere",
@@ -309,13 +316,13 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 def learns_the_velocity(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
         _, yours = _corrected(correct_boxes, gain, seconds)
-        _, right = _believed(_EXPECTED, _SPEEDS, _FOUND, gain, seconds)
-        off = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=2e-3).all(axis=1))
-        if len(off):
-            row = off[0]
+        _, right = _filtered(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
+        wrong = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=2e-3).all(axis=1))
+        if len(wrong):
+            row = wrong[0]
             raise CheckFailed(
                 f"Track {row} has another velocity.",
-                given=_told(row, gain, seconds),
+                given=_given_text(row, gain, seconds),
                 yours=f"{brief(yours[row])} m/s",
                 expected=f"{brief(right[row])} m/s",
             )
@@ -332,12 +339,12 @@ def has_two_ends(correct_boxes: Callable) -> None:
     for gain in (0.0, 1.0):
         _assert_placed(correct_boxes, gain, 0.1)
     _, yours = _corrected(correct_boxes, 0.0, 0.1)
-    if not np.allclose(yours, _SPEEDS, atol=1e-3):
+    if not np.allclose(yours, _VELOCITIES, atol=1e-3):
         raise CheckFailed(
             fixed("With a gain of 0 a velocity stays as it is."),
-            given=_told(0, 0.0, 0.1),
+            given=_given_text(0, 0.0, 0.1),
             yours=brief(yours[0]),
-            expected=brief(_SPEEDS[0]),
+            expected=brief(_VELOCITIES[0]),
         )
 
 
@@ -349,22 +356,24 @@ def has_two_ends(correct_boxes: Callable) -> None:
     "the old ones.",
 )
 def leaves_what_was_given(correct_boxes: Callable) -> None:
-    arguments = _EXPECTED, _SPEEDS, _FOUND, 0.5, 0.1
+    arguments = _EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1
     assert_left_alone(observe(correct_boxes, *arguments), *arguments)
 
 
-def _instead(
-    way: Callable = lambda velocities, off, gain, beta, seconds: velocities + beta * off / seconds,
+def _corrected_by(
+    velocity_rule: Callable = lambda velocities, offset, gain, beta, seconds: (
+        velocities + beta * offset / seconds
+    ),
     share: Callable = lambda gain: gain,
 ) -> Callable:
-    """Predicts another velocity, or another share of the way."""
+    """Return a prediction with another rule for the velocity or another share of the distance."""
 
     def predicts(right: tuple, *case: object) -> tuple:
         expected, velocities, found, gain, seconds = case
-        off = _middle(found) - _middle(expected)
+        offset = _mean_corners(found) - _mean_corners(expected)
         beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
-        moved = found - ((1 - share(gain)) * off)[:, None]
-        return moved, way(velocities, off, gain, beta, seconds)
+        moved = found - ((1 - share(gain)) * offset)[:, None]
+        return moved, velocity_rule(velocities, offset, gain, beta, seconds)
 
     return predicts
 
@@ -374,37 +383,41 @@ mistakes(
     Mistake(
         "The change of the velocity is not divided by the time: metres are added to metres per "
         "second.",
-        _instead(lambda velocities, off, gain, beta, seconds: velocities + beta * off),
+        _corrected_by(lambda velocities, offset, gain, beta, seconds: velocities + beta * offset),
         "velocities + beta * off / seconds.",
     ),
     Mistake(
         "The first gain corrects the velocity, too.",
-        _instead(lambda velocities, off, gain, beta, seconds: velocities + gain * off / seconds),
+        _corrected_by(
+            lambda velocities, offset, gain, beta, seconds: velocities + gain * offset / seconds
+        ),
         "The velocity has a gain of its own, beta.",
     ),
     Mistake(
         "How far off is taken the wrong way round, expected minus found, for the velocity.",
-        _instead(lambda velocities, off, gain, beta, seconds: velocities - beta * off / seconds),
+        _corrected_by(
+            lambda velocities, offset, gain, beta, seconds: velocities - beta * offset / seconds
+        ),
         "found minus expected: a thing that is ahead of where it should be is faster.",
     ),
     Mistake(
         "The old velocity is forgotten: only the correction is returned.",
-        _instead(lambda velocities, off, gain, beta, seconds: beta * off / seconds),
+        _corrected_by(lambda velocities, offset, gain, beta, seconds: beta * offset / seconds),
         "Add the correction to velocities.",
     ),
     Mistake(
         "The velocities come back as they went in.",
-        _instead(lambda velocities, off, gain, beta, seconds: velocities),
+        _corrected_by(lambda velocities, offset, gain, beta, seconds: velocities),
         "velocities + beta * off / seconds.",
     ),
     Mistake(
         "The gain is the share of the expectation, where it should be the share of what was found.",
-        _instead(share=lambda gain: 1 - gain),
+        _corrected_by(share=lambda gain: 1 - gain),
         "A gain of 1 believes what was found.",
     ),
     Mistake(
         "The boxes are taken as they were found, whatever the gain is.",
-        _instead(share=lambda gain: 1.0),
+        _corrected_by(share=lambda gain: 1.0),
         "found - (1 - gain) * off[:, None].",
     ),
     Mistake(
@@ -417,10 +430,10 @@ mistakes(
         "Move the found box as a whole: off[:, None] is one way for all its corners.",
     ),
     cases=(
-        (_EXPECTED, _SPEEDS, _FOUND, 0.4, 0.1),
-        (_EXPECTED, _SPEEDS, _FOUND, 0.8, 0.25),
+        (_EXPECTED, _VELOCITIES, _FOUND, 0.4, 0.1),
+        (_EXPECTED, _VELOCITIES, _FOUND, 0.8, 0.25),
     ),
-    right=_believed,
+    right=_filtered,
     same=_same_pair,
 )
 
@@ -430,37 +443,37 @@ mistakes(
 _MISSED = frozen(np.array([2, 3, 2, 1, 1]))
 _PARTNERS = frozen(np.array([-1, 3, 0, -1]))
 _GIVEN = "missed [2, 3, 2, 1, 1], partners [-1, 3, 0, -1], patience 3"
-_COUNTED = frozen(np.array([0, 4, 3, 0, 2]))
+_RIGHT_COUNTS = frozen(np.array([0, 4, 3, 0, 2]))
 
 
-def _waited(
+def _right_counts(
     missed: np.ndarray, partners: np.ndarray, patience: int
 ) -> tuple[np.ndarray, np.ndarray]:
     partners = set(np.asarray(partners).tolist())
-    counted = [0 if row in partners else count + 1 for row, count in enumerate(missed.tolist())]
-    counted = np.array(counted, dtype=int)
-    return counted, counted <= patience
+    counts = [0 if row in partners else count + 1 for row, count in enumerate(missed.tolist())]
+    counts = np.array(counts, dtype=int)
+    return counts, counts <= patience
 
 
 def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
-    """The two results of a call, one number and one yes or no for each track."""
+    """Return the two results of a call: for each track a count, and whether it is kept."""
     missed, partners, patience = case
-    counted, kept = _pair(coast(missed.copy(), partners.copy(), patience), ("missed", "kept"))
-    counted, kept = as_array(counted), as_array(kept)
-    if counted.dtype.kind == "b" and kept.dtype.kind in "iuf":
+    counts, kept = _pair(coast(missed.copy(), partners.copy(), patience), ("missed", "kept"))
+    counts, kept = as_array(counts), as_array(kept)
+    if counts.dtype.kind == "b" and kept.dtype.kind in "iuf":
         raise WrongForm(
             "The two answers are exchanged: the counts come first, then who is kept.",
-            yours=f"{brief(counted)}, {brief(kept)}",
+            yours=f"{brief(counts)}, {brief(kept)}",
             expected="numbers, then True or False",
         )
-    for what, values in (("missed", counted), ("kept", kept)):
+    for name, values in (("missed", counts), ("kept", kept)):
         if values.shape != missed.shape and not values.size == missed.size == 0:
             raise WrongForm(
-                f"There must be one entry of {what} for each of the {len(missed)} tracks.",
+                f"There must be one entry of {name} for each of the {len(missed)} tracks.",
                 yours=f"shape {values.shape}: {brief(values)}",
                 expected=f"shape {missed.shape}",
             )
-    return counted, kept.astype(bool)
+    return counts, kept.astype(bool)
 
 
 @visible(
@@ -472,15 +485,15 @@ def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
 )
 def counts_what_is_missed(coast: Callable) -> None:
     yours, _ = _coasted(coast, _MISSED, _PARTNERS, 3)
-    wrong = np.flatnonzero(yours != _COUNTED)
+    wrong = np.flatnonzero(yours != _RIGHT_COUNTS)
     if len(wrong):
         row = wrong[0]
-        has = "has a box" if row in _PARTNERS else "has no box"
+        state = "has a box" if row in _PARTNERS else "has no box"
         raise CheckFailed(
-            f"Track {row} {has}, and its count is wrong.",
+            f"Track {row} {state}, and its count is wrong.",
             given=_GIVEN,
             yours=f"missed {brief(yours)}",
-            expected=f"missed {brief(_COUNTED)}",
+            expected=f"missed {brief(_RIGHT_COUNTS)}",
         )
 
 
@@ -494,13 +507,13 @@ def counts_what_is_missed(coast: Callable) -> None:
 def waits_for_patience(coast: Callable) -> None:
     for patience in (3, 0, 2, 10):
         _, yours = _coasted(coast, _MISSED, _PARTNERS, patience)
-        right = patience >= _COUNTED
+        right = patience >= _RIGHT_COUNTS
         if not np.array_equal(yours, right):
             row = np.flatnonzero(yours != right)[0]
             verb = "kept" if right[row] else "dropped"
             raise CheckFailed(
-                f"Track {row} misses its frame number {_COUNTED[row]}, and should be {verb}."
-                if _COUNTED[row]
+                f"Track {row} misses its frame number {_RIGHT_COUNTS[row]}, and should be {verb}."
+                if _RIGHT_COUNTS[row]
                 else f"Track {row} has a box, and should be kept.",
                 given=_GIVEN.replace("patience 3", f"patience {patience}"),
                 yours=f"kept {brief(yours)}",
@@ -515,16 +528,16 @@ def waits_for_patience(coast: Callable) -> None:
     hint="Whole arrays do it all: no special case is needed.",
 )
 def takes_empty_frames(coast: Callable) -> None:
-    none = np.empty(0, dtype=int)
-    for missed, partners in ((_MISSED, none), (none, none), (none, np.array([-1, -1]))):
-        counted, kept = _coasted(coast, missed, partners, 10)
-        right, stays = _waited(missed, partners, 10)
-        if not (same_array(counted, right) and same_array(kept, stays)):
+    empty = np.empty(0, dtype=int)
+    for missed, partners in ((_MISSED, empty), (empty, empty), (empty, np.array([-1, -1]))):
+        counts, kept = _coasted(coast, missed, partners, 10)
+        right_counts, right_kept = _right_counts(missed, partners, 10)
+        if not (same_array(counts, right_counts) and same_array(kept, right_kept)):
             raise CheckFailed(
                 "Without a box every track misses one frame more.",
                 given=f"missed {brief(missed)}, partners {brief(partners)}, patience 10",
-                yours=f"missed {brief(counted)}, kept {brief(kept)}",
-                expected=f"missed {brief(right)}, kept {brief(stays)}",
+                yours=f"missed {brief(counts)}, kept {brief(kept)}",
+                expected=f"missed {brief(right_counts)}, kept {brief(right_kept)}",
             )
 
 
@@ -538,22 +551,22 @@ def leaves_the_counts(coast: Callable) -> None:
     assert_left_alone(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
 
 
-def _counted_as(count: Callable) -> Callable:
-    """Predicts other counts, and what is kept by them."""
+def _counted_by(count: Callable) -> Callable:
+    """Return a prediction with another rule for the counts, and the tracks that they keep."""
 
     def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
-        seen = np.isin(np.arange(len(missed)), partners)
-        counted = count(missed, seen, partners)
-        return counted, counted <= patience
+        has_box = np.isin(np.arange(len(missed)), partners)
+        counts = count(missed, has_box, partners)
+        return counts, counts <= patience
 
     return predicts
 
 
-def _as_the_last(missed: np.ndarray, seen: np.ndarray, partners: np.ndarray) -> np.ndarray:
-    """Indexing with -1 reaches the last track."""
-    counted = missed + 1
-    counted[partners] = 0
-    return counted
+def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:
+    """Count as if -1, used as an index, were the last track."""
+    counts = missed + 1
+    counts[partners] = 0
+    return counts
 
 
 mistakes(
@@ -561,7 +574,7 @@ mistakes(
     Mistake(
         fixed("The last track counts as seen wherever a box is new: as an index, -1 is the last ")
         + "row.",
-        _counted_as(_as_the_last),
+        _counted_by(_count_last_track),
         fixed("Leave -1 out, partners[partners >= 0], or ask np.isin(np.arange(n), partners)."),
     ),
     Mistake(
@@ -576,22 +589,22 @@ mistakes(
     ),
     Mistake(
         "What has a box goes on with its old count, and never starts again at 0.",
-        _counted_as(lambda missed, seen, partners: np.where(seen, missed, missed + 1)),
+        _counted_by(lambda missed, has_box, partners: np.where(has_box, missed, missed + 1)),
         "np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "Every track counts one more, whether it has a box or not.",
-        _counted_as(lambda missed, seen, partners: missed + 1),
+        _counted_by(lambda missed, has_box, partners: missed + 1),
         "np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "What has no box starts again at 1, however long it has had none.",
-        _counted_as(lambda missed, seen, partners: np.where(seen, 0, 1)),
+        _counted_by(lambda missed, has_box, partners: np.where(has_box, 0, 1)),
         "np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "What has a box and what has none are exchanged.",
-        _counted_as(lambda missed, seen, partners: np.where(seen, missed + 1, 0)),
+        _counted_by(lambda missed, has_box, partners: np.where(has_box, missed + 1, 0)),
         "The entries of partners are the tracks that have a box.",
     ),
     Mistake(
@@ -607,6 +620,6 @@ mistakes(
         (np.array([2, 3, 2, 1, 1, 4]), np.array([-1, 3, 0, -1]), 3),
         (np.array([2, 1, 0, 2, 2, 1, 2]), np.array([4, -1, 1, -1]), 2),
     ),
-    right=_waited,
+    right=_right_counts,
     same=_same_pair,
 )

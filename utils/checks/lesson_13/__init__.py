@@ -1,10 +1,10 @@
 """Visible checks of lesson 13, which is optional: its functions give no points.
 
-Each is asked as plain Python, whether Numba is there or not; where it is, a note says what the
-compiler makes of it.
+Each function is judged as plain Python, with or without Numba. If Numba is installed, a note says
+whether the function compiles.
 """
 
-# In the order of the lesson.
+# Import in the order of the lesson, because exercises are listed in the order of import.
 from utils.checks.lesson_13 import count_near
 
 # isort: split

@@ -20,8 +20,8 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
 
-# Of rows 1 to 3 and 5 to 7 the last two are nearest, 0.51 m; the others of these are 0.9 m apart
-# or more. Rows 0, 4 and 8 belong to neither cell, and are closer to both.
+# Rows 1 to 3 and 5 to 7 are the two cells. Their closest pair, rows 3 and 7, is 0.51 m apart; all
+# other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell and closer to both.
 _ROWS = frozen(
     np.array(
         [
@@ -38,16 +38,17 @@ _ROWS = frozen(
     )
 )
 _CELLS = 1, 4, 5, 8
-_NEAR, _FAR = 0.6, 0.45  # the squares of these are limits on both sides
+# Distances above and below that of the closest pair; their squares are the limits.
+_ABOVE, _BELOW = 0.6, 0.45
 
 
-def _squares(points: np.ndarray, a: int, a_end: int, b: int, b_end: int) -> np.ndarray:
-    """Squares of the distances of each with each."""
+def _squared_distances(points: np.ndarray, a: int, a_end: int, b: int, b_end: int) -> np.ndarray:
+    """Return the squared distances of all pairs of points from two cells."""
     return ((points[a:a_end, None, :3] - points[None, b:b_end, :3]) ** 2).sum(axis=-1)
 
 
-def _truth(answer: object) -> bool:
-    """An answer that is true or false."""
+def _as_bool(answer: object) -> bool:
+    """Convert an answer to True or False."""
     yours = as_array(answer, what="True or False")
     if yours.shape != ():
         raise WrongForm(
@@ -58,15 +59,15 @@ def _truth(answer: object) -> bool:
     return bool(yours)
 
 
-def _assert_says(any_close: Callable, points: np.ndarray, cells: tuple, apart: float) -> None:
-    yours = _truth(any_close(points.copy(), *cells, apart**2))
+def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distance: float) -> None:
+    yours = _as_bool(any_close(points.copy(), *cells, distance**2))
     a, a_end, b, b_end = cells
-    right = np.sqrt(_squares(points, *cells).min()) < apart
+    right = np.sqrt(_squared_distances(points, *cells).min()) < distance
     if yours != right:
         raise CheckFailed(
             "Two points of these rows are that close." if right else "No two are that close.",
             given=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
-            f"{b_end - 1}: {points_text(points[b:b_end])}; limit {apart:g}² = {apart**2:.3g}",
+            f"{b_end - 1}: {points_text(points[b:b_end])}; limit {distance:g}² = {distance**2:.3g}",
             yours=str(yours),
             expected=str(bool(right)),
         )
@@ -80,10 +81,10 @@ def _assert_says(any_close: Callable, points: np.ndarray, cells: tuple, apart: f
     "below limit? No root, and limit as it is.",
 )
 def compares_two(any_close: Callable) -> None:
-    for apart in (_NEAR, _FAR):
-        _assert_says(any_close, _ROWS[[3, 7]], (0, 1, 1, 2), apart)
-    _assert_says(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _NEAR)
-    _assert_says(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _FAR)
+    for distance in (_ABOVE, _BELOW):
+        _assert_answer(any_close, _ROWS[[3, 7]], (0, 1, 1, 2), distance)
+    _assert_answer(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _ABOVE)
+    _assert_answer(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _BELOW)
 
 
 @visible(
@@ -96,10 +97,10 @@ def compares_two(any_close: Callable) -> None:
 def asks_each_with_each(any_close: Callable) -> None:
     with needs("the square of a distance is compared with the limit"):
         compares_two(any_close)
-    alone = np.delete(_ROWS, [0, 4, 8], axis=0)
+    cell_points = np.delete(_ROWS, [0, 4, 8], axis=0)
     for rows in ([0, 1, 2, 3, 4, 5], [2, 0, 1, 3, 5, 4], [5, 4, 3, 2, 1, 0], [0, 2, 1, 5, 3, 4]):
-        for apart in (_NEAR, _FAR):
-            _assert_says(any_close, alone[rows], (0, 3, 3, 6), apart)
+        for distance in (_ABOVE, _BELOW):
+            _assert_answer(any_close, cell_points[rows], (0, 3, 3, 6), distance)
 
 
 @visible(
@@ -112,8 +113,8 @@ def keeps_to_its_rows(any_close: Callable) -> None:
     with needs("each of the one cell is asked with each of the other"):
         asks_each_with_each(any_close)
     for points in (_ROWS, _ROWS[::-1]):
-        for apart in (_NEAR, _FAR):
-            _assert_says(any_close, points, _CELLS, apart)
+        for distance in (_ABOVE, _BELOW):
+            _assert_answer(any_close, points, _CELLS, distance)
 
 
 @visible(
@@ -126,7 +127,7 @@ def is_strict(any_close: Callable) -> None:
     with needs("the square of a distance is compared with the limit"):
         compares_two(any_close)
     points = np.array([[1.0, 2.0, 0.5], [1.0, 2.5, 0.5]])
-    if _truth(any_close(points, 0, 1, 1, 2, 0.25)):
+    if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
         raise CheckFailed(
             "The two are as far apart as the limit says, and not closer.",
             given=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
@@ -145,8 +146,8 @@ def stops_at_the_first(any_close: Callable) -> None:
     with needs("each of the one cell is asked with each of the other"):
         asks_each_with_each(any_close)
     n = 20
-    number = np.arange(2 * n) % n
-    points = np.column_stack([number * 0.7, number % 3 * 1.1, number * 0.0])
+    index = np.arange(2 * n) % n
+    points = np.column_stack([index * 0.7, index % 3 * 1.1, index * 0.0])
     reads = 0
 
     class Counted(np.ndarray):
@@ -155,7 +156,7 @@ def stops_at_the_first(any_close: Callable) -> None:
             reads += 1
             return np.asarray(self)[key]
 
-    if not _truth(any_close(points.view(Counted), 0, n, n, 2 * n, 0.1)) or reads > n:
+    if not _as_bool(any_close(points.view(Counted), 0, n, n, 2 * n, 0.1)) or reads > n:
         raise CheckFailed(
             "It goes on although the answer is known.",
             given=f"two cells of {n} points, of which the first two lie at the same place",
@@ -171,45 +172,45 @@ def stops_at_the_first(any_close: Callable) -> None:
     hint="Put the differences into variables of their own.",
 )
 def leaves_the_rows(any_close: Callable) -> None:
-    arguments = _ROWS, *_CELLS, _FAR**2
+    arguments = _ROWS, *_CELLS, _BELOW**2
     assert_left_alone(observe(any_close, *arguments), *arguments)
 
 
 @noted("any_close", title=COMPILES, why=WHY_COMPILED)
 def any_close_compiles(any_close: Callable) -> None:
-    def ask(function: Callable) -> list[bool]:
-        return [bool(function(_ROWS.copy(), *_CELLS, apart**2)) for apart in (_NEAR, _FAR)]
+    def answers(function: Callable) -> list[bool]:
+        return [bool(function(_ROWS.copy(), *_CELLS, distance**2)) for distance in (_ABOVE, _BELOW)]
 
-    assert_compiles(any_close, ask)
-
-
-def _close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit: float) -> bool:
-    return bool((_squares(points, a, a_end, b, b_end) < limit).any())
+    assert_compiles(any_close, answers)
 
 
-def _by(ask: Callable) -> Callable:
-    """Predicts an answer by the squares of the distances and the limit."""
+def _is_close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit: float) -> bool:
+    return bool((_squared_distances(points, a, a_end, b, b_end) < limit).any())
+
+
+def _decided_by(ask: Callable) -> Callable:
+    """Return a prediction that `ask` makes from the squared distances and the limit."""
 
     def predicts(right: bool, points: np.ndarray, *rest: float) -> bool:
         *cells, limit = rest
-        return bool(ask(_squares(points, *cells), limit))
+        return bool(ask(_squared_distances(points, *cells), limit))
 
     return predicts
 
 
-def _of_rows(first: int, last: int) -> Callable:
-    """Predicts an answer when both cells begin and end so many rows later."""
-    return lambda right, points, a, a_end, b, b_end, limit: _close(
+def _with_shifted_rows(first: int, last: int) -> Callable:
+    """Return the prediction for cells that begin and end so many rows later."""
+    return lambda right, points, a, a_end, b, b_end, limit: _is_close(
         points, a + first, a_end + last, b + first, b_end + last, limit
     )
 
 
-def _without(axis: int) -> Callable:
-    return lambda right, points, *rest: _close(np.delete(points, axis, axis=1), *rest)
+def _without_axis(axis: int) -> Callable:
+    return lambda right, points, *rest: _is_close(np.delete(points, axis, axis=1), *rest)
 
 
-def _case(seed: int) -> tuple:
-    """A small scene in general position, whose answer nobody guesses."""
+def _random_case(seed: int) -> tuple:
+    """Return the arguments of a call with random points, so that the answer cannot be guessed."""
     rng = np.random.default_rng(seed)
     a, a_end, b, b_end = 1, 3 + seed % 2, 6, 8 + seed % 3
     limit = round(float(np.exp(rng.uniform(-2.5, 1.5))), 3)
@@ -221,22 +222,22 @@ mistakes(
     Mistake(
         "The distance itself is compared with the limit, which is a square, or the limit is "
         "squared once more.",
-        _by(lambda squares, limit: (np.sqrt(squares) < limit).any()),
+        _decided_by(lambda squares, limit: (np.sqrt(squares) < limit).any()),
         "No root, and limit as it is: x * x + y * y + z * z < limit.",
     ),
     Mistake(
         "The first pair decides: `return False` stands inside the loops.",
-        _by(lambda squares, limit: squares[0, 0] < limit),
+        _decided_by(lambda squares, limit: squares[0, 0] < limit),
         "return False as far to the left as the outer `for`: after both loops.",
     ),
     Mistake(
         "Only the first point of the one cell is asked: `return False` stands in the outer loop.",
-        _by(lambda squares, limit: (squares[0] < limit).any()),
+        _decided_by(lambda squares, limit: (squares[0] < limit).any()),
         "return False as far to the left as the outer `for`.",
     ),
     Mistake(
         "All pairs have to be close: any one is enough.",
-        _by(lambda squares, limit: (squares < limit).all()),
+        _decided_by(lambda squares, limit: (squares < limit).all()),
     ),
     Mistake(
         "The answers are exchanged: True where no two are close.",
@@ -244,25 +245,25 @@ mistakes(
     ),
     Mistake(
         "The row after each cell is looked at, too: a_end and b_end are without.",
-        _of_rows(0, 1),
+        _with_shifted_rows(0, 1),
         "range(a, a_end) ends before a_end by itself.",
     ),
     Mistake(
         "The last row of each cell is never looked at.",
-        _of_rows(0, -1),
+        _with_shifted_rows(0, -1),
         "range(a, a_end) ends before a_end by itself.",
     ),
     Mistake(
         "The first row of each cell is never looked at.",
-        _of_rows(1, 0),
+        _with_shifted_rows(1, 0),
         "range(a, a_end) begins at a.",
     ),
-    Mistake("x is left out.", _without(0), "There are three differences."),
-    Mistake("y is left out.", _without(1), "There are three differences."),
-    Mistake("z is left out.", _without(2), "There are three differences."),
+    Mistake("x is left out.", _without_axis(0), "There are three differences."),
+    Mistake("y is left out.", _without_axis(1), "There are three differences."),
+    Mistake("z is left out.", _without_axis(2), "There are three differences."),
     Mistake("It says False, always.", lambda right, *case: False, is_cheap=True),
     Mistake("It says True, always.", lambda right, *case: True, is_cheap=True),
-    cases=tuple(_case(seed) for seed in range(40)),
-    right=_close,
+    cases=tuple(_random_case(seed) for seed in range(40)),
+    right=_is_close,
     same=lambda answer, predicted: bool(as_array(answer)) == predicted,
 )

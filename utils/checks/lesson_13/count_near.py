@@ -11,24 +11,24 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
 
-# A plane that leans, and two directions in it.
+# A tilted plane, and two directions in it.
 _PLANE = frozen(np.array([0.36, 0.48, 0.8, -0.2]))
-_IN_IT = frozen(np.array([[0.8, -0.6, 0.0], [0.48, 0.64, -0.6]]))
+_DIRECTIONS = frozen(np.array([[0.8, -0.6, 0.0], [0.48, 0.64, -0.6]]))
 _OFFSETS = frozen(np.array([0.22, 0.9, -0.12, -0.31, 0.05, -0.95, 1.4, -0.26, 0.18]))
-_TOLERANCE = 0.3  # which five of them keep
+_TOLERANCE = 0.3  # five of the offsets are within it
 
 
-def _off(offsets: np.ndarray) -> np.ndarray:
-    """Points so far off the plane, each at another place along it."""
+def _points_at(offsets: np.ndarray) -> np.ndarray:
+    """Return points with these offsets from the plane, each at a different place along it."""
     n = len(offsets)
-    along = np.column_stack([np.arange(n) - 2.5, 1.3 * np.arange(n) % 4 - 1]) @ _IN_IT
+    along = np.column_stack([np.arange(n) - 2.5, 1.3 * np.arange(n) % 4 - 1]) @ _DIRECTIONS
     return along + (offsets - _PLANE[3])[:, None] * _PLANE[:3]
 
 
 def _assert_counts(
     count_near: Callable, offsets: np.ndarray, tolerance: float, expected: int
 ) -> None:
-    yours = assert_number(count_near(_off(offsets), _PLANE.copy(), tolerance))
+    yours = assert_number(count_near(_points_at(offsets), _PLANE.copy(), tolerance))
     if yours != expected:
         raise CheckFailed(
             "This is not how many of the points lie within the tolerance.",
@@ -91,13 +91,13 @@ def counts_none(count_near: Callable) -> None:
     hint="Put the distance into a variable of its own.",
 )
 def leaves_the_points(count_near: Callable) -> None:
-    arguments = _off(_OFFSETS), _PLANE, _TOLERANCE
+    arguments = _points_at(_OFFSETS), _PLANE, _TOLERANCE
     assert_left_alone(observe(count_near, *arguments), *arguments)
 
 
 @noted("count_near", title=COMPILES, why=WHY_COMPILED)
 def count_near_compiles(count_near: Callable) -> None:
-    points, plane = _off(_OFFSETS), _PLANE.copy()
+    points, plane = _points_at(_OFFSETS), _PLANE.copy()
     assert_compiles(count_near, lambda function: int(function(points, plane, _TOLERANCE)))
 
 
@@ -110,14 +110,14 @@ def _count(
     return int(np.sum(distance(points, plane) <= tolerance))
 
 
-def _case(seed: int) -> tuple:
-    """Points off a plane by all kinds of distances."""
+def _random_case(seed: int) -> tuple:
+    """Return the arguments of a call with random distances from the plane."""
     offsets = np.random.default_rng(seed).uniform(-0.8, 0.8, 11)
-    return frozen(_off(offsets)), _PLANE, _TOLERANCE
+    return frozen(_points_at(offsets)), _PLANE, _TOLERANCE
 
 
-def _measured(distance: Callable) -> Callable:
-    """Predicts a count by another distance."""
+def _counted_with(distance: Callable) -> Callable:
+    """Return the prediction of a count with another distance."""
     return lambda right, points, plane, tolerance: _count(points, plane, tolerance, distance)
 
 
@@ -125,32 +125,32 @@ mistakes(
     "count_near",
     Mistake(
         "All that lies below the plane counts, however far: the sign is left in the distance.",
-        _measured(lambda points, plane: points @ plane[:3] + plane[3]),
+        _counted_with(lambda points, plane: points @ plane[:3] + plane[3]),
         "abs(...) around the whole sum.",
     ),
     Mistake(
         "d is left out: the distance is to a plane through the sensor.",
-        _measured(lambda points, plane: np.abs(points @ plane[:3])),
+        _counted_with(lambda points, plane: np.abs(points @ plane[:3])),
         "The fourth number of the plane, plane[3], is added, too.",
     ),
     Mistake(
         "d is subtracted, as if the plane were a x + b y + c z = d.",
-        _measured(lambda points, plane: np.abs(points @ plane[:3] - plane[3])),
+        _counted_with(lambda points, plane: np.abs(points @ plane[:3] - plane[3])),
         "Add plane[3].",
     ),
     Mistake(
         "z is left out.",
-        _measured(lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])),
+        _counted_with(lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])),
         "There are three products and d.",
     ),
     Mistake(
         "The absolute value is taken of each part, and not of their sum.",
-        _measured(lambda points, plane: np.abs(points * plane[:3]).sum(axis=1) + abs(plane[3])),
+        _counted_with(lambda points, plane: np.abs(points * plane[:3]).sum(axis=1) + abs(plane[3])),
         "abs(...) around the whole sum.",
     ),
     Mistake(
         "The square of the distance is compared with the tolerance.",
-        _measured(lambda points, plane: (points @ plane[:3] + plane[3]) ** 2),
+        _counted_with(lambda points, plane: (points @ plane[:3] + plane[3]) ** 2),
         "Take abs(...), not the square.",
     ),
     Mistake(
@@ -188,6 +188,6 @@ mistakes(
         lambda right, points, plane, tolerance: len(points),
         is_cheap=True,
     ),
-    cases=tuple(_case(seed) for seed in range(8)),
+    cases=tuple(_random_case(seed) for seed in range(8)),
     right=_count,
 )

@@ -23,7 +23,7 @@ _TURNS = frozen(np.arange(90))
 
 
 def _rectangle(turn: float, x: float = 0.0, y: float = 0.0) -> np.ndarray:
-    """A box of 4 by 2 m, in eight points, that leans by so many degrees."""
+    """Return eight points on a rectangle of 4 m by 2 m that is turned by `turn` degrees."""
     sides = np.array([2 + 1j, -2 + 1j, -2 - 1j, 2 - 1j, 0.3 + 1j, -2 + 0.4j, 1.1 - 1j, 2 + 0.2j])
     places = sides * np.exp(1j * np.radians(turn)) + x + 1j * y
     heights = [0.2, 1.4, 0.7, 1.1, 0.1, 0.9, 0.3, 1.3]
@@ -31,7 +31,7 @@ def _rectangle(turn: float, x: float = 0.0, y: float = 0.0) -> np.ndarray:
 
 
 def _extents(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far points reach along each of the turns, and across it (m)."""
+    """Return the extents of points in metres, along and across each of the 90 directions."""
     places = points[:, 0] + 1j * points[:, 1]
     turned = places[:, None] * np.exp(-1j * np.radians(_TURNS))
     return np.ptp(turned.real, axis=0), np.ptp(turned.imag, axis=0)
@@ -42,8 +42,8 @@ def _area(points: np.ndarray) -> np.ndarray:
     return along * across
 
 
-def _asked(snuggest_turn: Callable, points: np.ndarray) -> int:
-    """The number of a turn."""
+def _answer_of(snuggest_turn: Callable, points: np.ndarray) -> int:
+    """Return the answer of the function: the index of an angle, 0 to 89."""
     yours = float(assert_number(snuggest_turn(points.copy())))
     if yours not in _TURNS:
         raise WrongForm(
@@ -54,9 +54,9 @@ def _asked(snuggest_turn: Callable, points: np.ndarray) -> int:
     return int(yours)
 
 
-def _assert_leans(snuggest_turn: Callable, turn: int, x: float = 0.0, y: float = 0.0) -> None:
+def _assert_finds_turn(snuggest_turn: Callable, turn: int, x: float = 0.0, y: float = 0.0) -> None:
     points = _rectangle(turn, x, y)
-    yours = _asked(snuggest_turn, points)
+    yours = _answer_of(snuggest_turn, points)
     if yours != turn % 90:
         area = _area(points)
         raise CheckFailed(
@@ -76,7 +76,7 @@ def _assert_leans(snuggest_turn: Callable, turn: int, x: float = 0.0, y: float =
 )
 def finds_the_lean(snuggest_turn: Callable) -> None:
     for turn in (30, 72, 11, 146):
-        _assert_leans(snuggest_turn, turn)
+        _assert_finds_turn(snuggest_turn, turn)
 
 
 @visible(
@@ -90,11 +90,11 @@ def finds_it_anywhere(snuggest_turn: Callable) -> None:
     with needs("a rectangle around the sensor gives its turn"):
         finds_the_lean(snuggest_turn)
     for turn, x, y in ((30, 12, -7), (72, -9, -14), (104, 21, 3)):
-        _assert_leans(snuggest_turn, turn, x, y)
+        _assert_finds_turn(snuggest_turn, turn, x, y)
 
 
-def _shape(seed: int) -> np.ndarray:
-    """Nine points somewhere, a little wider one way than the other."""
+def _random_points(seed: int) -> np.ndarray:
+    """Return nine points at a random place, slightly wider in one direction than in the other."""
     rng = np.random.default_rng(seed)
     places = (rng.normal(size=(9, 2)) * [2.0, 1.4]) @ [1, 1j] * np.exp(1j * rng.uniform(0, np.pi))
     points = np.column_stack([places.real, places.imag, rng.normal(size=9)])
@@ -111,9 +111,9 @@ def _shape(seed: int) -> np.ndarray:
 def finds_the_least(snuggest_turn: Callable) -> None:
     with needs("a rectangle gives its turn, wherever it is"):
         finds_it_anywhere(snuggest_turn)
-    for seed in (2, 6, 22, 24, 45, 47):  # with another turn of the least rim
-        points = _shape(seed)
-        yours, area = _asked(snuggest_turn, points), _area(points)
+    for seed in (2, 6, 22, 24, 45, 47):  # here the smallest perimeter is at another turn
+        points = _random_points(seed)
+        yours, area = _answer_of(snuggest_turn, points), _area(points)
         if area[yours] > area.min() * (1 + 1e-9):
             raise CheckFailed(
                 "At another turn the rectangle is smaller.",
@@ -130,7 +130,7 @@ def finds_the_least(snuggest_turn: Callable) -> None:
     hint="No special case is needed: each area is 0, and argmin() takes the first.",
 )
 def takes_one_point(snuggest_turn: Callable) -> None:
-    _asked(snuggest_turn, _rectangle(20, 5, 3)[:1])
+    _answer_of(snuggest_turn, _rectangle(20, 5, 3)[:1])
 
 
 @visible(
@@ -150,12 +150,12 @@ def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
     assert_compiles(snuggest_turn, lambda function: int(function(points)))
 
 
-def _least(measure: Callable) -> Callable:
-    """Predicts the turn at which something else is least."""
+def _minimises(measure: Callable) -> Callable:
+    """Return the prediction of the turn at which another measure is least."""
     return lambda right, points: int(measure(points).argmin())
 
 
-def _with_the_sensor(points: np.ndarray) -> np.ndarray:
+def _with_sensor(points: np.ndarray) -> np.ndarray:
     return np.vstack([np.zeros(3), points])
 
 
@@ -168,32 +168,32 @@ mistakes(
     ),
     Mistake(
         "The sum of the two sides is least there, and not their product.",
-        _least(lambda points: sum(_extents(points))),
+        _minimises(lambda points: sum(_extents(points))),
         "An area is a product.",
     ),
     Mistake(
         "Only what lies along each direction is measured.",
-        _least(lambda points: _extents(points)[0]),
+        _minimises(lambda points: _extents(points)[0]),
         "The area is that times what lies across.",
     ),
     Mistake(
         "Only what lies across each direction is measured.",
-        _least(lambda points: _extents(points)[1]),
+        _minimises(lambda points: _extents(points)[1]),
         "The area is that times what lies along.",
     ),
     Mistake(
         "The sensor counts as a point: smallest and largest begin at 0.",
-        _least(lambda points: _area(_with_the_sensor(points))),
+        _minimises(lambda points: _area(_with_sensor(points))),
         "np.full(90, np.inf) for the smallest, np.full(90, -np.inf) for the largest.",
     ),
     Mistake(
         "It turns the other way: the signs of both sines are exchanged.",
-        _least(lambda points: _area(points * [1, -1, 1])),
+        _minimises(lambda points: _area(points * [1, -1, 1])),
         "along is x cos + y sin, across is y cos - x sin.",
     ),
     Mistake(
         "z is taken for y.",
-        _least(lambda points: _area(points[:, [0, 2, 1]])),
+        _minimises(lambda points: _area(points[:, [0, 2, 1]])),
         "The box is turned on the ground: points[i, 1] is y.",
     ),
     Mistake(
@@ -208,9 +208,9 @@ mistakes(
     ),
     Mistake(
         "The last point is never looked at.",
-        _least(lambda points: _area(points[:-1])),
+        _minimises(lambda points: _area(points[:-1])),
         "range(len(points)) ends before len(points) by itself.",
     ),
-    cases=tuple((frozen(_shape(seed)),) for seed in (4, 13, 19, 28, 43, 46, 51, 57)),
+    cases=tuple((frozen(_random_points(seed)),) for seed in (4, 13, 19, 28, 43, 46, 51, 57)),
     right=lambda points: int(_area(points).argmin()),
 )

@@ -11,25 +11,31 @@ from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
 
-# Two pieces and a cell that is alone: 9 -> 4 -> 7 -> 1 and 8 -> 7, 2 -> 1; 6 -> 3 -> 0; 5.
+# Two pieces and a single cell: 9 -> 4 -> 7 -> 1 with 8 -> 7 and 2 -> 1; 6 -> 3 -> 0; and 5.
 _PARENT = frozen(np.array([0, 1, 1, 0, 7, 5, 3, 1, 7, 4]))
 _ROOTS = frozen(np.array([0, 1, 1, 0, 1, 5, 0, 1, 1, 1]))
 _GIVEN = f"parent {brief(_PARENT)}"
-_ENDLESS = "does each round of the loop go on to another cell, until one is its own parent?"
+_ENDLESS_HINT = "does each round of the loop go on to another cell, until one is its own parent?"
 
 
-def _steps(parent: np.ndarray, cell: int) -> list[int] | None:
-    """The cells on the way to a root, with both ends; None where the way goes round."""
-    way = [cell]
-    while parent[way[-1]] != way[-1]:
-        way.append(int(parent[way[-1]]))
-        if len(way) > len(parent):
+def _path(parent: np.ndarray, cell: int) -> list[int] | None:
+    """Return the cells from `cell` to its root, inclusive; None if the parents form a circle."""
+    path = [cell]
+    while parent[path[-1]] != path[-1]:
+        path.append(int(parent[path[-1]]))
+        if len(path) > len(parent):
             return None
-    return way
+    return path
 
 
 def _roots(parent: np.ndarray, given: str) -> np.ndarray:
-    """The root of each cell in what a student's function made of the parents."""
+    """Return the root of each cell after a call of the student's function.
+
+    Raises
+    ------
+    CheckFailed
+        If a parent is not a cell, or the parents form a circle.
+    """
     if not ((parent >= 0) & (parent < len(parent))).all():
         raise CheckFailed(
             "A parent is no cell.",
@@ -37,14 +43,14 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
             yours=f"parent {brief(parent)}",
             expected=f"numbers from 0 to {len(parent) - 1}",
         )
-    ways = [_steps(parent, cell) for cell in range(len(parent))]
-    if None in ways:
+    paths = [_path(parent, cell) for cell in range(len(parent))]
+    if None in paths:
         raise CheckFailed(
-            f"From cell {ways.index(None)} the parents lead round in a circle, to no root.",
+            f"From cell {paths.index(None)} the parents lead round in a circle, to no root.",
             given=given,
             yours=f"parent {brief(parent)}",
         )
-    return np.array([way[-1] for way in ways])
+    return np.array([path[-1] for path in paths])
 
 
 # ---- root_of -----------------------------------------------------------------------------------
@@ -56,17 +62,17 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     why="Two cells are in the same piece if their roots are the same, and not their parents.",
     hint="while parent[cell] != cell: go on to the next one, cell = parent[cell]. Return the cell "
     "where this ends.",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def finds_the_root(root_of: Callable) -> None:
     for cell in (3, 8, 6, 9, 4):
         parent = _PARENT.copy()
         yours = assert_number(root_of(parent, cell))
         if yours != _ROOTS[cell]:
-            way = " → ".join(map(str, _steps(_PARENT, cell)))
+            path = " → ".join(map(str, _path(_PARENT, cell)))
             raise CheckFailed(
                 f"This is not the root of cell {cell}.",
-                given=f"{_GIVEN}, so that the way is {way}",
+                given=f"{_GIVEN}, so that the way is {path}",
                 yours=brief(yours[()]),
                 expected=str(_ROOTS[cell]),
             )
@@ -77,7 +83,7 @@ def finds_the_root(root_of: Callable) -> None:
     title="Who is their own parent is the root",
     why="At the start every cell is alone.",
     hint="Without a single round of the loop, the cell itself is returned.",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def stays_at_a_root(root_of: Callable) -> None:
     for cell in (0, 1, 5):
@@ -97,7 +103,7 @@ def stays_at_a_root(root_of: Callable) -> None:
     why="Whoever asks for a root does not want to join or to part anything.",
     hint="Write into parent[cell] alone, and nothing but a cell that is farther up: "
     "parent[parent[cell]].",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def keeps_the_pieces(root_of: Callable) -> None:
     for cell in (9, 6, 8, 5):
@@ -121,17 +127,17 @@ def keeps_the_pieces(root_of: Callable) -> None:
     why="Without it some ways grow as long as there are cells, and each question walks them again.",
     hint="Before you go on, let the cell point at its grandparent: parent[cell] = "
     "parent[parent[cell]]. Then go there.",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def shortens_the_way(root_of: Callable) -> None:
     with needs("it follows the parents up to the root"):
         finds_the_root(root_of)
-    n = 9  # a line: each points at the one before
+    n = 9  # a line in which each cell points at the one before
     parent = np.maximum(np.arange(n) - 1, 0)
     root_of(parent, n - 1)
     given = f"each of {n} cells points at the one before, after root_of(parent, {n - 1})"
     _roots(parent, given)
-    steps = len(_steps(parent, n - 1)) - 1
+    steps = len(_path(parent, n - 1)) - 1
     if steps > n // 2:
         raise CheckFailed(
             f"The way from cell {n - 1} is hardly shorter than it was.",
@@ -143,40 +149,40 @@ def shortens_the_way(root_of: Callable) -> None:
 
 @noted("root_of", title=COMPILES, why=WHY_COMPILED)
 def root_of_compiles(root_of: Callable) -> None:
-    def ask(function: Callable) -> list[int]:
+    def answers(function: Callable) -> list[int]:
         parent = _PARENT.copy()
         return [*map(int, [function(parent, 9), function(parent, 6)]), *parent.tolist()]
 
-    assert_compiles(root_of, ask)
+    assert_compiles(root_of, answers)
 
 
-def _up(steps: int) -> Callable:
-    """Predicts the cell so many steps farther up, or the root if that is nearer."""
+def _steps_up(steps: int) -> Callable:
+    """Return the prediction of the cell `steps` steps farther up, but at most of the root."""
 
     def predicts(right: int, parent: np.ndarray, cell: int) -> int:
-        way = _steps(parent, cell)
-        return way[min(steps, len(way) - 1)]
+        path = _path(parent, cell)
+        return path[min(steps, len(path) - 1)]
 
     return predicts
 
 
-# One long way, whose order nobody reads off the numbers: 7 → 0 → 3 → 6 → 2 → 5 → 4 → 1.
-_LONG = frozen(np.array([3, 1, 5, 6, 1, 4, 2, 0]))
+# One long path that is not sorted by number: 7 → 0 → 3 → 6 → 2 → 5 → 4 → 1.
+_LONG_PATH = frozen(np.array([3, 1, 5, 6, 1, 4, 2, 0]))
 mistakes(
     "root_of",
     Mistake(
         "It goes one step, to the parent: `if` where `while` is needed, or `return` in the loop.",
-        _up(1),
+        _steps_up(1),
         "Repeat until parent[cell] == cell.",
     ),
     Mistake(
         "It goes two steps, to the grandparent, and no farther.",
-        _up(2),
+        _steps_up(2),
         "Repeat until parent[cell] == cell, and return after the loop.",
     ),
     Mistake(
         "It ends one step before the root: the condition asks about the next cell.",
-        lambda right, parent, cell: _steps(parent, cell)[-2],
+        lambda right, parent, cell: _path(parent, cell)[-2],
         "while parent[cell] != cell.",
     ),
     Mistake(
@@ -185,22 +191,22 @@ mistakes(
         "cell = parent[cell] in the loop, and return cell after it.",
         is_cheap=True,
     ),
-    cases=((_LONG, 7), (_LONG, 0), (_LONG, 3)),
-    right=lambda parent, cell: _steps(parent, cell)[-1],
+    cases=((_LONG_PATH, 7), (_LONG_PATH, 0), (_LONG_PATH, 3)),
+    right=lambda parent, cell: _path(parent, cell)[-1],
 )
 
 
 # ---- unite -------------------------------------------------------------------------------------
 
 
-def _together(a: int, b: int) -> np.ndarray:
-    """The root of each cell when the pieces of two are joined, the smaller root for both."""
-    both = [_ROOTS[a], _ROOTS[b]]
-    return np.where(np.isin(_ROOTS, both), min(both), _ROOTS)
+def _joined_roots(a: int, b: int) -> np.ndarray:
+    """Return the root of each cell after `a` and `b` are joined under the smaller root."""
+    roots = [_ROOTS[a], _ROOTS[b]]
+    return np.where(np.isin(_ROOTS, roots), min(roots), _ROOTS)
 
 
-def _united(unite: Callable, a: int, b: int) -> tuple[np.ndarray, str]:
-    """The roots after a call, and what was given."""
+def _roots_after_unite(unite: Callable, a: int, b: int) -> tuple[np.ndarray, str]:
+    """Return the roots after a call, and its arguments as text."""
     parent = _PARENT.copy()
     unite(parent, a, b)
     given = f"{_GIVEN}, after unite(parent, {a}, {b})"
@@ -212,8 +218,8 @@ def _groups(roots: np.ndarray) -> list[list[int]]:
 
 
 def _assert_joined(unite: Callable, a: int, b: int) -> None:
-    yours, given = _united(unite, a, b)
-    right = _groups(_together(a, b))
+    yours, given = _roots_after_unite(unite, a, b)
+    right = _groups(_joined_roots(a, b))
     if _groups(yours) != right:
         raise CheckFailed(
             "Other cells hang together.",
@@ -229,7 +235,7 @@ def _assert_joined(unite: Callable, a: int, b: int) -> None:
     why="A car falls apart where only the two cells are joined and not all that hangs on them.",
     hint="Find both roots first, root_of(parent, a) and root_of(parent, b). Then one root gets the "
     "other for its parent.",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def joins_the_pieces(unite: Callable) -> None:
     for a, b in ((0, 1), (5, 3), (8, 6), (6, 9), (9, 5)):
@@ -242,7 +248,7 @@ def joins_the_pieces(unite: Callable) -> None:
     why="Of the pairs of near cells, most are in one piece already.",
     hint="If both roots are the same, parent[root] = root changes nothing: no special case is "
     "needed.",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def joins_twice(unite: Callable) -> None:
     for a, b in ((8, 9), (9, 1), (5, 5), (0, 6)):
@@ -254,14 +260,14 @@ def joins_twice(unite: Callable) -> None:
     title="The larger root points at the smaller",
     why="The first cell of a piece is its root then, whatever the order of the pairs.",
     hint="parent[max(...)] = min(...), of the two roots.",
-    slow=_ENDLESS,
+    slow=_ENDLESS_HINT,
 )
 def points_at_the_smaller(unite: Callable) -> None:
     with needs("all cells of both pieces hang together"):
         joins_the_pieces(unite)
     for a, b in ((6, 9), (9, 6), (5, 8), (2, 5)):
-        yours, given = _united(unite, a, b)
-        right = _together(a, b)
+        yours, given = _roots_after_unite(unite, a, b)
+        right = _joined_roots(a, b)
         if not np.array_equal(yours, right):
             raise CheckFailed(
                 "The pieces are joined, under the larger root.",
@@ -273,26 +279,29 @@ def points_at_the_smaller(unite: Callable) -> None:
 
 @noted("unite", title=COMPILES, why=WHY_COMPILED)
 def unite_compiles(unite: Callable) -> None:
-    def ask(function: Callable) -> list[int]:
+    def parents(function: Callable) -> list[int]:
         parent = _PARENT.copy()
         function(parent, 6, 9)
         return parent.tolist()
 
-    assert_compiles(unite, ask)
+    assert_compiles(unite, parents)
 
 
-def _roots_after(unite: Callable, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
-    """What `unite` makes of the parents, as the pieces."""
+def _pieces_after(unite: Callable, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
+    """Return the pieces after a call of `unite`."""
     unite(parent, a, b)
     return _groups(_roots(parent, ""))
 
 
-def _written_at(choose: Callable) -> Callable:
-    """Predicts the pieces when one parent is written: takes both cells and both roots."""
+def _with_parent(choose: Callable) -> Callable:
+    """Return the prediction of the pieces after one parent is written.
+
+    `choose` takes both cells and both roots; it returns the cell and its new parent.
+    """
 
     def predicts(right: list, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
-        child, above = choose(a, b, _steps(parent, a)[-1], _steps(parent, b)[-1])
-        parent[child] = above
+        child, new_parent = choose(a, b, _path(parent, a)[-1], _path(parent, b)[-1])
+        parent[child] = new_parent
         return _groups(_roots(parent, ""))
 
     return predicts
@@ -302,17 +311,17 @@ mistakes(
     "unite",
     Mistake(
         "The two cells are joined, and not their roots: what hangs on the way up is left behind.",
-        _written_at(lambda a, b, root_a, root_b: (max(a, b), min(a, b))),
+        _with_parent(lambda a, b, root_a, root_b: (max(a, b), min(a, b))),
         "a, b = root_of(parent, a), root_of(parent, b) comes first.",
     ),
     Mistake(
         "The first cell, and not its root, gets another parent.",
-        _written_at(lambda a, b, root_a, root_b: (a, root_b)),
+        _with_parent(lambda a, b, root_a, root_b: (a, root_b)),
         "a = root_of(parent, a), too.",
     ),
     Mistake(
         "The second cell, and not its root, gets another parent.",
-        _written_at(lambda a, b, root_a, root_b: (b, root_a)),
+        _with_parent(lambda a, b, root_a, root_b: (b, root_a)),
         "b = root_of(parent, b), too.",
     ),
     Mistake(
@@ -322,7 +331,7 @@ mistakes(
         is_cheap=True,
     ),
     cases=((_PARENT, 6, 9), (_PARENT, 9, 3), (_PARENT, 3, 8), (_PARENT, 4, 6)),
-    right=lambda parent, a, b: _groups(_together(a, b)),
+    right=lambda parent, a, b: _groups(_joined_roots(a, b)),
     same=lambda answer, predicted: answer == predicted,
-    ask=_roots_after,
+    ask=_pieces_after,
 )
