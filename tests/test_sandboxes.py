@@ -4,14 +4,16 @@ import json
 import os
 import subprocess
 import sys
+import sysconfig
 import time
+from pathlib import Path
 
 import pytest
 
 from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
-from grader.sandbox import SANDBOXES, Limits, choose_sandbox
+from grader.sandbox import SANDBOXES, Limits, choose_sandbox, jail
 from grader.sandbox.boundary import WORKER
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.launcher import introduce
@@ -75,6 +77,14 @@ def container(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("is_shared", [0, 1])
+def test_a_folder_holds_the_library_that_python_was_built_with(is_shared, monkeypatch):
+    """One that is not among the system's: Python finds it by a path of its own."""
+    variables = {"Py_ENABLE_SHARED": is_shared, "LIBDIR": "/opt/lib", "INSTSONAME": "libpy.so.1"}
+    monkeypatch.setattr(sysconfig, "get_config_var", variables.get)
+    assert (Path("/opt/lib/libpy.so.1") in jail._python()) == is_shared
+
+
 def test_a_third_sandbox_judges_by_its_name(container, tmp_path, capsys):
     """The whole way from the command line to the points."""
     lesson = find_lesson("06_filter_ground")

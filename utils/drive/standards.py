@@ -1,7 +1,6 @@
 """How others did in the twenty streets: the true boxes, the course's detector, the naive one.
 
-`standards.json` holds their results, and no code. `python -m grader.course.drive_standards` drives
-them again.
+`standards.json` holds their results, and no code; `drive_standards.py` of lesson 12 writes it.
 """
 
 from __future__ import annotations

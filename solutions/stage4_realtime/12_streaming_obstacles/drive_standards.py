@@ -1,6 +1,6 @@
-"""Drive the twenty streets as others would: ``python -m grader.course.drive_standards``.
+"""Drive the twenty streets with other detectors, to compare a student's own drive with them.
 
-What comes of it stands beside a student's own drive; see `utils.drive.standards`.
+Run it with the project on PYTHONPATH; it writes the results for `utils.drive.standards`.
 """
 
 from __future__ import annotations
