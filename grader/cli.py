@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from grader import commands
+from grader.authoring.skeleton import OWN_STAGE
 from grader.classroom.executors import processors
 from grader.course.deadlines import DeadlinesTrouble
 from grader.course.paths import PROJECT
@@ -75,6 +76,30 @@ def parser() -> argparse.ArgumentParser:
     for add in COMMANDS:
         add(kinds)
     return top
+
+
+def _new(kinds: argparse._SubParsersAction) -> None:
+    new = kinds.add_parser(
+        "new",
+        help="write the skeleton of a lesson of your own, which builds and can be judged",
+    )
+    new.add_argument("name", metavar="NN_NAME", help="such as 14_free_distance")
+    new.add_argument(
+        "--stage",
+        default=OWN_STAGE,
+        help="folder of the lesson in solutions/ (default: %(default)s)",
+    )
+    new.set_defaults(run=commands.run_new)
+
+
+def _try(kinds: argparse._SubParsersAction) -> None:
+    attempt = kinds.add_parser(
+        "try",
+        help="build the course, judge all that is kept with one lesson, and say what is missing",
+    )
+    attempt.add_argument("number", metavar="NN", help="number of the lesson, such as 14")
+    add_sandbox_option(attempt)
+    attempt.set_defaults(run=commands.run_try)
 
 
 def _build(kinds: argparse._SubParsersAction) -> None:
@@ -319,6 +344,8 @@ def _demo(kinds: argparse._SubParsersAction) -> None:
 
 
 COMMANDS = (
+    _new,
+    _try,
     _build,
     _release,
     _site,
@@ -343,8 +370,13 @@ def add_judging_options(command: argparse.ArgumentParser) -> None:
         "--seed",
         type=int,
         metavar="N",
-        help="seed of the hidden scenes; by default the course's own secret, in .course_seed",
+        help="seed of the hidden tests; by default the course's own secret, in .course_seed",
     )
+    add_sandbox_option(command)
+
+
+def add_sandbox_option(command: argparse.ArgumentParser) -> None:
+    """Say where student code runs."""
     command.add_argument(
         "--sandbox",
         choices=(AUTO, *SANDBOXES),

@@ -32,6 +32,49 @@ if TYPE_CHECKING:
 GOOD, FAULT, WRONG_CALL = 0, 1, 2
 
 
+def run_new(options: argparse.Namespace) -> int:
+    """Run ``new NN_NAME``."""
+    from grader.authoring.skeleton import NotNew, write_skeleton
+
+    try:
+        written = write_skeleton(options.name, options.stage)
+    except NotNew as error:
+        print(error, file=sys.stderr)
+        return WRONG_CALL
+    for path in written:
+        print("wrote", path.relative_to(PROJECT))
+    number = options.name[:2]
+    print(f"Change these files as you like; python -m grader try {number} says how far you are.")
+    return GOOD
+
+
+def run_try(options: argparse.Namespace) -> int:
+    """Run ``try NN``."""
+    from grader.authoring.trial import try_lesson
+    from grader.course.lessons import every_lesson
+
+    lesson = next((one for one in every_lesson() if one.number == options.number), None)
+    if lesson is None:
+        print(
+            f"There is no lesson {options.number}. python -m grader new {options.number}_NAME "
+            "writes one.",
+            file=sys.stderr,
+        )
+        return WRONG_CALL
+    status = run_build(argparse.Namespace(check=False))
+    if status != GOOD:
+        return status
+    sandbox = choose_sandbox(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    findings = []
+    for finding in try_lesson(lesson, sandbox):
+        print("  ok  " if finding.good else "  !!  ", finding.sentence, flush=True)
+        findings.append(finding)
+    left = sum(not finding.good for finding in findings)
+    print(f"{lesson.name}: {left} to do." if left else f"{lesson.name} is complete.")
+    return FAULT if left else GOOD
+
+
 def run_build(options: argparse.Namespace) -> int:
     """Run ``build [--check]``."""
     from grader.course import build

@@ -92,9 +92,7 @@ def _python() -> Iterator[Path]:
     yield Path(PREFIX, "pyvenv.cfg")
     library = Path(sysconfig.get_path("stdlib"))
     yield from (path for path in library.iterdir() if path.name not in LEFT_OUT)
-    if sysconfig.get_config_var(
-        "Py_ENABLE_SHARED"
-    ):  # perhaps not among the system's libraries
+    if sysconfig.get_config_var("Py_ENABLE_SHARED"):  # perhaps not among the system's libraries
         yield Path(sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("INSTSONAME"))
     yield Path("/usr/lib/locale/C.utf8")
     yield Path("/etc/ld.so.cache")

@@ -1,0 +1,1 @@
+"""Help for authors: the skeleton of a new lesson, and a trial of a lesson that is being written."""

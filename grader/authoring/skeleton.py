@@ -1,0 +1,73 @@
+"""Write the skeleton of a new lesson: ``python -m grader new 14_free_distance``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from grader.course.lessons import OPTIONAL, every_lesson
+from grader.course.paths import PROJECT
+
+TEMPLATES = Path(__file__).with_name("templates")
+OWN_STAGE = "stage5_own"
+
+
+class NotNew(ValueError):
+    """No lesson can be written under this name; `str()` says why, and what to do."""
+
+
+def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
+    """Write the files of a small lesson that builds and can be judged.
+
+    Parameters
+    ----------
+    name : str
+        Number and name, such as "14_free_distance"; the exercise gets the name.
+    stage : str
+        Folder of the lesson in solutions/.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files that were written.
+
+    Raises
+    ------
+    NotNew
+        If the name is not a lesson's, or the number, the exercise or a file is already taken.
+    """
+    found = re.fullmatch(r"(\d\d)_([a-z]\w*)", name)
+    if not found:
+        raise NotNew(
+            f"{name!r} is not a lesson's name. Write two digits, _ and the name of the function: "
+            "14_free_distance."
+        )
+    if not re.fullmatch(rf"stage\w+|{OPTIONAL}", stage):
+        raise NotNew(f"A stage begins with the word stage: --stage {OWN_STAGE}, not {stage!r}.")
+    number, exercise = found.groups()
+    _refuse_what_is_taken(number, exercise)
+    folder = PROJECT / "solutions" / stage / name
+    files = {
+        folder / "lesson.py": "lesson.py.txt",
+        folder / "hidden_tests.py": "hidden_tests.py.txt",
+        folder / "answers" / f"{exercise}.txt": "answers.txt",
+        PROJECT / "utils" / "checks" / f"lesson_{number}.py": "checks.py.txt",
+    }
+    for path in files:
+        if path.exists():
+            raise NotNew(f"{path.relative_to(PROJECT)} is there already. Choose another number.")
+    words = {"NUMBER": number, "NAME": exercise, "TITLE": exercise.replace("_", " ").capitalize()}
+    for path, template in files.items():
+        text = (TEMPLATES / template).read_text("utf-8")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(re.sub("|".join(words), lambda word: words[word[0]], text), "utf-8")
+    return list(files)
+
+
+def _refuse_what_is_taken(number: str, exercise: str) -> None:
+    for lesson in every_lesson():
+        if lesson.number == number:
+            free = 1 + max(int(other.number) for other in every_lesson())
+            raise NotNew(f"{lesson.name} has the number {number}. {free} is free.")
+        if f'"grade_id": "{exercise}"' in lesson.source.read_text("utf-8"):
+            raise NotNew(f"{lesson.name} has an exercise {exercise}. Choose another name.")

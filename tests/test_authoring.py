@@ -1,0 +1,149 @@
+"""A lesson of one's own: its skeleton, and a trial of what is kept with it."""
+
+import dataclasses
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from grader import cli
+from grader.authoring import skeleton
+from grader.authoring.trial import broken_claims
+from grader.course.kept_answers import KeptAnswer
+from grader.course.paths import PROJECT
+from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
+
+# ---- what an answer says about itself ------------------------------------------------------------
+
+RIGHT = KeptAnswer("f", "a loop", True, "", (), "", False, "")
+WRONG = KeptAnswer("f", "a slip", False, "", ("sorts", "test_a"), "rows too many", True, "")
+
+
+def verdict_on(*failed, cause="", score=0.0):
+    """A verdict in which these of four checks have failed, with two rows too many."""
+    tests = tuple(
+        CheckResult(
+            name, name, name not in failed, 0, 1, "2 rows too many" * (name in failed), True
+        )
+        for name in ("sorts", "keeps", "test_a[1]", "test_b")
+    )
+    results = (ExerciseResult("f", score, 4.0, tests, cause),)
+    return Verdict("01", "ada", JUDGED, score, 4.0, results, (), 0.0, "")
+
+
+def test_claims_that_hold():
+    assert broken_claims(RIGHT, verdict_on(score=4.0)) == []
+    assert broken_claims(WRONG, verdict_on("sorts", "test_a[1]")) == []
+
+
+@pytest.mark.parametrize(
+    ("answer", "verdict", "says"),
+    [
+        (RIGHT, verdict_on("keeps"), "It loses keeps."),
+        (WRONG, verdict_on("sorts"), "It passes test_a; it loses sorts."),
+        (WRONG, verdict_on("sorts", "test_a[1]", "keeps"), "It also loses keeps."),
+        (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It earns everything, although"),
+        (
+            dataclasses.replace(WRONG, says="Bananas"),
+            verdict_on("sorts", "test_a[1]"),
+            "No message says 'Bananas'.",
+        ),
+        (
+            dataclasses.replace(WRONG, told="rounded"),
+            verdict_on("sorts", "test_a[1]"),
+            "It should be shown the mistake 'rounded'; it is shown none.",
+        ),
+        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
+    ],
+)
+def test_a_claim_that_does_not_hold_is_a_sentence(answer, verdict, says):
+    (sentence,) = broken_claims(answer, verdict)
+    assert says in sentence
+
+
+# ---- the skeleton --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["other"], "'other' is not a lesson's name."),
+        (["14_Free"], "'14_Free' is not a lesson's name."),
+        (["06_other"], "06_filter_ground has the number 06. 14 is free."),
+        (["14_voxel_grid"], "06_filter_ground has an exercise voxel_grid."),
+        (["14_root_of"], "13_compiled_loops has an exercise root_of."),
+        (["14_other", "--stage", "mine"], "A stage begins with the word stage: --stage stage5_own"),
+    ],
+)
+def test_what_cannot_be_written_is_a_sentence(arguments, says, capsys):
+    assert cli.main(["new", *arguments]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_nothing_is_overwritten(tmp_path, monkeypatch):
+    monkeypatch.setattr(skeleton, "PROJECT", tmp_path)
+    assert len(skeleton.write_skeleton("14_mine")) == 4
+    shutil.rmtree(tmp_path / "solutions")
+    with pytest.raises(skeleton.NotNew, match="lesson_14.py is there already"):
+        skeleton.write_skeleton("14_mine")
+    assert not (tmp_path / "solutions").exists()
+
+
+def test_a_lesson_that_is_not_there_cannot_be_tried(capsys):
+    assert cli.main(["try", "77"]) == 2
+    assert "python -m grader new 77_NAME" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """A copy of the project, to write lessons in."""
+    root = tmp_path_factory.mktemp("project") / "lab"
+    for folder in ("grader", "utils", "solutions", "notebooks", "data"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(PROJECT / folder, root / folder, ignore=ignored)
+    shutil.copy(PROJECT / "pyproject.toml", root)
+    return root
+
+
+def run(root, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "grader", *arguments],
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.mark.slow
+def test_a_skeleton_is_complete_and_what_is_taken_away_is_missed(copy, sandbox):
+    written = run(copy, "new", "14_free_distance")
+    assert written.returncode == 0 and "python -m grader try 14" in written.stdout
+    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    assert tried.returncode == 0, tried.stdout + tried.stderr
+    assert "14_free_distance is complete." in tried.stdout and "!!" not in tried.stdout
+    assert run(copy, "build", "--check").returncode == 0
+
+    folder = copy / "solutions" / "stage5_own" / "14_free_distance"
+    hidden = (folder / "hidden_tests.py").read_text("utf-8")
+    (folder / "hidden_tests.py").write_text("")
+    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    assert tried.returncode == 1
+    assert "free_distance has no hidden test. Write one in 14_free_distance/hidden" in tried.stdout
+    assert "The lesson cannot be judged: " in tried.stdout and "2 to do." in tried.stdout
+    (folder / "hidden_tests.py").write_text(hidden, "utf-8")
+    answers = folder / "answers" / "free_distance.txt"
+    answers.write_text(answers.read_text("utf-8").replace("# %% right: a loop", "# %% wrong: it"))
+    checks = copy / "utils" / "checks" / "lesson_14.py"
+    checks.write_text(checks.read_text("utf-8").replace("7.505553499465135", "7.6"))
+    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    assert tried.returncode == 1
+    for sentence in (
+        "The solution earns",
+        "free_distance has no right answer. Write one in",
+        "free_distance, wrong: it: ",
+        "14_free_distance: 4 to do.",
+    ):
+        assert sentence in tried.stdout, tried.stdout

@@ -1,0 +1,169 @@
+"""Declare the visible checks of an exercise in a few lines, by examples and promises.
+
+Each example is a call and its right answer::
+
+    total = Exercise(
+        __name__, "total", {"numbers": [3.0, 4.0]}, 7.0,
+        title="Adds the numbers", why="...", hint="...",
+    )
+    total.example("adds_nothing", {"numbers": []}, 0.0, title="...", why="...", hint="...")
+    total.promise("untouched", why="Later cells use the same numbers.")
+
+The lessons of the course write most checks by hand, with `utils.checks.core.visible`, because they
+say more about a wrong answer. Both kinds can be mixed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from utils.checks import common_checks
+from utils.checks.assertions import as_array, assert_close, brief, in_shape, needs
+from utils.checks.common_checks import Case
+from utils.checks.core import visible
+from utils.checks.failures import CheckFailed, WrongForm
+
+# The promises, with their declaration, the name of the check, and words that may be left out.
+TOLERANCE = 1e-6
+PROMISES = {
+    "names": (
+        common_checks.names,
+        "keeps_the_names",
+        {"why": "Others may pass the arguments by name."},
+    ),
+    "untouched": (
+        common_checks.untouched,
+        "leaves_its_input",
+        {"why": "Later cells use the same input.", "hint": "Work on a copy."},
+    ),
+    "three_columns": (
+        common_checks.three_columns,
+        "takes_three_columns",
+        {"hint": "Use the columns x, y and z by number, and no others."},
+    ),
+}
+
+
+class Exercise:
+    """The visible checks of one exercise.
+
+    Creating an exercise declares its first check, the plain case. All other checks need it: while
+    it fails, they wait.
+
+    Parameters
+    ----------
+    lesson : str
+        The module that declares the exercise: its `__name__`.
+    name : str
+        Name of the student's function.
+    given : mapping of str to object
+        The arguments of a plain call by name, in the order of the function's first line.
+    expected : object
+        The right answer to it.
+    **words : object
+        Title, why, hint and weight of the check, as `utils.checks.core.visible` takes them.
+    """
+
+    def __init__(
+        self, lesson: str, name: str, given: Mapping[str, object], expected: object, **words: object
+    ) -> None:
+        plain = Case(lesson, name, given, expected, look=_look)
+
+        def require_plain_case(function: Callable) -> None:
+            with needs("the answer to a plain call is right"):
+                plain.assert_right(function)
+
+        self._case = replace(plain, basic=require_plain_case)
+        self._declare("plain_case", plain.assert_right, words)
+
+    def example(
+        self, name: str, given: Mapping[str, object], expected: object, **words: object
+    ) -> None:
+        """Declare a check by another call.
+
+        Parameters
+        ----------
+        name : str
+            Name of the check, unique within the exercise.
+        given : mapping of str to object
+            The arguments that differ from those of the plain call.
+        expected : object
+            The right answer.
+        **words : object
+            Title, why, hint and weight.
+        """
+        case = replace(self._case, given={**self._case.given, **given}, expected=expected)
+
+        def ask(function: Callable) -> None:
+            case.basic(function)
+            case.assert_right(function)
+
+        self._declare(name, ask, words)
+
+    def promise(self, kind: str, **words: object) -> None:
+        """Declare a check of something that many exercises promise.
+
+        Parameters
+        ----------
+        kind : str
+            One of `PROMISES`.
+        **words : object
+            Why, hint, title and weight; most have a default.
+        """
+        declare, name, usual = PROMISES[kind]
+        declare(self._case, name, **(usual | words))
+
+    def _declare(self, name: str, ask: Callable, words: Mapping[str, object]) -> None:
+        def check(function: Callable) -> None:
+            ask(function)
+
+        check.__name__, check.__module__ = name, self._case.lesson
+        visible(self._case.exercise, **words)(check)
+
+
+def assert_answer(answer: object, expected: object, given: str | None = None) -> None:
+    """Assert that an answer is right: numbers nearly, everything else exactly.
+
+    Parameters
+    ----------
+    answer : object
+    expected : object
+        A number, a text, a truth value, or numbers in a list or array.
+    given : str, optional
+        What the function was given, for the message.
+    """
+    try:
+        if _is_numeric(expected) and np.ndim(expected):
+            assert_close(answer, expected, "numbers", TOLERANCE)
+        elif _is_numeric(expected):
+            number = in_shape(as_array(answer, what="a number"), (), "one number")
+            if not np.isclose(number, expected, rtol=0, atol=TOLERANCE, equal_nan=True):
+                raise CheckFailed("The number is wrong.", **_both(answer, expected))
+        elif type(answer) is not type(expected):
+            raise WrongForm("The answer is of another kind.", **_both(answer, expected))
+        elif answer != expected:
+            raise CheckFailed("The answer is wrong.", **_both(answer, expected))
+    except CheckFailed as failure:
+        failure.given = failure.given or given
+        raise
+
+
+def _both(answer: object, expected: object) -> dict[str, str]:
+    return {"yours": brief(answer), "expected": brief(expected)}
+
+
+def _is_numeric(value: object) -> bool:
+    if isinstance(value, (bool, str)):
+        return False
+    try:
+        return np.asarray(value).dtype.kind in "iuf"
+    except ValueError:  # rows of different lengths
+        return False
+
+
+def _look(answer: object, *given_and_expected: object) -> None:
+    *given, expected = given_and_expected
+    assert_answer(answer, expected, ", ".join(map(brief, given)))
