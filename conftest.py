@@ -11,8 +11,9 @@ from pathlib import Path
 import nbgrader.api
 import pytest
 
-from grader.course.lessons import Lesson, all_lessons, every_lesson
+from grader.course.lessons import Lesson, every_lesson
 from grader.sandbox import SANDBOXES, SandboxUnavailable, choose_sandbox
+from tests.course_lessons import COURSE
 from tests.prerequisites import RECORDINGS, demand_walls
 
 MEMORY = Path("/dev/shm")
@@ -367,4 +368,4 @@ def _number(item):
 def pytest_generate_tests(metafunc):
     """Run a test that takes `lesson` once for each lesson of the course."""
     if "lesson" in metafunc.fixturenames:
-        metafunc.parametrize("lesson", all_lessons(), ids=lambda lesson: lesson.name)
+        metafunc.parametrize("lesson", COURSE, ids=lambda lesson: lesson.name)

@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from grader.course.kept_answers import answers_to, fill_in
-from grader.course.lessons import Lesson, all_lessons, lesson_of, load_reference
+from grader.course.lessons import Lesson, lesson_of, load_reference
 from grader.intake.submission import HandedIn
 from grader.judging.judge import program_for
 from grader.judging.program_run import Setting, ask
@@ -37,6 +37,7 @@ from grader.judging.results import result_of
 from grader.judging.runner import hidden_questions, run_tests, shown_questions
 from grader.sandbox import choose_sandbox
 from tests.answer_equality import alike, anything
+from tests.course_lessons import COURSE
 from tests.students import student_with
 from tests.test_slips import solution_of
 from utils.checks import checks_of
@@ -52,7 +53,7 @@ SECONDS = 0.5  # of the processor for a question, beside four times what right a
 AGES = 600  # seconds that a right answer has
 SAMPLE = 6  # wrong answers of each exercise that are judged behind the walls
 MOST = 0.6  # of an exercise's points, for one edit
-EXERCISES = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
+EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
 ANSWER = "<answer>"  # the file that tracebacks name
 NO_FUNCTION, NEVER_ENDS = "no function", "never ends"

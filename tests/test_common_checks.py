@@ -6,14 +6,13 @@ import functools
 import numpy as np
 import pytest
 
-from grader.course.lessons import all_lessons, load_reference
+from grader.course.lessons import load_reference
+from tests.course_lessons import COURSE
 from utils.checks import checks_of, common_checks
 from utils.checks.core import run_check
 from utils.checks.run_cache import one_run
 
-LESSONS = {
-    exercise.name: lesson.name for lesson in all_lessons() for exercise in lesson.machine_graded
-}
+LESSONS = {exercise.name: lesson.name for lesson in COURSE for exercise in lesson.machine_graded}
 for name in LESSONS:
     checks_of(name)  # imports the lesson, which declares its promises
 

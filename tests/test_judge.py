@@ -13,7 +13,7 @@ import pytest
 
 from grader.authoring.trial import broken_claims
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
-from grader.course.lessons import all_lessons, find_lesson
+from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
 from grader.course.standalone import standalone
 from grader.intake import preflight
@@ -27,6 +27,7 @@ from grader.judging.runner import run_tests
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
 from grader.sandbox.student import Student
+from tests.course_lessons import COURSE
 from tests.students import answers_in, student_with
 from utils.notebooks import slicing
 
@@ -61,7 +62,7 @@ def notebooks(right, few):
     lesson, `make proof` alone runs the others. Where wrong ones have run out, their place stays as
     it was; and a wrong one that brings along an exercise that is another's stays alone.
     """
-    for lesson in all_lessons():
+    for lesson in COURSE:
         names = [exercise.name for exercise in lesson.machine_graded]
         columns, alone = [], []
         for name in names:

@@ -6,14 +6,15 @@ import textwrap
 
 import pytest
 
-from grader.course.lessons import all_lessons, lesson_of, load_reference
+from grader.course.lessons import lesson_of, load_reference
 from grader.judging.runner import run_tests
+from tests.course_lessons import COURSE
 from tests.students import student_with
 
 SEED = 7
 TABLES = {
     lesson.name: importlib.import_module(f"solutions.{lesson.stage}.{lesson.name}.slips").SLIPS
-    for lesson in all_lessons()
+    for lesson in COURSE
 }
 ALL = {
     f"{exercise}: {slip.title}": (exercise, slip)
