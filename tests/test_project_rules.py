@@ -84,8 +84,7 @@ def test_a_circle_is_found_wherever_the_import_stands(line, tmp_path):
 
 def test_sandboxes_are_objects_and_not_names():
     """Which sandbox it is makes no difference to whoever uses one."""
-    variants = PROJECT / "grader" / "variants"
-    for path in set((PROJECT / "grader").rglob("*.py")) - set(variants.iterdir()):
+    for path in (PROJECT / "grader").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Compare):
                 values = [getattr(part, "value", None) for part in (node.left, *node.comparators)]

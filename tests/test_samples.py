@@ -10,7 +10,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import pdist, squareform
 
 from grader.course.paths import PROJECT
-from solutions import samples
+from grader.judging import samples
 
 
 @pytest.fixture

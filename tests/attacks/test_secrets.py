@@ -15,8 +15,8 @@ from grader import cli, commands
 from grader.course.lessons import load_reference
 from grader.course.paths import Course
 from grader.course.seed import ShortSeed, course_seed
+from grader.judging import samples
 from grader.judging.runner import run_tests
-from solutions import samples
 from tests.students import student_with
 
 WORD, PCG = 2**32, 2**128

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from grader.judging import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import assert_places, assert_rows
 from utils.checks.lesson_01 import assert_distances, assert_measures, assert_works
 

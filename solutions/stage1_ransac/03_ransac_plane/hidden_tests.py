@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
+from grader.judging import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import CheckFailed, needs
 from utils.checks.lesson_03.fit_plane import assert_direction, assert_fits, assert_through_the_mean
 from utils.checks.lesson_03.iterations_needed import (

@@ -8,8 +8,8 @@ look at places only, only `test_voxels_all_around` has cells on both sides of ze
 import numpy as np
 import pytest
 
+from grader.judging import samples
 from grader.judging.hidden_tests import hidden
-from solutions import samples
 from utils.checks.assertions import (
     as_array,
     assert_all_columns,

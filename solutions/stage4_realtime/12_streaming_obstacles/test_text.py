@@ -195,7 +195,7 @@ def test_twice_the_returns_fall_into_much_the_same_voxels(told):
 
 
 def test_a_detector_that_loads_its_functions_gets_a_note():
-    notebook = find_lesson("06_filter_ground").source.with_suffix(".ipynb")
+    notebook = find_lesson("06_filter_ground").solved
     space = {"__name__": "__main__", "load_my_functions": load_my_functions}
     exec(f"mine = load_my_functions({str(notebook)!r})\n{DETECTORS}", space)
     note = next(one for one in notes_of("detect_obstacles") if one.name == "stands_alone")
