@@ -10,7 +10,7 @@ from grader.judging.judge import judge
 from utils.checks import CheckFailed
 from utils.checks.lesson_03.fit_plane import assert_through_the_mean
 from utils.checks.lesson_03.planes import scattered_plane
-from utils.checks.lesson_03.results import assert_finds, assert_mask_belongs
+from utils.checks.lesson_03.results import assert_finds, assert_nearest_are_inliers
 
 RANSAC_PLANE = """\
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
@@ -87,7 +87,7 @@ def test_planes_are_drawn_edge_on(plane, yours):
     mask = np.arange(60) < 20
     for compare in (
         lambda: assert_finds((yours, mask), points, 0.1, belongs),
-        lambda: assert_mask_belongs((yours, mask), points),
+        lambda: assert_nearest_are_inliers((yours, mask), points),
         lambda: assert_through_the_mean(yours, points),
     ):
         with pytest.raises(CheckFailed) as caught:

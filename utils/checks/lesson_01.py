@@ -70,14 +70,14 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
 
 
 @once
-def assert_measures_level(horizontal_distance: Callable) -> None:
+def require_level_distances(horizontal_distance: Callable) -> None:
     """Assert that distances of points level with the sensor are right; raise `NotYet` if not."""
     with needs("points level with the sensor are measured right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
 @once
-def assert_measures(horizontal_distance: Callable) -> None:
+def require_street_distances(horizontal_distance: Callable) -> None:
     """Assert that distances of points at various heights are right; raise `NotYet` if not."""
     with needs("the distances of points high and low are right"):
         assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
@@ -102,7 +102,7 @@ def measures_distance(horizontal_distance: Callable) -> None:
     hint="Of the coordinates use x and y only, the columns 0 and 1.",
 )
 def ignores_height(horizontal_distance: Callable) -> None:
-    assert_measures_level(horizontal_distance)
+    require_level_distances(horizontal_distance)
     assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
@@ -114,7 +114,7 @@ def ignores_height(horizontal_distance: Callable) -> None:
     hint="The last column is no length: use the columns 0 and 1 only.",
 )
 def ignores_intensity(horizontal_distance: Callable) -> None:
-    assert_measures_level(horizontal_distance)
+    require_level_distances(horizontal_distance)
     assert_distances(
         horizontal_distance(_AT_ALL_INTENSITIES.copy()), _AT_ALL_INTENSITIES, _DISTANCES
     )
@@ -126,7 +126,7 @@ _STREET_CASE = Case(
     {"cloud": _AT_ALL_HEIGHTS},
     expected=_DISTANCES,
     look=assert_distances,
-    basic=assert_measures,
+    basic=require_street_distances,
 )
 common_checks.three_columns(
     _STREET_CASE,
@@ -317,7 +317,7 @@ def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
 
 
 @once
-def assert_works(drop_invalid: Callable) -> None:
+def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     """Assert that one of the two common kinds of lost returns is dropped; raise `NotYet` if not.
 
     One kind is enough, so that a function which misses the other kind can still pass other checks.
@@ -348,7 +348,7 @@ def drops_the_origin(drop_invalid: Callable) -> None:
     hint="Compare cloud[:, :3] with 0, not the whole row.",
 )
 def drops_bright_ones(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     assert_drops(drop_invalid, _BRIGHT_ORIGIN)
 
 
@@ -372,7 +372,7 @@ def drops_nan(drop_invalid: Callable) -> None:
     hint="np.isfinite is False for NaN and for both infinities; np.isnan knows NaN alone.",
 )
 def drops_what_is_infinite(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     assert_drops(drop_invalid, _INFINITE)
 
 
@@ -385,7 +385,7 @@ def drops_what_is_infinite(drop_invalid: Callable) -> None:
     "2 - 3 + 1 is 0, too.",
 )
 def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     crossing = np.array(
         [
             [0.0, 5.0, 0.4, 0.1],
@@ -418,7 +418,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
     hint="Only exactly (0, 0, 0) is a lost return: compare with 0, not with a small number.",
 )
 def keeps_near_points(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     near = frozen(_GOOD * [0.01, 0.01, 0.01, 1])
     answer = drop_invalid(near.copy())
     assert_places(answer, near, np.ones(len(near), dtype=bool), view="above")
@@ -432,7 +432,7 @@ def keeps_near_points(drop_invalid: Callable) -> None:
     hint="Look at cloud[:, :3] only, and then index the whole cloud with the mask.",
 )
 def allows_missing_intensity(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     cloud = _GOOD.copy()
     cloud[:3, 3] = _NAN, _INF, 0.0
     assert_places(drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above")
@@ -446,7 +446,7 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     hint="Make the masks from cloud[:, :3], and index the whole cloud with them, cloud[mask].",
 )
 def keeps_the_intensity(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     assert_all_columns(drop_invalid(_GOOD.copy()), _GOOD, np.ones(len(_GOOD), dtype=bool))
 
 
@@ -458,7 +458,7 @@ def keeps_the_intensity(drop_invalid: Callable) -> None:
     hint="A mask keeps order and number by itself: sort nothing, and collect nothing.",
 )
 def keeps_the_order(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     twice = _GOOD[[0, 1, 1, 2, 0, 3, 4]]
     assert_order(drop_invalid(twice.copy()), twice, np.ones(len(twice), dtype=bool))
 
@@ -472,7 +472,7 @@ def keeps_the_order(drop_invalid: Callable) -> None:
     "them only where one does.",
 )
 def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     cloud, _ = _mixed(_ORIGIN, _NANS)
     four = as_array(drop_invalid(cloud.copy()))[:, :3]
     three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
@@ -492,7 +492,7 @@ def takes_three_columns_of_a_scan(drop_invalid: Callable) -> None:
     hint="The same masks serve every case: no special case is needed.",
 )
 def takes_an_empty_scan(drop_invalid: Callable) -> None:
-    assert_works(drop_invalid)
+    require_lost_returns_dropped(drop_invalid)
     columns = as_array(drop_invalid(_GOOD.copy())).shape[1]
     for rows in (_ORIGIN[:0], _ORIGIN):
         assert_nothing_left(drop_invalid(rows.copy()), rows, columns)
@@ -500,7 +500,14 @@ def takes_an_empty_scan(drop_invalid: Callable) -> None:
 
 _MIXED_SCAN, _IS_GOOD = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
 common_row_checks.untouched(
-    Case(__name__, "drop_invalid", {"cloud": _MIXED_SCAN}, _IS_GOOD, assert_places, assert_works),
+    Case(
+        __name__,
+        "drop_invalid",
+        {"cloud": _MIXED_SCAN},
+        _IS_GOOD,
+        assert_places,
+        require_lost_returns_dropped,
+    ),
     "leaves_the_scan",
     why="Whoever looks for a broken beam needs the lost returns.",
 )

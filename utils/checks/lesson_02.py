@@ -115,7 +115,7 @@ def assert_unit_normal(answer: object) -> None:
 
 
 @once
-def assert_makes_lines(line_through: Callable) -> None:
+def require_slanted_lines(line_through: Callable) -> None:
     """Assert that slanted lines are right; raise `NotYet` if they are not."""
     with needs("a slanted line runs through its two points"):
         for p, q in _PAIRS:
@@ -156,7 +156,7 @@ def passes_through_both(line_through: Callable) -> None:
     "before you compute c.",
 )
 def has_a_unit_normal(line_through: Callable) -> None:
-    assert_makes_lines(line_through)
+    require_slanted_lines(line_through)
     for p, q in _PAIRS:
         assert_unit_normal(line_through(np.array(p), np.array(q)))
 
@@ -170,7 +170,7 @@ def has_a_unit_normal(line_through: Callable) -> None:
     "return None.",
 )
 def takes_upright_lines(line_through: Callable) -> None:
-    assert_makes_lines(line_through)
+    require_slanted_lines(line_through)
     for p, q in (
         ((2.0, -3.0), (2.0, 4.0)),
         ((2.0, 4.0), (2.0, -3.0)),
@@ -196,7 +196,7 @@ def takes_upright_lines(line_through: Callable) -> None:
     hint="Test the length before you divide by it, and return None where it is 0.",
 )
 def refuses_equal_points(line_through: Callable) -> None:
-    assert_makes_lines(line_through)
+    require_slanted_lines(line_through)
     for point in ((0.0, 0.0), (3.0, -2.0)):
         assert_no_line(line_through, point)
 
@@ -209,7 +209,7 @@ def refuses_equal_points(line_through: Callable) -> None:
     hint="Return None where the length is 0, and only there.",
 )
 def takes_close_points(line_through: Callable) -> None:
-    assert_makes_lines(line_through)
+    require_slanted_lines(line_through)
     for p, q in (((1.0, 2.0), (1.03, 2.04)), ((-4.0, 7.0), (-4.004, 7.003))):
         if line_through(np.array(p), np.array(q)) is None:
             raise CheckFailed(
@@ -222,7 +222,7 @@ def takes_close_points(line_through: Callable) -> None:
 
 _P, _Q = frozen((np.array(_PAIRS[0][0]), np.array(_PAIRS[0][1])))
 common_checks.untouched(
-    Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, assert_makes_lines),
+    Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, require_slanted_lines),
     "leaves_the_points",
     why="p and q are rows of the points that the next round needs.",
     hint="q -= p writes into q; dx = q[0] - p[0] does not.",
@@ -355,7 +355,7 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
 
 
 @once
-def assert_measures(point_line_distance: Callable) -> None:
+def require_plain_distances(point_line_distance: Callable) -> None:
     """Assert that the plain case is right; raise `NotYet` if it is not."""
     with needs("distances from a line through (0, 0) are right, on its positive side"):
         answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
@@ -382,7 +382,7 @@ def measures_square_to_the_line(point_line_distance: Callable) -> None:
     hint="np.abs takes the absolute value of a whole array.",
 )
 def takes_both_sides(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
+    require_plain_distances(point_line_distance)
     points = np.vstack([-_POSITIVE_SIDE, _POSITIVE_SIDE])
     answer = point_line_distance(points.copy(), _SLANTED.copy())
     assert_line_distances(answer, points, _SLANTED, np.tile(_DISTANCES, 2))
@@ -396,7 +396,7 @@ def takes_both_sides(point_line_distance: Callable) -> None:
     hint="Add c, with its sign, before you take the absolute value: |a x + b y + c|.",
 )
 def counts_c(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
+    require_plain_distances(point_line_distance)
     for c, points, expected in (
         (2.0, [[1, 2], [3, 1], [0, 0], [2, -1], [-1, 1]], [1.0, 3.0, 2.0, 4.0, 0.6]),
         (-2.0, [[5, 0], [1, -3], [6, 1], [2, -1]], [1.0, 1.0, 0.8, 0.0]),
@@ -434,7 +434,7 @@ def takes_both_sides_anywhere(point_line_distance: Callable) -> None:
     hint="The formula needs no slope and no division.",
 )
 def measures_from_upright_lines(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
+    require_plain_distances(point_line_distance)
     points = np.array([[2.0, 1.0], [5.0, 4.0], [0.0, 3.0], [7.0, 0.0], [1.0, 6.0]])
     for line, column in (((1.0, 0.0, 0.0), 0), ((0.0, 1.0, 0.0), 1)):
         line = np.array(line)
@@ -450,7 +450,7 @@ def measures_from_upright_lines(point_line_distance: Callable) -> None:
     hint="a, b, c = line takes any of them apart.",
 )
 def takes_any_line(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
+    require_plain_distances(point_line_distance)
     for line in (tuple(_SLANTED.tolist()), _SLANTED.tolist()):
         answer = point_line_distance(_POSITIVE_SIDE.copy(), line)
         assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
@@ -462,7 +462,7 @@ _PLAIN_CASE = Case(
     {"points": _POSITIVE_SIDE, "line": _SLANTED},
     expected=_DISTANCES,
     look=assert_line_distances,
-    basic=assert_measures,
+    basic=require_plain_distances,
 )
 common_checks.few_points(
     _PLAIN_CASE,
@@ -480,7 +480,7 @@ common_checks.few_points(
     hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def returns_an_array(point_line_distance: Callable) -> None:
-    assert_measures(point_line_distance)
+    require_plain_distances(point_line_distance)
     answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
@@ -580,7 +580,7 @@ mistakes(
 # ---- RANSAC ------------------------------------------------------------------------------------
 
 
-def as_result(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
+def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndarray]:
     """Convert an answer to a pair of a line, which may be None, and a mask.
 
     Parameters
@@ -652,7 +652,7 @@ def distances_from(line: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.abs(values) / _normal_length(line)
 
 
-def assert_own_inliers(
+def assert_mask_matches_line(
     answer: object, points: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Assert that the mask marks the points within the tolerance of the line returned with it.
@@ -670,7 +670,7 @@ def assert_own_inliers(
     line : numpy.ndarray, shape (3,)
     inliers : numpy.ndarray of bool, shape (n,)
     """
-    line, mask = as_result(answer, len(points))
+    line, mask = as_line_and_mask(answer, len(points))
     if line is None:
         raise CheckFailed(
             "There is no line, though the points differ.",
@@ -744,7 +744,7 @@ def wall_and_clutter(
 _CROWDS = tuple(frozen(wall_and_clutter(seed, 24, 16)) for seed in range(12))
 
 
-def is_found(line: np.ndarray | None, wall: np.ndarray, tolerance: float) -> bool:
+def follows_wall(line: np.ndarray | None, wall: np.ndarray, tolerance: float) -> bool:
     """Return whether at least 80 % of the points of a wall are within the tolerance of a line.
 
     Parameters
@@ -780,7 +780,7 @@ def assert_finds(
     for seed, (points, on_line) in enumerate(runs):
         line, mask = _run(ransac_line, points, max_iterations, tolerance, seed)
         answers.append((line, mask))
-        if not is_found(line, points[on_line], tolerance):
+        if not follows_wall(line, points[on_line], tolerance):
             missed.append((points, line, mask))
             continue
         found += 1
@@ -805,10 +805,10 @@ def _run(
 ) -> tuple[np.ndarray | None, np.ndarray]:
     """Return the line and the mask of one run with a generator made from `seed`."""
     rng = np.random.default_rng(seed)
-    return as_result(ransac_line(points.copy(), max_iterations, tolerance, rng), len(points))
+    return as_line_and_mask(ransac_line(points.copy(), max_iterations, tolerance, rng), len(points))
 
 
-def quick_answers(
+def answers_of_short_runs(
     ransac_line: Callable,
     points: np.ndarray,
     max_iterations: int,
@@ -817,7 +817,7 @@ def quick_answers(
 ) -> list[tuple[np.ndarray | None, np.ndarray]]:
     """Return the lines and masks of many short runs, which share the time limit of one call."""
     calls = [(points, max_iterations, tolerance, rng) for rng in generators]
-    return [as_result(answer, len(points)) for answer in call_each(ransac_line, calls)]
+    return [as_line_and_mask(answer, len(points)) for answer in call_each(ransac_line, calls)]
 
 
 def _hint_from_runs(
@@ -860,7 +860,7 @@ def _hint_from_runs(
 
 
 @once
-def assert_works(ransac_line: Callable) -> None:
+def require_line_in_crowd(ransac_line: Callable) -> None:
     """Assert that a line is found in a crowd; raise `NotYet` if it is not."""
     with needs("the line is found in a crowd"):
         assert_finds(ransac_line, _CROWDS, 8, 30, 0.4)
@@ -888,8 +888,8 @@ _CROWD_CASE = Case(
         "rng": np.random.default_rng(2),
     },
     expected=None,
-    look=lambda answer, points, *_: as_result(answer, len(points)),
-    basic=assert_works,
+    look=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
+    basic=require_line_in_crowd,
 )
 common_checks.untouched(
     _CROWD_CASE,
@@ -908,12 +908,12 @@ common_checks.untouched(
     "from a unit normal, and not squared.",
 )
 def marks_its_own_inliers(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     for seed, tolerance in enumerate((0.1, 0.4, 0.7, 2.5)):
         rng = np.random.default_rng(seed)
         # The wall is so rough that any change of the line moves points across the edge of the band.
         points, _ = wall_and_clutter(100 + seed, 30, 10, noise=0.8)
-        assert_own_inliers(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
+        assert_mask_matches_line(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
 
 
 @visible(
@@ -924,11 +924,11 @@ def marks_its_own_inliers(ransac_line: Callable) -> None:
     hint="Compare the distances with <=.",
 )
 def includes_the_border(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
-    assert_border_counts(ransac_line, np.array([[0.0, 0.0], [8.0, 0.0], [4.0, 1.0]]))
+    require_line_in_crowd(ransac_line)
+    assert_border_is_inlier(ransac_line, np.array([[0.0, 0.0], [8.0, 0.0], [4.0, 1.0]]))
 
 
-def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
+def assert_border_is_inlier(ransac_line: Callable, three: np.ndarray) -> None:
     """Assert that a point exactly `distance_tolerance` away from the line counts as an inlier.
 
     Parameters
@@ -943,7 +943,7 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
     matching_lines = 0
     for seed in range(30):
         answer = ransac_line(three.copy(), 3, 1.0, np.random.default_rng(seed))
-        line, mask = as_result(answer, 3)
+        line, mask = as_line_and_mask(answer, 3)
         # Skip other lines: one that was refitted to its inliers may be off in the last digits.
         if line is None or not (np.array_equal(line, exact) or np.array_equal(line, -exact)):
             continue
@@ -968,7 +968,7 @@ def assert_border_counts(ransac_line: Callable, three: np.ndarray) -> None:
     hint="Loop with range(max_iterations). A round draws one sample of two points.",
 )
 def draws_as_often_as_told(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     assert_no_round_is_missing(ransac_line)
     # About one sample in 25 gives the line.
     assert_finds(ransac_line, [wall_and_clutter(7, 14, 46)] * 12, 8, 250, 0.3)
@@ -984,7 +984,7 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
         runs = (
             ransac_line(wall.copy(), rounds, 0.3, np.random.default_rng(seed)) for seed in range(12)
         )
-        return sum(as_result(answer, 10)[0] is not None for answer in runs)
+        return sum(as_line_and_mask(answer, 10)[0] is not None for answer in runs)
 
     if runs_with_line(1):
         return
@@ -1010,11 +1010,11 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
     hint="Loop with range(max_iterations). A round draws one sample of two points.",
 )
 def draws_no_more_than_told(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     points, on_line = wall_and_clutter(7, 14, 46)
     generators = map(np.random.default_rng, range(48))
-    answers = quick_answers(ransac_line, points, 1, 0.3, generators)
-    found = sum(is_found(line, points[on_line], 0.3) for line, _ in answers)
+    answers = answers_of_short_runs(ransac_line, points, 1, 0.3, generators)
+    found = sum(follows_wall(line, points[on_line], 0.3) for line, _ in answers)
     if found >= 24:  # practically impossible if one sample in 25 gives the line
         raise CheckFailed(
             fixed(
@@ -1034,8 +1034,8 @@ def draws_no_more_than_told(ransac_line: Callable) -> None:
     hint="rng.choice(len(points), size=2, replace=False) draws without putting the first one back.",
 )
 def draws_different_points(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
-    runs = lines_of_few(ransac_line, _TRIANGLE)
+    require_line_in_crowd(ransac_line)
+    runs = lines_from_two_rounds(ransac_line, _TRIANGLE)
     n_without_line = sum(line is None for line in runs)
     if n_without_line:
         raise CheckFailed(
@@ -1051,7 +1051,7 @@ _FOUR_POINTS = frozen(np.array([[1.0, 2.0], [5.0, -1.0], [-2.0, -4.0], [4.0, 6.0
 _TRIANGLE = frozen(_FOUR_POINTS[:3])
 
 
-def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray | None]:
+def lines_from_two_rounds(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray | None]:
     """Return the lines of 64 two-round runs with different seeds; None for a run without a line.
 
     With three points, a function that draws with replacement finds no line in one run of nine.
@@ -1063,7 +1063,7 @@ def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray |
         If no run finds a line.
     """
     generators = map(np.random.default_rng, range(64))
-    lines = [line for line, _ in quick_answers(ransac_line, points, 2, 0.1, generators)]
+    lines = [line for line, _ in answers_of_short_runs(ransac_line, points, 2, 0.1, generators)]
     if all(line is None for line in lines):
         raise NotYet(f"{len(points)} points and two rounds give a line")
     return lines
@@ -1078,9 +1078,9 @@ def lines_of_few(ransac_line: Callable, points: np.ndarray) -> list[np.ndarray |
     "which are all there are.",
 )
 def draws_from_all_points(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     lines, drawn = [], np.zeros(len(_FOUR_POINTS), dtype=bool)
-    for line in lines_of_few(ransac_line, _FOUR_POINTS):
+    for line in lines_from_two_rounds(ransac_line, _FOUR_POINTS):
         if line is not None:
             lines.append(line)
             drawn |= distances_from(line, _FOUR_POINTS) < TOLERANCE
@@ -1105,7 +1105,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     hint="No slope: your line_through and point_line_distance take upright lines.",
 )
 def finds_upright_walls(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     for column in (0, 1):
         points = np.random.default_rng(column).uniform(-9, 9, (30, 2))
         points[:20, column] = 4.0
@@ -1121,7 +1121,7 @@ def finds_upright_walls(ransac_line: Callable) -> None:
     "or the module random.",
 )
 def repeats_with_its_seed(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     assert_repeats(ransac_line, np.random.default_rng)
 
 
@@ -1137,7 +1137,7 @@ def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
     """
     points, _ = wall_and_clutter(3, 20, 20)
     generators = [as_rng(seed) for seed in range(20) for _ in range(2)]
-    answers = quick_answers(ransac_line, points, 2, 0.4, generators)
+    answers = answers_of_short_runs(ransac_line, points, 2, 0.4, generators)
     for seed, (first, again) in enumerate(zip(answers[::2], answers[1::2], strict=True)):
         if not (_lines_equal(first[0], again[0]) and np.array_equal(first[1], again[1])):
             raise CheckFailed(
@@ -1167,12 +1167,12 @@ def _line_text(line: np.ndarray | None) -> str:
     "makes of it, and with no seed of your own.",
 )
 def follows_its_rng(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     points, _ = wall_and_clutter(3, 20, 20)
     lines = set()
     for seed in range(20):
         answer = ransac_line(points.copy(), 2, 0.4, np.random.default_rng(seed))
-        lines.add(_line_text(as_result(answer, len(points))[0]))
+        lines.add(_line_text(as_line_and_mask(answer, len(points))[0]))
         if len(lines) > 1:
             return
     if lines == {_line_text(None)}:
@@ -1194,13 +1194,13 @@ def follows_its_rng(ransac_line: Callable) -> None:
     "gives up.",
 )
 def survives_equal_points(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     wall, _ = wall_and_clutter(11, 12, 0)
     points = np.vstack([np.tile([[2.0, 9.0]], (28, 1)), wall])
     n_without_line = 0
     for seed in range(24):
         answer = ransac_line(points.copy(), 40, 0.3, np.random.default_rng(seed))
-        n_without_line += as_result(answer, len(points))[0] is None
+        n_without_line += as_line_and_mask(answer, len(points))[0] is None
     if n_without_line:
         raise CheckFailed(
             "Among many equal points there are others, and in some runs no line was found.",
@@ -1218,12 +1218,12 @@ def survives_equal_points(ransac_line: Callable) -> None:
     hint="Where no round had a line, the answer is what you began with: None and all False.",
 )
 def answers_for_equal_points(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     equal_points = np.tile([[2.0, 9.0]], (6, 1))
     answer = ransac_line(equal_points.copy(), 20, 0.3, np.random.default_rng(0))
-    line, mask = as_result(answer, 6)
+    line, mask = as_line_and_mask(answer, 6)
     if line is not None:
-        assert_own_inliers((line, mask), equal_points, 0.3)
+        assert_mask_matches_line((line, mask), equal_points, 0.3)
     elif mask.any():
         raise CheckFailed(
             "Without a line there are no inliers.", yours=_inlier_count(mask), expected="0 inliers"
@@ -1238,7 +1238,7 @@ def answers_for_equal_points(ransac_line: Callable) -> None:
     hint="Ask len(points) < 2 before the loop.",
 )
 def answers_for_too_few(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     for points in (np.empty((0, 2)), np.array([[3.0, 4.0]])):
         assert_nothing_found(
             ransac_line(points.copy(), 10, 0.3, np.random.default_rng(0)), len(points)
@@ -1250,7 +1250,7 @@ def assert_two_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
     """Assert that at least one of 12 runs finds the line through two different points."""
     for seed in range(12):
         answer = ransac_line(pair.copy(), 10, 0.3, np.random.default_rng(seed))
-        if as_result(answer, 2)[0] is not None:
+        if as_line_and_mask(answer, 2)[0] is not None:
             return
     raise CheckFailed(
         "Two different points make a line, and for these there is none, whatever the seed.",
@@ -1264,7 +1264,7 @@ def assert_two_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
 
 def assert_nothing_found(answer: object, n: int) -> None:
     """Assert that the answer for too few points is None and a mask that is False everywhere."""
-    line, mask = as_result(answer, n)
+    line, mask = as_line_and_mask(answer, n)
     if line is not None or mask.any():
         raise CheckFailed(
             "No point makes no line." if n == 0 else "One point makes no line.",
@@ -1282,14 +1282,14 @@ def assert_nothing_found(answer: object, n: int) -> None:
     "and leaves a generator as it is.",
 )
 def takes_a_seed(ransac_line: Callable) -> None:
-    assert_works(ransac_line)
+    require_line_in_crowd(ransac_line)
     with needs("the same generator gives the same answer"):
         assert_repeats(ransac_line, np.random.default_rng)
     assert_repeats(ransac_line, int)
     found = 0
     for seed, (points, on_line) in enumerate(_CROWDS):
-        line, _ = as_result(ransac_line(points.copy(), 30, 0.4, seed), len(points))
-        found += is_found(line, points[on_line], 0.4)
+        line, _ = as_line_and_mask(ransac_line(points.copy(), 30, 0.4, seed), len(points))
+        found += follows_wall(line, points[on_line], 0.4)
     if found < 8:  # the same bound as for generators, in assert_works
         raise CheckFailed(
             f"With a whole number for rng, the line was found in {found} of {len(_CROWDS)} runs. "

@@ -42,7 +42,9 @@ _GROUND_CLOUD = frozen(
 _IS_ABOVE = frozen(np.array([False, True, False, True, True, False, True]))
 
 
-def assert_standing(answer: object, cloud: np.ndarray, keep: np.ndarray, level: float) -> None:
+def assert_no_ground_left(
+    answer: object, cloud: np.ndarray, keep: np.ndarray, level: float
+) -> None:
     """Assert that the right points are left; their order and intensity are ignored.
 
     Parameters
@@ -70,10 +72,12 @@ def _heights_text(points: np.ndarray) -> str:
 
 
 @once
-def assert_filters(filter_ground: Callable) -> None:
+def require_ground_removed(filter_ground: Callable) -> None:
     """Assert that the road goes and points above it stay; raise `NotYet` if not."""
     with needs("what stands above the ground level is kept, the road is not"):
-        assert_standing(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
+        assert_no_ground_left(
+            filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2
+        )
 
 
 @visible(
@@ -85,7 +89,7 @@ def assert_filters(filter_ground: Callable) -> None:
     "False per point.",
 )
 def keeps_what_stands_above(filter_ground: Callable) -> None:
-    assert_standing(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
+    assert_no_ground_left(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
 
 
 @visible(
@@ -99,7 +103,9 @@ def keeps_what_stands_above(filter_ground: Callable) -> None:
 def follows_the_level(filter_ground: Callable) -> None:
     for level, rows_left in ((0.0, (4, 6)), (-1.65, (1, 2, 3, 4, 6)), (1.0, (6,))):
         keep = np.isin(np.arange(7), rows_left)
-        assert_standing(filter_ground(_GROUND_CLOUD.copy(), level), _GROUND_CLOUD, keep, level)
+        assert_no_ground_left(
+            filter_ground(_GROUND_CLOUD.copy(), level), _GROUND_CLOUD, keep, level
+        )
 
 
 _GROUND_CASE = Case(
@@ -107,8 +113,8 @@ _GROUND_CASE = Case(
     "filter_ground",
     {"cloud": _GROUND_CLOUD, "ground_level": -1.2},
     expected=_IS_ABOVE,
-    look=lambda answer, cloud, level, keep: assert_standing(answer, cloud, keep, level),
-    basic=assert_filters,
+    look=lambda answer, cloud, level, keep: assert_no_ground_left(answer, cloud, keep, level),
+    basic=require_ground_removed,
 )
 
 
@@ -155,7 +161,7 @@ common_row_checks.untouched(_GROUND_CASE, "leaves_its_input", weight=2)
 )
 def keeps_the_tie(filter_ground: Callable) -> None:
     cloud = np.column_stack([np.ones((3, 2)), [-1.5, -1.25, -1.0]])
-    assert_standing(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
+    assert_no_ground_left(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
 
 
 common_row_checks.array(_GROUND_CASE, "returns_an_array")
@@ -264,7 +270,7 @@ _CENTROIDS = frozen(
 )
 
 
-def assert_cells(answer: object, cloud: np.ndarray, number: int, size: float) -> np.ndarray:
+def assert_row_per_cell(answer: object, cloud: np.ndarray, number: int, size: float) -> np.ndarray:
     """Assert that there is one row per occupied cell; the values in the rows are ignored.
 
     Parameters
@@ -304,7 +310,7 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
     size : float
         Side of a cell in metres.
     """
-    yours, right = assert_cells(answer, cloud, len(expected), size), expected[:, :3]
+    yours, right = assert_row_per_cell(answer, cloud, len(expected), size), expected[:, :3]
     if not _same_rows(yours, right):
         is_single = len(right) == 1
         raise CheckFailed(
@@ -318,10 +324,10 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
 
 
 @once
-def assert_thins(voxel_grid: Callable) -> None:
+def require_row_per_cell(voxel_grid: Callable) -> None:
     """Assert that there is one point per occupied cell; raise `NotYet` if not."""
     with needs("there is one point per occupied cell"):
-        assert_cells(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
+        assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
 def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
@@ -359,7 +365,7 @@ def _row_count(number: int) -> str:
     "as_numbers, or of rows with axis=0, finds the different ones.",
 )
 def one_point_per_cell(voxel_grid: Callable) -> None:
-    assert_cells(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
+    assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
 @visible(
@@ -371,7 +377,7 @@ def one_point_per_cell(voxel_grid: Callable) -> None:
     "column.",
 )
 def averages_each_cell(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     one_cell = _CELLS[[0, 2, 4]]
     assert_centroids(voxel_grid(one_cell.copy(), 0.2), one_cell, _CENTROIDS[:1], 0.2)
     assert_centroids(voxel_grid(_CELLS.copy(), 0.2), _CELLS, _CENTROIDS, 0.2)
@@ -385,7 +391,7 @@ def averages_each_cell(voxel_grid: Callable) -> None:
     hint="Sum whole rows, not only the coordinates: sums has cloud.shape[1] columns.",
 )
 def averages_the_intensity(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     cloud = np.array([[0.02, 0.04, 0.06, 0.02], [0.08, 0.08, 0.02, 0.16], [0.08, 0.06, 0.04, 0.12]])
     yours = as_array(voxel_grid(cloud.copy(), 0.2))
     with needs("the point of a cell is the mean of its points"):
@@ -414,12 +420,12 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
     hint="x, y and z alone decide about the cell: cloud[:, :3].",
 )
 def ignores_the_intensity(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     for intensities in ((0.1, 0.9, 0.5, 0.3), (40.0, 255.0, 3.0, 0.0)):
         cloud = np.column_stack([np.full((4, 3), 0.25), intensities])
         cloud[2:, 0] = 0.65
         try:
-            assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
+            assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
         except CheckFailed as failure:
             pairs = "intensities {:g} and {:g} at one place, {:g} and {:g} at another"
             failure.given = pairs.format(*intensities)
@@ -434,11 +440,11 @@ def ignores_the_intensity(voxel_grid: Callable) -> None:
     hint="Three columns make the cell: cloud[:, :3].",
 )
 def cuts_in_three_directions(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     for axis in range(3):
         cloud = np.full((3, 4), 0.25)
         cloud[:, axis] = 0.25, 1.05, 3.45
-        assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
+        assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
 @visible(
@@ -450,14 +456,14 @@ def cuts_in_three_directions(voxel_grid: Callable) -> None:
     hint="np.floor(-0.3) is -1, but int(-0.3) and .astype(int) give 0.",
 )
 def floors_below_zero(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     # The points of the first row are in the lower halves of their cells, so that rounding to the
     # nearest gives the same cells. Those of the second are in cells 1 and -1, which must not merge.
     for axis in range(3):
         for coordinates in ((0.06, -0.14, -0.36, -0.32), (0.26, -0.14, 0.66)):
             cloud = np.full((len(coordinates), 4), 0.05)
             cloud[:, axis] = coordinates
-            assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
+            assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
 @visible(
@@ -469,10 +475,10 @@ def floors_below_zero(voxel_grid: Callable) -> None:
     "taken off begins them at the cloud.)",
 )
 def begins_at_multiples(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     cloud = np.full((3, 4), 0.08)
     cloud[:, 0] = 0.14, 0.18, 0.26
-    assert_cells(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
+    assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
 
 
 @visible(
@@ -486,7 +492,7 @@ def follows_the_size(voxel_grid: Callable) -> None:
     cloud = np.full((4, 4), 0.1)
     cloud[:, 1] = 0.1, 0.6, 2.1, 10.1
     for size, number in ((0.25, 4), (1.5, 3), (5.0, 2), (40.0, 1)):
-        assert_cells(voxel_grid(cloud.copy(), size), cloud, number, size)
+        assert_row_per_cell(voxel_grid(cloud.copy(), size), cloud, number, size)
 
 
 _GRID_CASE = Case(
@@ -494,8 +500,8 @@ _GRID_CASE = Case(
     "voxel_grid",
     {"cloud": _CELLS, "voxel_size": 0.2},
     expected=len(_CENTROIDS),
-    look=lambda answer, cloud, size, number: assert_cells(answer, cloud, number, size),
-    basic=assert_thins,
+    look=lambda answer, cloud, size, number: assert_row_per_cell(answer, cloud, number, size),
+    basic=require_row_per_cell,
 )
 
 
@@ -510,7 +516,7 @@ def keeps_the_size(voxel_grid: Callable) -> None:
     cloud[:, 0] = np.linspace(0.003, 3.997, 100)
     explicit = as_array(voxel_grid(cloud.copy(), 0.2))
     try:
-        assert_cells(voxel_grid(cloud.copy()), cloud, len(explicit), 0.2)
+        assert_row_per_cell(voxel_grid(cloud.copy()), cloud, len(explicit), 0.2)
     except CheckFailed as failure:
         failure.marked = fixed("voxel_grid(cloud) and voxel_grid(cloud, 0.2) are not the same.")
         failure.expected = f"{_row_count(len(explicit))}, as with 0.2"
@@ -537,7 +543,7 @@ common_checks.three_columns(
     "them.",
 )
 def thins_the_smallest(voxel_grid: Callable) -> None:
-    assert_thins(voxel_grid)
+    require_row_per_cell(voxel_grid)
     columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
     empty = np.empty((0, 4))
     answer = voxel_grid(empty.copy(), 0.2)
@@ -551,7 +557,7 @@ def thins_the_smallest(voxel_grid: Callable) -> None:
         )
     horizontal = np.array([[3.47, -1.05, 0.0, 0.4]])  # z is 0 in a return of a horizontal beam
     for point in (_CELLS[:1], horizontal):
-        assert_cells(voxel_grid(point.copy(), 0.2), point, 1, 0.2)
+        assert_row_per_cell(voxel_grid(point.copy(), 0.2), point, 1, 0.2)
 
 
 common_checks.untouched(
@@ -575,7 +581,7 @@ common_row_checks.array(_GRID_CASE, "gives_an_array")
 def rounds_down(voxel_grid: Callable) -> None:
     cloud = np.full((3, 4), 0.1)
     cloud[:, 0] = 0.25, 0.375, 0.625
-    assert_cells(voxel_grid(cloud.copy(), 0.25), cloud, 2, 0.25)
+    assert_row_per_cell(voxel_grid(cloud.copy(), 0.25), cloud, 2, 0.25)
 
 
 def _merged(

@@ -95,7 +95,7 @@ _CUBE = (1.5, 1.5, 1.5), (3.5, 3.5, 3.5)
 _LIMITS = (1.5, 3.5), (-0.5, 2.5), (3.5, 9.0)  # lower and upper limits of x and z
 
 
-def assert_near(
+def assert_points_left(
     answer: object, cloud: np.ndarray, distance: float, near: np.ndarray, view: str = "above"
 ) -> None:
     """Assert that the points of ``cloud[near]`` are left, in any order.
@@ -132,7 +132,7 @@ def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
         )
 
 
-def assert_boxed(
+def assert_points_left_by_box(
     answer: object,
     cloud: np.ndarray,
     minimum: Sequence[float],
@@ -208,25 +208,25 @@ def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> No
 
 
 @once
-def assert_measures(filter_by_distance: Callable) -> None:
+def require_near_points(filter_by_distance: Callable) -> None:
     """Assert that near points stay and far ones go; raise `NotYet` if they do not."""
     with needs("what is near is kept, what is far is not"):
-        assert_near(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
+        assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @once
-def assert_crops(crop_region: Callable) -> None:
+def require_crop(crop_region: Callable) -> None:
     """Assert that only points inside the box stay; raise `NotYet` if this fails."""
     with needs("what is inside the box is kept, what is outside is not"):
         answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
-        assert_boxed(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
+        assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @once
-def assert_frees(remove_ego_returns: Callable) -> None:
+def require_ego_removed(remove_ego_returns: Callable) -> None:
     """Assert that only points inside the box go; raise `NotYet` if this fails."""
     with needs("what is inside the box is removed, what is outside is not"):
-        assert_boxed(
+        assert_points_left_by_box(
             remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO
         )
 
@@ -240,7 +240,7 @@ def assert_frees(remove_ego_returns: Callable) -> None:
     "most `distance`.",
 )
 def keeps_what_is_near(filter_by_distance: Callable) -> None:
-    assert_near(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
+    assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @visible(
@@ -251,13 +251,13 @@ def keeps_what_is_near(filter_by_distance: Callable) -> None:
     hint="Behind us x is negative, on the right y is. Squares know no sign.",
 )
 def looks_all_around(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
+    require_near_points(filter_by_distance)
     cloud = np.array(
         [[-6.0, 2.0], [-14.0, 1.0], [-3.0, -6.0], [3.0, -13.0], [2.0, -7.0], [-11.0, -12.0]]
     )
     cloud = np.column_stack([cloud, np.tile([-0.5, 0.3], (6, 1))])
     near = np.array([True, False, True, False, True, False])
-    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+    assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
 @visible(
@@ -268,11 +268,11 @@ def looks_all_around(filter_by_distance: Callable) -> None:
     hint="Pythagoras: neither the larger of x and y nor their sum is a distance.",
 )
 def draws_a_circle(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
+    require_near_points(filter_by_distance)
     cloud = np.array([[8.0, 8.0], [6.5, 6.5], [9.5, 5.0], [9.0, 3.0]])
     cloud = np.column_stack([cloud, np.tile([-0.5, 0.3], (4, 1))])
     near = np.array([False, True, False, True])
-    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+    assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
 @visible(
@@ -284,7 +284,7 @@ def draws_a_circle(filter_by_distance: Callable) -> None:
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
 def ignores_height(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
+    require_near_points(filter_by_distance)
     cloud = np.array(
         [
             [11.0, 1.0, 0.0, 0.1],
@@ -294,7 +294,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
         ]
     )
     near = np.array([False, True, True, False])
-    assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
+    assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
 @visible(
@@ -305,7 +305,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
     hint="x and y alone make the distance: columns 0 and 1.",
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
-    assert_measures(filter_by_distance)
+    require_near_points(filter_by_distance)
     cloud = np.array(
         [
             [6.0, 0.5, 0.2, 255.0],
@@ -316,7 +316,7 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
     )
     near = np.array([True, False, True, False])
     try:
-        assert_near(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
+        assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
     except CheckFailed as failure:
         if failure.given:
             failure.given += ", intensities 255, 0, 40, 3"
@@ -334,7 +334,7 @@ def follows_the_distance(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.2, -0.5, 0.3] for x in (9.0, 3.0, 30.0, 6.3, 12.0)])
     for distance in (5.0, 7.5, 11.0, 20.0):
         near = cloud[:, 0] < distance
-        assert_near(filter_by_distance(cloud.copy(), distance), cloud, distance, near)
+        assert_points_left(filter_by_distance(cloud.copy(), distance), cloud, distance, near)
 
 
 _NEAR_CASE = Case(
@@ -342,8 +342,8 @@ _NEAR_CASE = Case(
     "filter_by_distance",
     {"cloud": _SCATTERED, "distance": 10.0},
     expected=_NEAR,
-    look=assert_near,
-    basic=assert_measures,
+    look=assert_points_left,
+    basic=require_near_points,
 )
 
 
@@ -389,7 +389,7 @@ common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 def keeps_the_tie(filter_by_distance: Callable) -> None:
     cloud = np.array([[3.0, 4.0, -0.5, 0.1], [6.0, 1.0, -0.5, 0.1], [1.0, 2.0, -0.5, 0.1]])
     near = np.array([True, False, True])
-    assert_near(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
+    assert_points_left(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
 common_row_checks.array(_NEAR_CASE, "returns_an_array")
@@ -405,7 +405,7 @@ common_row_checks.array(_NEAR_CASE, "returns_an_array")
 )
 def keeps_what_is_inside(crop_region: Callable) -> None:
     answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
+    assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
 @visible(
@@ -416,7 +416,7 @@ def keeps_what_is_inside(crop_region: Callable) -> None:
     hint="A row is inside when all three coordinates are: .all(axis=1).",
 )
 def cuts_on_four_sides(crop_region: Callable) -> None:
-    assert_crops(crop_region)
+    require_crop(crop_region)
     cloud = np.array(
         [
             [-11.0, 2.0, -1.0],
@@ -428,7 +428,9 @@ def cuts_on_four_sides(crop_region: Callable) -> None:
     )
     cloud = np.column_stack([cloud, np.full(5, 0.4)])
     keep = np.array([False, False, True, False, False])
-    assert_boxed(crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, _MINIMUM, _MAXIMUM, keep)
+    assert_points_left_by_box(
+        crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, _MINIMUM, _MAXIMUM, keep
+    )
 
 
 @visible(
@@ -439,12 +441,12 @@ def cuts_on_four_sides(crop_region: Callable) -> None:
     hint="A point is inside where x, y and z all are: cloud[:, :3].",
 )
 def cuts_below_and_above(crop_region: Callable) -> None:
-    assert_crops(crop_region)
+    require_crop(crop_region)
     cloud = np.array([[1.0, 2.0, -2.5], [1.0, 2.0, -1.0], [1.0, 2.0, 1.5]])
     cloud = np.column_stack([cloud, np.full(3, 0.4)])
     keep = np.array([False, True, False])
     answer = crop_region(cloud.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
+    assert_points_left_by_box(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
 
 @visible(
@@ -455,7 +457,7 @@ def cuts_below_and_above(crop_region: Callable) -> None:
     hint="Inside is >= minimum and <= maximum.",
 )
 def counts_the_faces(crop_region: Callable) -> None:
-    assert_crops(crop_region)
+    require_crop(crop_region)
     on_faces = np.array(
         [
             [-10.0, 0.0, 0.0],
@@ -468,7 +470,7 @@ def counts_the_faces(crop_region: Callable) -> None:
     )
     on_faces = np.column_stack([on_faces, np.full(6, 0.4)])
     answer = crop_region(on_faces.copy(), _MINIMUM, _MAXIMUM)
-    assert_boxed(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
+    assert_points_left_by_box(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
 
 
 @visible(
@@ -482,7 +484,9 @@ def follows_the_corners(crop_region: Callable) -> None:
     for low, high in _LIMITS:
         corners = (low, 5 - high, low), (high, 5 - low, high)
         keep = (_DIAGONAL[:, 0] > low) & (_DIAGONAL[:, 0] < high)
-        assert_boxed(crop_region(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep)
+        assert_points_left_by_box(
+            crop_region(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep
+        )
 
 
 @visible(
@@ -493,10 +497,10 @@ def follows_the_corners(crop_region: Callable) -> None:
     hint="An array compares itself with a tuple or a list of three numbers without more ado.",
 )
 def takes_any_corners(crop_region: Callable) -> None:
-    assert_crops(crop_region)
+    require_crop(crop_region)
     for kind in (list, np.array):
         answer = crop_region(_CROP_CLOUD.copy(), kind(_MINIMUM), kind(_MAXIMUM))
-        assert_boxed(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
+        assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
         _assert_any_corner_type(crop_region, kind)
 
 
@@ -505,8 +509,8 @@ _CROP_CASE = Case(
     "crop_region",
     {"cloud": _CROP_CLOUD, "minimum": _MINIMUM, "maximum": _MAXIMUM},
     expected=_INSIDE,
-    look=assert_boxed,
-    basic=assert_crops,
+    look=assert_points_left_by_box,
+    basic=require_crop,
 )
 common_checks.names(
     _CROP_CASE,
@@ -533,7 +537,9 @@ common_row_checks.array(_CROP_CASE, "gives_an_array")
     hint="Find the rows inside as in crop_region, then keep the others: ~inside.",
 )
 def removes_our_own(remove_ego_returns: Callable) -> None:
-    assert_boxed(remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO)
+    assert_points_left_by_box(
+        remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO
+    )
 
 
 @visible(
@@ -545,13 +551,13 @@ def removes_our_own(remove_ego_returns: Callable) -> None:
     "(not a) or (not b) or (not c).",
 )
 def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
+    require_ego_removed(remove_ego_returns)
     cloud = np.array(
         [[0.5, 0.0, -0.7], [9.0, 0.0, -0.7], [-4.0, 0.0, -0.7], [0.5, 6.0, -0.7], [0.5, -3.0, -0.7]]
     )
     cloud = np.column_stack([cloud, np.full(5, 0.4)])
     keep = np.array([False, True, True, True, True])
-    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
+    assert_points_left_by_box(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
 
 
 @visible(
@@ -562,11 +568,13 @@ def keeps_ahead_and_beside(remove_ego_returns: Callable) -> None:
     hint="A point is inside where x, y and z all are: cloud[:, :3].",
 )
 def keeps_above_and_below(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
+    require_ego_removed(remove_ego_returns)
     cloud = np.array([[0.5, 0.0, 2.0], [0.5, 0.0, -0.7], [0.5, 0.0, -1.6]])
     cloud = np.column_stack([cloud, np.full(3, 0.4)])
     keep = np.array([True, False, True])
-    assert_boxed(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep, "side")
+    assert_points_left_by_box(
+        remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep, "side"
+    )
 
 
 @visible(
@@ -577,7 +585,7 @@ def keeps_above_and_below(remove_ego_returns: Callable) -> None:
     hint="Inside is >= minimum and <= maximum, as in crop_region; outside is < or >.",
 )
 def removes_the_faces(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
+    require_ego_removed(remove_ego_returns)
     box = (-1.5, -1.75, -1.0), (2.5, 1.75, -0.5)
     on_faces = np.array(
         [
@@ -591,7 +599,9 @@ def removes_the_faces(remove_ego_returns: Callable) -> None:
         ]
     )
     on_faces = np.column_stack([on_faces, np.full(7, 0.4)])
-    assert_boxed(remove_ego_returns(on_faces.copy(), *box), on_faces, *box, np.arange(7) == 6)
+    assert_points_left_by_box(
+        remove_ego_returns(on_faces.copy(), *box), on_faces, *box, np.arange(7) == 6
+    )
 
 
 @visible(
@@ -602,11 +612,13 @@ def removes_the_faces(remove_ego_returns: Callable) -> None:
     hint="Inside is what lies between minimum and maximum, whatever these are.",
 )
 def follows_the_ego_box(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
+    require_ego_removed(remove_ego_returns)
     for low, high in _LIMITS:
         corners = (low, 5 - high, low), (high, 5 - low, high)
         keep = (_DIAGONAL[:, 0] < low) | (_DIAGONAL[:, 0] > high)
-        assert_boxed(remove_ego_returns(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep)
+        assert_points_left_by_box(
+            remove_ego_returns(_DIAGONAL.copy(), *corners), _DIAGONAL, *corners, keep
+        )
 
 
 @visible(
@@ -617,10 +629,10 @@ def follows_the_ego_box(remove_ego_returns: Callable) -> None:
     hint="An array compares itself with a tuple or a list of three numbers without more ado.",
 )
 def takes_any_ego_box(remove_ego_returns: Callable) -> None:
-    assert_frees(remove_ego_returns)
+    require_ego_removed(remove_ego_returns)
     for kind in (list, np.array):
         answer = remove_ego_returns(_EGO_CLOUD.copy(), kind(_EGO_BOX[0]), kind(_EGO_BOX[1]))
-        assert_boxed(answer, _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO)
+        assert_points_left_by_box(answer, _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO)
         _assert_any_corner_type(remove_ego_returns, kind)
 
 
@@ -629,8 +641,8 @@ _EGO_CASE = Case(
     "remove_ego_returns",
     {"cloud": _EGO_CLOUD, "minimum": _EGO_BOX[0], "maximum": _EGO_BOX[1]},
     expected=frozen(~_IS_EGO),
-    look=assert_boxed,
-    basic=assert_frees,
+    look=assert_points_left_by_box,
+    basic=require_ego_removed,
 )
 common_checks.names(
     _EGO_CASE,

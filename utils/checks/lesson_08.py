@@ -42,7 +42,7 @@ _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 
 @once
-def assert_reaches(get_bounding_boxes: Callable) -> None:
+def require_single_box(get_bounding_boxes: Callable) -> None:
     """Assert that a single cluster gets its box; raise `NotYet` if not."""
     with needs("a single cluster gets its box"):
         labels = np.ones(7, dtype=int)
@@ -51,7 +51,7 @@ def assert_reaches(get_bounding_boxes: Callable) -> None:
 
 
 @once
-def assert_works(get_bounding_boxes: Callable) -> None:
+def require_three_boxes(get_bounding_boxes: Callable) -> None:
     """Assert that three clusters get their boxes; raise `NotYet` if not."""
     with needs("each of three clusters gets its box"):
         answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
@@ -83,7 +83,7 @@ def reaches_from_min_to_max(get_bounding_boxes: Callable) -> None:
     "and start afresh.",
 )
 def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
-    assert_reaches(get_bounding_boxes)
+    require_single_box(get_bounding_boxes)
     answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
     assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
@@ -96,7 +96,7 @@ def one_box_for_each_label(get_bounding_boxes: Callable) -> None:
     hint="Start from the first point or from infinity: 0 is a place like any other.",
 )
 def starts_anywhere(get_bounding_boxes: Callable) -> None:
-    assert_works(get_bounding_boxes)
+    require_three_boxes(get_bounding_boxes)
     shifts = np.array([[9.0, 6.0, 3.0], [-9.0, -6.0, -3.0]])
     cloud = np.vstack([_POINTS + shift for shift in shifts])
     labels = np.repeat([1, 2], 7)
@@ -114,7 +114,7 @@ def starts_anywhere(get_bounding_boxes: Callable) -> None:
     "must be asked of each point, if and if, not if and elif.",
 )
 def takes_points_in_any_order(get_bounding_boxes: Callable) -> None:
-    assert_works(get_bounding_boxes)
+    require_three_boxes(get_bounding_boxes)
     labels = np.repeat([1, 2], 7)
     for first in range(1, 7):
         points = np.roll(_POINTS, -first, axis=0)
@@ -129,7 +129,7 @@ _THREE_CASE = Case(
     {"cloud": _CLOUD, "cluster_labels": _LABELS},
     expected=_BOXES,
     look=lambda answer, cloud, labels, boxes: assert_box_corners(answer, boxes, cloud, labels),
-    basic=assert_works,
+    basic=require_three_boxes,
 )
 common_box_checks.gaps(
     _THREE_CASE,
@@ -151,7 +151,7 @@ common_box_checks.noise(_THREE_CASE, "leaves_noise_alone", weight=2)
     hint="Minimum and maximum of a single point are both that point; no special case is needed.",
 )
 def takes_few_points(get_bounding_boxes: Callable) -> None:
-    assert_works(get_bounding_boxes)
+    require_three_boxes(get_bounding_boxes)
     first, second, third = np.array([[6.0, 2.0, -1.1], [5.0, 2.6, -0.5], [-3.0, -4.6, -1.0]])
     cloud = np.vstack([first, second, third, first, second, third, third, third])
     labels = np.array([1, 1, 2, 3, 3, 4, 4, 4])

@@ -25,10 +25,10 @@ from utils.checks.run_cache import once
 # checks, because a separate check covers that case.
 _LABELS = frozen(np.array([1, 1, 2, 3, 1, 4, 4, 3, 1, 5, 4, 1, 5, 6, 4, 5, 6, 5]))
 _KEPT = frozen(np.array([1, 1, 0, 0, 1, 4, 4, 0, 1, 5, 4, 1, 5, 0, 4, 5, 0, 5]))
-KEEPS_ZERO = fixed("Points with label 0 belong to no cluster and keep the 0.")
+NOISE_MESSAGE = fixed("Points with label 0 belong to no cluster and keep the 0.")
 
 
-def assert_kept(
+def assert_right_clusters_left(
     answer: object, labels: np.ndarray, expected: np.ndarray, minimum: int | None = None
 ) -> None:
     """Assert that the right clusters are left, each with a label of its own, whatever the labels.
@@ -55,7 +55,7 @@ def assert_kept(
     ]
     text = "; ".join(parts)
     raise CheckFailed(
-        f"{text[0].upper()}{text[1:]}." if text else KEEPS_ZERO,
+        f"{text[0].upper()}{text[1:]}." if text else NOISE_MESSAGE,
         given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
         yours=_summary(yours),
         expected=_summary(expected),
@@ -105,14 +105,14 @@ _BASIC_PROPERTY = "clusters with too few points go, the others stay"
 
 
 @once
-def assert_works(filter_clusters: Callable) -> None:
+def require_small_clusters_removed(filter_clusters: Callable) -> None:
     """Assert that small clusters go and large ones stay; raise `NotYet` if not."""
     with needs(_BASIC_PROPERTY):
-        assert_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
+        assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
 @once
-def assert_chooses(filter_clusters: Callable) -> None:
+def require_most_clusters_right(filter_clusters: Callable) -> None:
     """Assert that at least five of six clusters go or stay as they should; raise `NotYet` if not.
 
     This is enough for checks that do not depend on sizes: names, input, label 0. A function that
@@ -176,7 +176,7 @@ def _summary(labels: np.ndarray) -> str:
     "count of its label.",
 )
 def removes_small_clusters(filter_clusters: Callable) -> None:
-    assert_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
+    assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
 
 
 @visible(
@@ -187,7 +187,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     hint="Change no label but to 0: start from a copy of the labels.",
 )
 def keeps_the_labels(filter_clusters: Callable) -> None:
-    assert_chooses(filter_clusters)
+    require_most_clusters_right(filter_clusters)
     assert_labels_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
@@ -199,7 +199,7 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
     hint="Write 0 where a cluster is too small.",
 )
 def writes_zeros(filter_clusters: Callable) -> None:
-    assert_chooses(filter_clusters)
+    require_most_clusters_right(filter_clusters)
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     if (yours < 0).any():
         raise CheckFailed(
@@ -220,7 +220,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
 )
 def removes_neighbours(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3, 4, 5, 6, 7], [1, 2, 1, 6, 2, 1, 5])
-    assert_kept(
+    assert_right_clusters_left(
         filter_clusters(labels.copy(), 4),
         labels,
         np.repeat([0, 0, 0, 4, 0, 0, 7], [1, 2, 1, 6, 2, 1, 5]),
@@ -238,7 +238,9 @@ def removes_neighbours(filter_clusters: Callable) -> None:
 def keeps_the_tie(filter_clusters: Callable) -> None:
     for sizes, kept in (([4, 5, 9], [0, 2, 3]), ([9, 4, 5], [1, 0, 3])):
         labels = np.repeat([1, 2, 3], sizes)
-        assert_kept(filter_clusters(labels.copy(), 5), labels, np.repeat(kept, sizes), 5)
+        assert_right_clusters_left(
+            filter_clusters(labels.copy(), 5), labels, np.repeat(kept, sizes), 5
+        )
 
 
 @visible(
@@ -252,7 +254,9 @@ def follows_the_minimum(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3], [12, 30, 60])
     for minimum, kept in ((7, [1, 2, 3]), (20, [0, 2, 3]), (45, [0, 0, 3]), (80, [0, 0, 0])):
         expected = np.repeat(kept, [12, 30, 60])
-        assert_kept(filter_clusters(labels.copy(), minimum), labels, expected, minimum)
+        assert_right_clusters_left(
+            filter_clusters(labels.copy(), minimum), labels, expected, minimum
+        )
 
 
 _FILTERED_CASE = Case(
@@ -261,7 +265,7 @@ _FILTERED_CASE = Case(
     {"cluster_labels": _LABELS, "min_num_points": 3},
     expected=_KEPT,
     look=lambda answer, labels, minimum, kept: as_labels(answer, len(labels)),
-    basic=assert_chooses,
+    basic=require_most_clusters_right,
 )
 
 
@@ -302,12 +306,12 @@ common_checks.names(
     hint="Leave out the label 0 when you look for clusters, or let it stay what it is.",
 )
 def leaves_noise_alone(filter_clusters: Callable) -> None:
-    assert_chooses(filter_clusters)
+    require_most_clusters_right(filter_clusters)
     labels = np.array([0, 2, 0, 2, 0, 1, 2, 0, 0, 1, 0, 2])
     yours = as_labels(filter_clusters(labels.copy(), 3), len(labels))
     if (yours[labels == 0] > 0).any():
         raise CheckFailed(
-            KEEPS_ZERO,
+            NOISE_MESSAGE,
             given=f"labels {brief(labels)}, minimum 3",
             yours=brief(yours),
             expected=brief(np.where(labels == 2, 2, 0)),
@@ -324,7 +328,9 @@ def leaves_noise_alone(filter_clusters: Callable) -> None:
 )
 def allows_gaps(filter_clusters: Callable) -> None:
     labels = np.array([7, 40, 7, 7, 40, 3, 7])
-    assert_kept(filter_clusters(labels.copy(), 3), labels, np.array([7, 0, 7, 7, 0, 0, 7]), 3)
+    assert_right_clusters_left(
+        filter_clusters(labels.copy(), 3), labels, np.array([7, 0, 7, 7, 0, 0, 7]), 3
+    )
 
 
 @visible(
@@ -336,7 +342,7 @@ def allows_gaps(filter_clusters: Callable) -> None:
 )
 def takes_the_smallest(filter_clusters: Callable) -> None:
     empty = np.empty(0, dtype=int)
-    assert_kept(filter_clusters(empty, 2), empty, empty)
+    assert_right_clusters_left(filter_clusters(empty, 2), empty, empty)
     for labels, minimum, expected in (
         ([1], 0, [1]),
         ([1], 2, [0]),
@@ -344,7 +350,9 @@ def takes_the_smallest(filter_clusters: Callable) -> None:
         ([5, 5, 5], 4, [0, 0, 0]),
     ):
         labels = np.array(labels)
-        assert_kept(filter_clusters(labels.copy(), minimum), labels, np.array(expected), minimum)
+        assert_right_clusters_left(
+            filter_clusters(labels.copy(), minimum), labels, np.array(expected), minimum
+        )
 
 
 common_checks.untouched(
@@ -364,7 +372,7 @@ common_checks.untouched(
     hint="Start from cluster_labels.copy(), or let np.where build a new array.",
 )
 def returns_a_new_array(filter_clusters: Callable) -> None:
-    assert_chooses(filter_clusters)
+    require_most_clusters_right(filter_clusters)
     assert_new_array(filter_clusters, _LABELS, 0)
 
 

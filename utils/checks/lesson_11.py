@@ -117,7 +117,7 @@ def assert_directions(answer: object, expected: np.ndarray, given: str | None = 
     )
 
 
-def assert_order(answer: object, points: np.ndarray, given: str | None = None) -> None:
+def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | None = None) -> None:
     """Assert that the spread of the points along the columns decreases from left to right.
 
     Parameters
@@ -198,7 +198,7 @@ _LEANING_TEXT = "a block of {:g} x {:g} x {:g} m that leans forwards and to the 
 
 
 @once
-def assert_finds_axes(principal_axes: Callable) -> None:
+def require_directions(principal_axes: Callable) -> None:
     """Assert that the directions of a turned block are found; raise `NotYet` if not."""
     with needs("the columns run along the length, width and height of a block"):
         for sides in _SIDES:
@@ -237,7 +237,7 @@ def finds_the_directions(principal_axes: Callable) -> None:
     "change a row where an axis, a column, is meant?",
 )
 def leans_in_space(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
+    require_directions(principal_axes)
     for axes in _ROTATIONS:
         answer = principal_axes(_grid(*_SIDES[0]) @ axes.T)
         try:
@@ -270,11 +270,13 @@ def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
     "columns round, axes[:, ::-1]. np.linalg.eig gives them in no order: sort.",
 )
 def orders_by_spread(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
+    require_directions(principal_axes)
     for sides in _SIDES:
         for degrees in (0, 25, 80):
             block = _turn(_grid(*sides), degrees)
-            assert_order(principal_axes(block.copy()), block, _block_text(sides, degrees))
+            assert_sorted_by_spread(
+                principal_axes(block.copy()), block, _block_text(sides, degrees)
+            )
 
 
 @visible(
@@ -286,7 +288,7 @@ def orders_by_spread(principal_axes: Callable) -> None:
     "turning the order of three columns round changes the sign of the determinant, too.",
 )
 def stays_right_handed(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
+    require_directions(principal_axes)
     for sides in _SIDES:
         for index, degrees in enumerate(_TURNS):
             block = _turn(_grid(*sides), degrees)
@@ -302,7 +304,7 @@ def stays_right_handed(principal_axes: Callable) -> None:
     "spread.",
 )
 def has_unit_length(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
+    require_directions(principal_axes)
     for sides in _SIDES:
         assert_orthonormal(principal_axes(_turn(_grid(*sides), 65)))
 
@@ -315,7 +317,7 @@ def has_unit_length(principal_axes: Callable) -> None:
     hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
 )
 def centres_the_points(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
+    require_directions(principal_axes)
     sides = _SIDES[0]
     for place in ([25.0, 3.0, -1.0], [-8.0, -19.0, 4.0]):
         answer = principal_axes(_turn(_grid(*sides), 50) + place)
@@ -397,7 +399,7 @@ _BLOCK_CASE = Case(
     {"points": _TURNED_BLOCK},
     expected=frozen(_axes_of(_SIDES[0], 50)),
     look=lambda answer, points, axes: assert_directions(answer, axes),
-    basic=assert_finds_axes,
+    basic=require_directions,
 )
 common_checks.fourth_column(
     _BLOCK_CASE,
@@ -418,7 +420,7 @@ common_checks.fourth_column(
     "q.T @ q is 3 x 3 for any number of points q; np.cov of one point is not a number.",
 )
 def takes_few_points(principal_axes: Callable) -> None:
-    assert_finds_axes(principal_axes)
+    require_directions(principal_axes)
     pair = np.array([[1.5, 2.0, 0.0], [-1.5, -2.0, 0.0]])
     assert_directions(principal_axes(pair.copy()), np.array([[0.6, 0.8, 0.0]]).T, "two points")
     for points in (pair, pair[:1], np.repeat(pair[:1], 3, axis=0), pair[:0]):
@@ -547,7 +549,7 @@ _STRAIGHT = frozen(_street(0, 0))
 
 
 @once
-def assert_boxes(get_oriented_boxes: Callable) -> None:
+def require_straight_boxes(get_oriented_boxes: Callable) -> None:
     """Assert that the boxes of straight clusters hold their points; raise `NotYet` if not."""
     with needs("the boxes of two clusters that stand straight hold their points"):
         assert_holds(get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy()), _STRAIGHT, _LABELS)
@@ -594,7 +596,7 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
     "points turn by minus yaw, the corners by plus yaw.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
+    require_straight_boxes(get_oriented_boxes)
     points, labels = _turn(_FIVE_POINTS, 30) + [8.0, 0.0, 0.0], np.ones(5, dtype=int)
     assert_headings(
         get_oriented_boxes(points.copy(), labels.copy()),
@@ -623,7 +625,7 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     hint="Minimum and maximum belong to the points as they are after the turn by minus yaw.",
 )
 def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
+    require_straight_boxes(get_oriented_boxes)
     for heading in _HEADINGS:
         street = _street(heading, heading)
         answer = get_oriented_boxes(street.copy(), _LABELS.copy())
@@ -638,7 +640,7 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
     hint="All four corners of the floor have the same z, and so have those of the roof.",
 )
 def stands_upright(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
+    require_straight_boxes(get_oriented_boxes)
     # The bonnet is low and the boot high, so the first principal axis in space is tilted.
     leaning = _street(0, 0)
     leaning[:, 2] += 0.25 * leaning[:, 0]
@@ -653,7 +655,7 @@ def stands_upright(get_oriented_boxes: Callable) -> None:
     hint="Floor and roof are the smallest and the largest z of the cluster.",
 )
 def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
+    require_straight_boxes(get_oriented_boxes)
     answer = get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy())
     assert_heights(answer, _STRAIGHT, _LABELS)
 
@@ -666,7 +668,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
 )
 def looks_from_above(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
+    require_straight_boxes(get_oriented_boxes)
     for size, heading, place in (
         ((0.7, 0.3, 1.7), 30, [5.0, -2.0, -0.8]),
         ((1.4, 0.4, 2.6), 100, [-6.0, 4.0, -0.4]),
@@ -686,7 +688,7 @@ _BOXES_CASE = Case(
     {"cloud": _STRAIGHT, "cluster_labels": _LABELS},
     expected=None,
     look=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
-    basic=assert_boxes,
+    basic=require_straight_boxes,
 )
 common_box_checks.gaps(
     _BOXES_CASE,
@@ -706,7 +708,7 @@ common_box_checks.noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
     hint="A box of one point is that point eight times; no special case is needed.",
 )
 def takes_small_clusters(get_oriented_boxes: Callable) -> None:
-    assert_boxes(get_oriented_boxes)
+    require_straight_boxes(get_oriented_boxes)
     line = np.array([3.0, 1.0, 0.0]) + np.outer(np.linspace(0, 2, 9), [1.0, 0.0, 0.0])
     turned_line = _turn(line, 89)  # 89° is the last angle of a search in whole degrees
     points = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0), turned_line])

@@ -7,7 +7,11 @@ import numpy as np
 from grader.judging import samples
 from grader.judging.hidden_tests import hidden
 from utils.checks.assertions import assert_places, assert_rows
-from utils.checks.lesson_01 import assert_distances, assert_measures, assert_works
+from utils.checks.lesson_01 import (
+    assert_distances,
+    require_lost_returns_dropped,
+    require_street_distances,
+)
 
 
 @samples.remembered
@@ -71,7 +75,7 @@ def test_distances_when_turned(student, seed):
     hint="Whole columns serve every case: no special case is needed.",
 )
 def test_distances_of_three_columns(student, seed):
-    assert_measures(student.horizontal_distance)
+    require_street_distances(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)[:, :3]
     assert_measured(student, cloud)
     assert_measured(student, cloud[:2])
@@ -85,7 +89,7 @@ def test_distances_of_three_columns(student, seed):
     hint="Whole columns serve every case: no special case is needed.",
 )
 def test_distances_in_single_precision(student, seed):
-    assert_measures(student.horizontal_distance)
+    require_street_distances(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)
     assert_measured(student, cloud.astype(np.float32))
     assert_measured(student, np.asfortranarray(cloud))
@@ -133,7 +137,7 @@ def broken(cloud, seed, share=0.2):
     hint="Break the scan as the notebook does: is the tall bar at 0 m gone?",
 )
 def test_course_cloud_cleaned(student, seed):
-    assert_works(student.drop_invalid)
+    require_lost_returns_dropped(student.drop_invalid)
     patch = samples.patch_of_course_cloud(seed, 3000)
     assert_cleaned(student, whole(patch))
     assert_cleaned(student, broken(patch, seed))
@@ -156,7 +160,7 @@ def test_fresh_street_cleaned(student, seed):
     hint="Compare the three coordinates with 0, not the whole row.",
 )
 def test_bright_returns_go(student, seed):
-    assert_works(student.drop_invalid)
+    require_lost_returns_dropped(student.drop_invalid)
     cloud = whole(samples.patch_of_course_cloud(seed, 400))
     cloud[::7, :3] = 0.0
     cloud[::7, 3] = np.random.default_rng(seed).uniform(0.1, 1, len(cloud[::7]))
@@ -170,7 +174,7 @@ def test_bright_returns_go(student, seed):
     hint="np.isfinite is False for NaN and for both infinities.",
 )
 def test_infinite_returns_go(student, seed):
-    assert_works(student.drop_invalid)
+    require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
     cloud = whole(samples.patch_of_course_cloud(seed, 400))
     for row in range(0, len(cloud), 6):
@@ -185,7 +189,7 @@ def test_infinite_returns_go(student, seed):
     hint="One coordinate of 0 is fine, and so are two.",
 )
 def test_points_with_a_zero_stay(student, seed):
-    assert_works(student.drop_invalid)
+    require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
     cloud = samples.patch_of_course_cloud(seed, 1000)
     cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]  # none is near without two of them
@@ -202,7 +206,7 @@ def test_points_with_a_zero_stay(student, seed):
     "all for a good reason.",
 )
 def test_near_points_stay(student, seed):
-    assert_works(student.drop_invalid)
+    require_lost_returns_dropped(student.drop_invalid)
     near = np.random.default_rng(seed).normal(scale=0.05, size=(40, 4))
     assert_cleaned(student, near)
     assert_cleaned(student, near * [1, 1, 1, 0])

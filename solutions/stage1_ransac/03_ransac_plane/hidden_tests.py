@@ -14,43 +14,47 @@ import pytest
 from grader.judging import samples
 from grader.judging.hidden_tests import hidden
 from utils.checks.assertions import CheckFailed, needs
-from utils.checks.lesson_03.fit_plane import assert_direction, assert_fits, assert_through_the_mean
+from utils.checks.lesson_03.fit_plane import (
+    assert_direction,
+    assert_through_the_mean,
+    require_direction,
+)
 from utils.checks.lesson_03.iterations_needed import (
-    assert_about,
     assert_iterations,
-    assert_reckons,
-    iterations_by_trying,
+    assert_nearly,
+    iterations_by_counting,
+    require_plain_cases,
 )
 from utils.checks.lesson_03.plane_through import (
-    assert_fits_triangles,
-    assert_gives_planes,
+    as_plane_of_triangle,
+    assert_contains_points,
     assert_no_plane,
-    assert_through,
-    assert_upright,
-    plane_of,
+    assert_perpendicular,
+    require_perpendicular_normals,
+    require_planes,
 )
 from utils.checks.lesson_03.planes import assert_unit_normal, scattered_plane
 from utils.checks.lesson_03.point_plane_distance import (
     assert_distances,
     assert_ignores_intensity,
-    assert_measures,
+    require_plain_distances,
 )
 from utils.checks.lesson_03.ransac_plane import (
-    assert_edge_counts,
+    assert_border_is_inlier,
     assert_no_round_is_missing,
     assert_rows_differ,
-    assert_runs,
     assert_three_are_enough,
-    assert_works,
-    ring_on_a_ramp,
+    ramp_with_collinear_points,
+    require_plane_among_outliers,
+    require_plane_without_outliers,
 )
 from utils.checks.lesson_03.results import (
+    as_mask,
+    as_model,
     assert_finds,
-    assert_mask_belongs,
-    assert_mask_follows,
+    assert_inliers_within_tolerance,
+    assert_nearest_are_inliers,
     assert_nothing_found,
-    mask_of,
-    model_of,
 )
 from utils.geometry import gaps_from
 
@@ -80,7 +84,7 @@ def test_random_triangles(student, seed):
     rng = np.random.default_rng(seed)
     for _ in range(8):
         triangle = random_triangle(rng)
-        assert_upright(student.plane_through(*triangle.copy()), triangle)
+        assert_perpendicular(student.plane_through(*triangle.copy()), triangle)
 
 
 @hidden(
@@ -91,11 +95,11 @@ def test_random_triangles(student, seed):
 )
 def test_offsets(student, seed):
     rng = np.random.default_rng(seed + 1)
-    assert_fits_triangles(student.plane_through)
+    require_perpendicular_normals(student.plane_through)
     for reach in (1, 10, 60):
         triangle = random_triangle(rng) + rng.uniform(-reach, reach, 3)
         for way_round in (triangle, triangle[::-1]):  # with the normal on either side
-            assert_through(student.plane_through(*way_round.copy()), triangle)
+            assert_contains_points(student.plane_through(*way_round.copy()), triangle)
 
 
 @hidden(
@@ -106,10 +110,10 @@ def test_offsets(student, seed):
 )
 def test_lengths(student, seed):
     rng = np.random.default_rng(seed + 2)
-    assert_fits_triangles(student.plane_through)
+    require_perpendicular_normals(student.plane_through)
     for size in (0.5, 3, 30):
         triangle = random_triangle(rng, size)
-        assert_unit_normal(plane_of(student.plane_through(*triangle.copy()), triangle))
+        assert_unit_normal(as_plane_of_triangle(student.plane_through(*triangle.copy()), triangle))
 
 
 @hidden(
@@ -120,11 +124,11 @@ def test_lengths(student, seed):
 )
 def test_order(student, seed):
     triangle = random_triangle(np.random.default_rng(seed + 3))
-    assert_fits_triangles(student.plane_through)
+    require_perpendicular_normals(student.plane_through)
     for order in ((0, 1, 2), (1, 0, 2), (2, 0, 1), (2, 1, 0)):
         turned = triangle[list(order)]
         for points in (turned, turned.astype(np.float32)):
-            assert_upright(student.plane_through(*points.copy()), turned)
+            assert_perpendicular(student.plane_through(*points.copy()), turned)
 
 
 @hidden(
@@ -135,7 +139,7 @@ def test_order(student, seed):
 )
 def test_lines(student, seed):
     rng = np.random.default_rng(seed + 4)
-    assert_gives_planes(student.plane_through)
+    require_planes(student.plane_through)
     for _ in range(4):
         start, step = rng.integers(-9, 9, 3), rng.integers(1, 9, 3)
         line = (start + rng.permutation([0, 2, 5])[:, None] * step).astype(float)
@@ -171,7 +175,7 @@ def test_distances_in_the_course_cloud(student, seed):
 )
 def test_offset_planes(student, seed):
     rng = np.random.default_rng(seed)
-    assert_measures(student.point_plane_distance)
+    require_plain_distances(student.point_plane_distance)
     for _ in range(3):
         plane = random_plane(rng)
         points = in_front(rng.uniform(-20, 20, (80, 3)), plane)
@@ -186,7 +190,7 @@ def test_offset_planes(student, seed):
 )
 def test_both_sides(student, seed):
     rng = np.random.default_rng(seed)
-    assert_measures(student.point_plane_distance)
+    require_plain_distances(student.point_plane_distance)
     xyz, plane = rng.uniform(-8, 8, (60, 3)), random_plane(rng) * [1, 1, 1, 0]
     for sign in (1, -1):
         assert_distances(student.point_plane_distance(xyz.copy(), sign * plane), xyz, plane)
@@ -217,7 +221,7 @@ def test_both_sides_anywhere(student, seed):
     hint="points[:, :3] for the product with the normal.",
 )
 def test_four_columns(student, seed):
-    assert_measures(student.point_plane_distance)
+    require_plain_distances(student.point_plane_distance)
     cloud = samples.patch_of_course_cloud(seed, 50)
     plane = random_plane(np.random.default_rng(seed)) + [0, 0, 0, 6]
     for intensity in (1, 255):
@@ -232,7 +236,7 @@ def test_four_columns(student, seed):
     hint="One number per row, whatever the array is made of.",
 )
 def test_forms_of_points(student, seed):
-    assert_measures(student.point_plane_distance)
+    require_plain_distances(student.point_plane_distance)
     plane = np.array([0.0, 0.6, 0.8, 0.0])
     points = in_front(samples.patch_of_course_cloud(seed, 50), plane)[:, :3]
     for form in (points.astype(np.float32), np.asfortranarray(points), points[:1], points[:3]):
@@ -279,7 +283,7 @@ def street_and_its_best(name, street, run, tolerance):
 
 def assert_marks(answer, points, tolerance):
     """The mask holds most of the points near the model, and little else."""
-    near, mask = gaps_from(points, model_of(answer)) <= tolerance, mask_of(answer, len(points))
+    near, mask = gaps_from(points, as_model(answer)) <= tolerance, as_mask(answer, len(points))
     if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
         raise CheckFailed(
             "The plane is found, and the mask marks other points than those near it.",
@@ -301,7 +305,7 @@ def test_streets(student, seed, name):
     for run in range(3):
         points, most, iterations = street_and_its_best(name, seed, run, 0.2)
         answer = student.ransac_plane(points.copy(), iterations, 0.2, np.random.default_rng(run))
-        found = np.count_nonzero(gaps_from(points, model_of(answer)) <= 0.2)
+        found = np.count_nonzero(gaps_from(points, as_model(answer)) <= 0.2)
         if found < 0.82 * most:
             raise CheckFailed(
                 "A plane with many more points near it exists.",
@@ -350,11 +354,11 @@ def test_many_outliers(student, seed):
     "mask, too.",
 )
 def test_masks(student, seed):
-    assert_works(student.ransac_plane)
+    require_plane_among_outliers(student.ransac_plane)
     for run in range(6):
         points, _ = scattered_plane(seed + 20 + run, 50, 20, noise=0.1)
         answer = student.ransac_plane(points.copy(), 12 + run, 0.2, np.random.default_rng(run))
-        assert_mask_belongs(answer, points)
+        assert_nearest_are_inliers(answer, points)
 
 
 @hidden(
@@ -365,14 +369,14 @@ def test_masks(student, seed):
 )
 def test_tolerances(student, seed):
     rng = np.random.default_rng(seed)
-    assert_works(student.ransac_plane)
+    require_plane_among_outliers(student.ransac_plane)
     for run in range(3):
         points, _ = scattered_plane(seed + 30 + run, 90, 0, noise=0.3)
         tolerance = rng.uniform(0.05, 0.12) + 0.2 * run
         answer = student.ransac_plane(points.copy(), 40, tolerance, np.random.default_rng(run))
         with needs("the mask belongs to the model"):
-            assert_mask_belongs(answer, points)
-        assert_mask_follows(answer, points, tolerance)
+            assert_nearest_are_inliers(answer, points)
+        assert_inliers_within_tolerance(answer, points, tolerance)
 
 
 @hidden(
@@ -383,7 +387,7 @@ def test_tolerances(student, seed):
 )
 def test_three_points(student, seed):
     rng = np.random.default_rng(seed)
-    assert_works(student.ransac_plane)
+    require_plane_among_outliers(student.ransac_plane)
     # The corners of a lawn, up and down in turn: none of their planes is refused for being steep.
     corners = np.array([[9.0, 0, 0.4], [0, 9, -0.4], [-9, 0, 0.4], [0, -9, -0.4]])
     corners[:, :2] += rng.uniform(-2, 2, (4, 2))
@@ -397,7 +401,7 @@ def test_three_points(student, seed):
     hint="max_iterations is the number of samples: for _ in range(max_iterations).",
 )
 def test_rounds(student, seed):
-    assert_works(student.ransac_plane)
+    require_plane_among_outliers(student.ransac_plane)
     assert_no_round_is_missing(student.ransac_plane)
 
 
@@ -408,13 +412,13 @@ def test_rounds(student, seed):
     hint="distance_tolerance is the largest distance of an inlier: compare with <=.",
 )
 def test_edge(student, seed):
-    assert_works(student.ransac_plane)
+    require_plane_among_outliers(student.ransac_plane)
     rng = np.random.default_rng(seed)
     for turn in range(3):
         four = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [1.0, 1.0, 1.0]])
         four[3, 2] = rng.choice([-1, 1])
         four = np.roll(four, turn, axis=1) + rng.integers(-20, 20, 3)
-        assert_edge_counts(student.ransac_plane, four)
+        assert_border_is_inlier(student.ransac_plane, four)
 
 
 @hidden(
@@ -443,7 +447,7 @@ def test_forms(student, seed):
 )
 def test_degenerate(student, seed):
     for run in range(6):
-        points, belongs = ring_on_a_ramp(np.random.default_rng(seed + run))
+        points, belongs = ramp_with_collinear_points(np.random.default_rng(seed + run))
         # Four samples in ten are a plane, and each of them is the right one: 0.6^60 < 1e-13.
         answer = student.ransac_plane(points.copy(), 60, 0.1, np.random.default_rng(run))
         assert_finds(answer, points, 0.1, belongs)
@@ -456,7 +460,7 @@ def test_degenerate(student, seed):
     hint="Ask for len(points) < 3 before the loop.",
 )
 def test_few_points(student, seed):
-    assert_runs(student.ransac_plane)
+    require_plane_without_outliers(student.ransac_plane)
     cloud = samples.patch_of_course_cloud(seed, 2)
     for n in (0, 1, 2):
         assert_nothing_found(student.ransac_plane(cloud[:n].copy(), 50, 0.2, 20 + n), n)
@@ -492,7 +496,7 @@ def test_fit_any_direction(student, seed):
 )
 def test_fit_offset(student, seed):
     rng = np.random.default_rng(seed)
-    assert_fits(student.fit_plane)
+    require_direction(student.fit_plane)
     for run in range(3):
         points, _ = scattered_plane(seed + 10 + run, 50, 0, noise=0.05)
         points += rng.uniform(-8, 8, 3)
@@ -521,7 +525,7 @@ def test_fit_course_cloud(student, seed):
 )
 def test_fit_small(student, seed):
     rng = np.random.default_rng(seed)
-    assert_fits(student.fit_plane)
+    require_direction(student.fit_plane)
     for size in (0.8, 2.0, 5.0):
         triangle = random_triangle(rng, size)
         assert_direction(student.fit_plane(triangle.copy()), triangle)
@@ -540,7 +544,7 @@ def questions(seed, *sizes, count=12):
     while count:
         ratio, confidence = rng.choice(np.arange(30, 96)) / 100, rng.choice([0.9, 0.99, 0.995])
         case = float(ratio), int(rng.choice(sizes)), float(confidence)
-        expected = iterations_by_trying(*case)
+        expected = iterations_by_counting(*case)
         if expected is not None:
             yield case, expected
             count -= 1
@@ -554,7 +558,7 @@ def questions(seed, *sizes, count=12):
 )
 def test_iterations(student, seed):
     for case, expected in questions(seed, 3):
-        assert_about(student.iterations_needed(*case), expected, *case)
+        assert_nearly(student.iterations_needed(*case), expected, *case)
 
 
 @hidden(
@@ -564,9 +568,9 @@ def test_iterations(student, seed):
     hint="w is taken to the power of sample_size.",
 )
 def test_sizes(student, seed):
-    assert_reckons(student.iterations_needed)
+    require_plain_cases(student.iterations_needed)
     for case, expected in questions(seed + 1, 1, 2, 4, 5):
-        assert_about(student.iterations_needed(*case), expected, *case)
+        assert_nearly(student.iterations_needed(*case), expected, *case)
 
 
 @hidden(
@@ -576,6 +580,6 @@ def test_sizes(student, seed):
     hint="math.ceil, and no number of samples more or less.",
 )
 def test_rounding(student, seed):
-    assert_reckons(student.iterations_needed)
+    require_plain_cases(student.iterations_needed)
     for case, expected in questions(seed + 2, 3):
         assert_iterations(student.iterations_needed(*case), expected, *case)

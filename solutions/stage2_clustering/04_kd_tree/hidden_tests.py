@@ -21,16 +21,16 @@ from utils.checks.assertions import (
     observe,
 )
 from utils.checks.lesson_04.cases import (
-    along_the_diagonal,
-    distinct,
-    nested,
-    off_the_corners,
-    off_the_rim,
+    diagonal_points,
+    distinct_points,
+    is_off_corners,
+    is_off_rim,
+    nested_points,
 )
-from utils.checks.lesson_04.insert import assert_root
+from utils.checks.lesson_04.insert import require_root
 from utils.checks.lesson_04.median_order import assert_halves, assert_lower_medians, assert_shallow
 from utils.checks.lesson_04.search_results import assert_found, assert_pruned, assert_same_tree
-from utils.checks.lesson_04.trees import assert_indices, assert_tree, planted
+from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree
 from utils.geometry import grown, places_of, regions_of
 
 
@@ -58,7 +58,7 @@ def balanced(points):
 
 
 def inserted(student, points, indices=None):
-    assert_root(student.KdTree)
+    require_root(student.KdTree)
     tree = student.KdTree()
     call_each(tree.insert, zip(points, indices or range(len(points)), strict=True))
     return tree
@@ -71,7 +71,7 @@ def inserted(student, points, indices=None):
     hint="At each node compare one coordinate: x at even depths, y at odd ones.",
 )
 def test_plane(student, seed):
-    points = distinct(np.random.default_rng(seed), 40, 2)
+    points = distinct_points(np.random.default_rng(seed), 40, 2)
     assert_tree(inserted(student, points), points)
 
 
@@ -97,7 +97,7 @@ def test_space(student, seed):
 )
 def test_equal_coordinates(student, seed):
     rng = np.random.default_rng(seed)
-    points = along_the_diagonal(rng.integers(0, 6, 30), 2 + seed % 2)
+    points = diagonal_points(rng.integers(0, 6, 30), 2 + seed % 2)
     assert_tree(inserted(student, points), points)
     for y in (-2.0, 2.0):
         points = np.array([[1.0, 4.0], [1.0, 4.0 + y], [-3.0, 4.0 + y]])
@@ -111,7 +111,7 @@ def test_equal_coordinates(student, seed):
     hint="Take the coordinates as they are given, one by one.",
 )
 def test_notations(student, seed):
-    points = along_the_diagonal(np.random.default_rng(seed).permutation(12) / 4, 3)
+    points = diagonal_points(np.random.default_rng(seed).permutation(12) / 4, 3)
     for kind in (points.tolist(), list(map(tuple, points.tolist())), points.astype(np.float32)):
         assert_tree(inserted(student, kind), points, either_way=True)
 
@@ -124,7 +124,7 @@ def test_notations(student, seed):
 )
 def test_indices(student, seed):
     rng = np.random.default_rng(seed)
-    points = along_the_diagonal(rng.permutation(12) / 4)
+    points = diagonal_points(rng.permutation(12) / 4)
     indices = rng.permutation(1000)[:12].tolist()
     tree = inserted(student, points, indices)
     with needs("every point is where it belongs"):
@@ -140,7 +140,7 @@ def test_indices(student, seed):
     "a tree hangs on that.",
 )
 def test_two_trees(student, seed):
-    points = along_the_diagonal(np.random.default_rng(seed).permutation(20) / 4)
+    points = diagonal_points(np.random.default_rng(seed).permutation(20) / 4)
     first = inserted(student, points[:10])
     with needs("every point is where it belongs"):
         assert_tree(first, points[:10], either_way=True)
@@ -159,8 +159,8 @@ def test_two_trees(student, seed):
     hint="Only the tree changes.",
 )
 def test_point(student, seed):
-    assert_root(student.KdTree)
-    points = along_the_diagonal(np.random.default_rng(seed).permutation(9) / 4, 3)
+    require_root(student.KdTree)
+    points = diagonal_points(np.random.default_rng(seed).permutation(9) / 4, 3)
     tree = student.KdTree()
     for index, point in enumerate(points):
         assert_left_alone(observe(tree.insert, point, index), point, index)
@@ -178,12 +178,12 @@ def clear(rng, points, number):
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
     for target in targets:
-        points = points[off_the_corners(points - target)]
+        points = points[is_off_corners(points - target)]
     return points, targets
 
 
 def assert_searches(student, targets, root):
-    tree = planted(student.KdTree, root)
+    tree = build_tree(student.KdTree, root)
     for target in targets:
         assert_found(tree, root, target, 1.0)
 
@@ -250,7 +250,7 @@ def test_search_crooked(student, seed):
 def test_search_circle(student, seed, k):
     rng = np.random.default_rng(seed + k)
     for _ in range(3):
-        points = nested(rng, np.linspace(0.97, 0.6, 16), k, off_the_rim, -1)
+        points = nested_points(rng, np.linspace(0.97, 0.6, 16), k, is_off_rim, -1)
         assert_searches(student, [np.zeros(k)], grown(points))
 
 
@@ -263,9 +263,9 @@ def test_search_circle(student, seed, k):
 def test_search_radius(student, seed):
     rng = np.random.default_rng(seed)
     for tolerance in (0.2, 0.5, 3.0, 40.0):
-        points = nested(rng, RINGS, 2, off_the_corners, -1)
+        points = nested_points(rng, RINGS, 2, is_off_corners, -1)
         root = grown(points * tolerance)
-        assert_found(planted(student.KdTree, root), root, np.zeros(2), tolerance)
+        assert_found(build_tree(student.KdTree, root), root, np.zeros(2), tolerance)
 
 
 @hidden(
@@ -282,7 +282,7 @@ def test_search_border(student, seed):
         target = rng.integers(-9, 10, 2).astype(float)
         points = np.vstack([np.diag(signs), np.diag(-signs)]) + target
         root = grown(points)
-        tree = planted(student.KdTree, root)
+        tree = build_tree(student.KdTree, root)
         assert_found(tree, root, target, 1.0)
         assert_found(tree, root, points[rng.integers(4)], 0.0)
 
@@ -303,7 +303,7 @@ def test_search_split(student, seed):
             above = -4.0 - np.arange(axis + 1)[:, None] * np.ones(k)
             above[axis, axis] = 1.0
             root = grown(np.vstack([above, np.eye(k)[[axis]]]) + target)
-            assert_found(planted(student.KdTree, root), root, target, 1.0)
+            assert_found(build_tree(student.KdTree, root), root, target, 1.0)
 
 
 @hidden(
@@ -375,13 +375,13 @@ def leaves_of(root):
 )
 def test_search_extremes(student, seed):
     rng = np.random.default_rng(seed)
-    points = nested(rng, np.geomspace(0.9, 0.1, 20), 3, off_the_corners, -1)
+    points = nested_points(rng, np.geomspace(0.9, 0.1, 20), 3, is_off_corners, -1)
     root = grown(points, rng.permutation(500)[:20].tolist())
-    tree = planted(student.KdTree, root)
+    tree = build_tree(student.KdTree, root)
     assert_found(tree, root, np.zeros(3), 1.0)
     assert_found(tree, root, np.array([100.0, 0.0, 0.0]), 1.0)
     one = grown(points[:1])
-    assert_found(planted(student.KdTree, one), one, points[0] + [0.0, 0.0, 0.5], 1.0)
+    assert_found(build_tree(student.KdTree, one), one, points[0] + [0.0, 0.0, 0.5], 1.0)
 
 
 @hidden(
@@ -391,14 +391,14 @@ def test_search_extremes(student, seed):
     hint="Take the coordinates as they are given, one by one, or make arrays of both.",
 )
 def test_search_notations(student, seed):
-    points = nested(np.random.default_rng(seed), RINGS, 2, off_the_corners)
+    points = nested_points(np.random.default_rng(seed), RINGS, 2, is_off_corners)
     root = grown(points)
     for as_lists, target in (
         (True, [0.0, 0.0]),
         (True, (0.0, 0.0)),
         (False, np.zeros(2, dtype=np.float32)),
     ):
-        assert_found(planted(student.KdTree, root, as_lists), root, target, 1.0)
+        assert_found(build_tree(student.KdTree, root, as_lists), root, target, 1.0)
 
 
 @hidden(
@@ -409,11 +409,11 @@ def test_search_notations(student, seed):
 )
 def test_search_leaves_the_tree(student, seed):
     target = np.array([20.0, -30.0])
-    points = nested(np.random.default_rng(seed), RINGS, 2, off_the_corners) + target
+    points = nested_points(np.random.default_rng(seed), RINGS, 2, is_off_corners) + target
     root = grown(points)
     with needs("the right points are found"):
-        assert_found(planted(student.KdTree, root), root, target, 1.0)
-    tree = planted(student.KdTree, root)
+        assert_found(build_tree(student.KdTree, root), root, target, 1.0)
+    tree = build_tree(student.KdTree, root)
     assert_untouched(tree.search, target, 1.0)
     assert_same_tree(tree, points, list(range(len(points))))
 
@@ -434,7 +434,7 @@ FULL = (3, 7, 15, 31, 127)
 def test_depth(student, seed, k):
     rng = np.random.default_rng(seed + k)
     for n in (2, 3, 5, 8, 16, 31, 32, 77, 200):
-        points = distinct(rng, n, k)
+        points = distinct_points(rng, n, k)
         assert_shallow(student.median_order(points.copy()), points)
 
 
@@ -447,7 +447,7 @@ def test_depth(student, seed, k):
 def test_halves(student, seed):
     rng = np.random.default_rng(seed + 30)
     for n in FULL:
-        points = distinct(rng, n, 2)
+        points = distinct_points(rng, n, 2)
         assert_halves(student.median_order(points.copy()), points)
 
 
@@ -461,7 +461,7 @@ def test_halves(student, seed):
 def test_medians(student, seed, k):
     rng = np.random.default_rng(seed + 10 + k)
     for n in FULL:
-        points = distinct(rng, n, k)
+        points = distinct_points(rng, n, k)
         assert_lower_medians(student.median_order(points.copy()), points)
 
 
@@ -474,7 +474,7 @@ def test_medians(student, seed, k):
 def test_lower_medians(student, seed):
     rng = np.random.default_rng(seed + 20)
     for n in (2, 4, 6, 50, 128):
-        points = distinct(rng, n, 2)
+        points = distinct_points(rng, n, 2)
         assert_lower_medians(student.median_order(points.copy()), points)
 
 
@@ -503,9 +503,9 @@ def test_medians_of_street(student, seed):
 )
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)
-    points = np.asfortranarray(distinct(rng, 31, 2).astype(np.float32))
+    points = np.asfortranarray(distinct_points(rng, 31, 2).astype(np.float32))
     assert_lower_medians(student.median_order(points.copy()), points)
-    points = distinct(rng, 15, 2) + 1000
+    points = distinct_points(rng, 15, 2) + 1000
     assert_lower_medians(student.median_order(points.copy()), points)
 
 
@@ -516,7 +516,7 @@ def test_median_extremes(student, seed):
     hint="Sort row numbers.",
 )
 def test_median_input(student, seed):
-    points = distinct(np.random.default_rng(seed), 15, 2)
+    points = distinct_points(np.random.default_rng(seed), 15, 2)
     with needs("the median comes first in every part"):
         assert_halves(student.median_order(points.copy()), points)
     assert_untouched(student.median_order, points)

@@ -20,11 +20,11 @@ from utils.checks.assertions import (
     needs,
 )
 from utils.checks.lesson_06 import (
-    assert_cells,
     assert_centroids,
-    assert_filters,
-    assert_standing,
-    assert_thins,
+    assert_no_ground_left,
+    assert_row_per_cell,
+    require_ground_removed,
+    require_row_per_cell,
 )
 
 
@@ -41,7 +41,7 @@ def without_ties(cloud, level):
 def assert_ground_removed(student, cloud, level=-1.2):
     cloud = without_ties(cloud, level)
     answer = student.filter_ground(cloud.copy(order="A"), level)
-    assert_standing(answer, cloud, kept_by_hand(cloud, level), level)
+    assert_no_ground_left(answer, cloud, kept_by_hand(cloud, level), level)
 
 
 @hidden(
@@ -107,7 +107,7 @@ def test_order(student, seed):
     hint="The same two lines serve every case: no special case is needed.",
 )
 def test_kinds_of_clouds(student, seed):
-    assert_filters(student.filter_ground)
+    require_ground_removed(student.filter_ground)
     cloud = samples.patch_of_course_cloud(seed, 300)
     assert_ground_removed(student, cloud[:, :3])
     assert_ground_removed(student, cloud.astype(np.float32))
@@ -122,7 +122,7 @@ def test_kinds_of_clouds(student, seed):
     hint="The same two lines serve every case: no special case is needed.",
 )
 def test_small(student, seed):
-    assert_filters(student.filter_ground)
+    require_ground_removed(student.filter_ground)
     cloud = samples.patch_of_course_cloud(seed, 300)
     columns = as_array(student.filter_ground(cloud.copy(), -1.2)).shape[-1]
     low = cloud - [0, 0, 60, 0]
@@ -137,7 +137,7 @@ def test_small(student, seed):
     hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
 )
 def test_input(student, seed):
-    assert_filters(student.filter_ground)
+    require_ground_removed(student.filter_ground)
     assert_untouched(student.filter_ground, samples.patch_of_course_cloud(seed, 200), -1.2)
 
 
@@ -188,7 +188,7 @@ def assert_counted(student, cloud, size):
     """Compare the number of cells alone."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
-    assert_cells(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
+    assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
 
 
 @hidden(
@@ -244,11 +244,11 @@ def test_voxels_all_around(student, seed):
     hint="The cell is floor(xyz / voxel_size).",
 )
 def test_voxel_borders(student, seed):
-    assert_thins(student.voxel_grid)
+    require_row_per_cell(student.voxel_grid)
     cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 9000), seed))
     cloud = clear_of_borders(cloud, 0.2)
     answer = student.voxel_grid(cloud.copy(), 0.2)
-    assert_cells(answer, cloud, len(samples.voxel_centroids(cloud, 0.2)), 0.2)
+    assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, 0.2)), 0.2)
 
 
 @hidden(
@@ -274,7 +274,7 @@ def test_voxels_average_the_intensity(student, seed):
     hint="x, y and z alone decide about the cell.",
 )
 def test_voxels_of_bright_points(student, seed):
-    assert_thins(student.voxel_grid)
+    require_row_per_cell(student.voxel_grid)
     cloud = one_corner(samples.patch_of_course_cloud(seed, 9000), seed)
     assert_counted(student, cloud, 0.2)
     assert_counted(student, cloud * [1, 1, 1, 255], 0.2)
@@ -287,7 +287,7 @@ def test_voxels_of_bright_points(student, seed):
     hint="The same lines serve every case; only an empty cloud needs one of its own.",
 )
 def test_voxels_of_other_clouds(student, seed):
-    assert_thins(student.voxel_grid)
+    require_row_per_cell(student.voxel_grid)
     cloud = evenly_lit(one_corner(samples.patch_of_course_cloud(seed, 9000), seed))
     cloud = in_lower_halves(cloud, 0.2)
     for form in (
@@ -298,7 +298,7 @@ def test_voxels_of_other_clouds(student, seed):
         np.repeat(cloud[-40:], 50, axis=0),
     ):
         answer = student.voxel_grid(form.copy(order="A"), 0.2)
-        assert_cells(answer, form, len(samples.voxel_centroids(form, 0.2)), 0.2)
+        assert_row_per_cell(answer, form, len(samples.voxel_centroids(form, 0.2)), 0.2)
 
 
 @hidden(
@@ -308,5 +308,5 @@ def test_voxels_of_other_clouds(student, seed):
     hint="The caller's cloud is afterwards what it was before.",
 )
 def test_voxels_input(student, seed):
-    assert_thins(student.voxel_grid)
+    require_row_per_cell(student.voxel_grid)
     assert_untouched(student.voxel_grid, samples.patch_of_course_cloud(seed, 200), 0.2)

@@ -22,11 +22,11 @@ from utils.checks.assertions import (
     frozen,
 )
 from utils.checks.lesson_07 import (
-    assert_boxed,
-    assert_crops,
-    assert_frees,
-    assert_measures,
-    assert_near,
+    assert_points_left,
+    assert_points_left_by_box,
+    require_crop,
+    require_ego_removed,
+    require_near_points,
 )
 
 MARGIN = 1e-3  # No point is nearer than this to a border: single precision answers alike.
@@ -48,7 +48,7 @@ def assert_distance_filtered(student, cloud, distance=10.0):
     """Compare with plain Python."""
     cloud, near = clear_of_circle(cloud, distance)
     answer = student.filter_by_distance(cloud.copy(order="A"), distance)
-    assert_near(answer, cloud, distance, near)
+    assert_points_left(answer, cloud, distance, near)
 
 
 def without_corners(cloud, distance):
@@ -167,7 +167,7 @@ def test_order(student, seed):
     hint="The same two lines serve every case: no special case is needed.",
 )
 def test_kinds_of_clouds(student, seed):
-    assert_measures(student.filter_by_distance)
+    require_near_points(student.filter_by_distance)
     cloud = without_corners(pressed_flat(samples.patch_of_course_cloud(seed, 300)), 10.0)
     assert_distance_filtered(student, cloud[:, :3])
     assert_distance_filtered(student, cloud.astype(np.float32))
@@ -182,7 +182,7 @@ def test_kinds_of_clouds(student, seed):
     hint="The same two lines serve every case: no special case is needed.",
 )
 def test_small(student, seed):
-    assert_measures(student.filter_by_distance)
+    require_near_points(student.filter_by_distance)
     cloud = pressed_flat(samples.patch_of_course_cloud(seed, 300))
     columns = as_array(student.filter_by_distance(cloud.copy(), 10.0)).shape[-1]
     far = cloud + [100, 0, 0, 0]
@@ -197,7 +197,7 @@ def test_small(student, seed):
     hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
 )
 def test_input(student, seed):
-    assert_measures(student.filter_by_distance)
+    require_near_points(student.filter_by_distance)
     assert_untouched(student.filter_by_distance, samples.patch_of_course_cloud(seed, 200), 10.0)
 
 
@@ -246,7 +246,9 @@ def ask(student, exercise, cloud, minimum, maximum):
 def assert_box_filtered(student, exercise, cloud, minimum, maximum):
     cloud, inside = clear_of(cloud, minimum, maximum)
     keep = inside if exercise == "crop_region" else ~inside
-    assert_boxed(ask(student, exercise, cloud, minimum, maximum), cloud, minimum, maximum, keep)
+    assert_points_left_by_box(
+        ask(student, exercise, cloud, minimum, maximum), cloud, minimum, maximum, keep
+    )
 
 
 def apart(cloud, minimum, maximum):
@@ -345,9 +347,9 @@ def test_crop_heights(student, seed):
     hint="The box is closed: minimum <= point <= maximum.",
 )
 def test_crop_faces(student, seed):
-    assert_crops(student.crop_region)
+    require_crop(student.crop_region)
     cloud, box, inside = on_a_lattice(seed)
-    assert_boxed(ask(student, "crop_region", cloud, *box), cloud, *box, inside)
+    assert_points_left_by_box(ask(student, "crop_region", cloud, *box), cloud, *box, inside)
 
 
 @hidden(
@@ -381,7 +383,7 @@ def test_crop_order(student, seed):
     hint="The same lines serve every case: no special case is needed.",
 )
 def test_crop_kinds_of_clouds(student, seed):
-    assert_crops(student.crop_region)
+    require_crop(student.crop_region)
     cloud, _ = clear_cut(samples.patch_of_course_cloud(seed, 300), *REGION)
     for other in other_clouds(cloud):
         assert_box_filtered(student, "crop_region", other, *REGION)
@@ -394,7 +396,7 @@ def test_crop_kinds_of_clouds(student, seed):
     hint="The same lines serve every case: no special case is needed.",
 )
 def test_crop_small(student, seed):
-    assert_crops(student.crop_region)
+    require_crop(student.crop_region)
     cloud = samples.patch_of_course_cloud(seed, 300)
     columns = as_array(ask(student, "crop_region", cloud, *REGION)).shape[-1]
     far = cloud + [200, 200, 200, 0]
@@ -409,7 +411,7 @@ def test_crop_small(student, seed):
     hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
 )
 def test_crop_input(student, seed):
-    assert_crops(student.crop_region)
+    require_crop(student.crop_region)
     cloud = samples.patch_of_course_cloud(seed, 200)
     assert_untouched(student.crop_region, cloud, *map(np.array, REGION))
 
@@ -447,7 +449,7 @@ def test_remove_other_boxes(student, seed):
     hint="What is above or below the box is no part of it.",
 )
 def test_remove_heights(student, seed):
-    assert_frees(student.remove_ego_returns)
+    require_ego_removed(student.remove_ego_returns)
     cloud = samples.patch_of_course_cloud(seed, 1500)
     for minimum, maximum in boxes_of(seed + 2, tall=False):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
@@ -460,9 +462,9 @@ def test_remove_heights(student, seed):
     hint="The box is closed: minimum <= point <= maximum is our own car.",
 )
 def test_remove_faces(student, seed):
-    assert_frees(student.remove_ego_returns)
+    require_ego_removed(student.remove_ego_returns)
     cloud, box, inside = on_a_lattice(seed)
-    assert_boxed(ask(student, "remove_ego_returns", cloud, *box), cloud, *box, ~inside)
+    assert_points_left_by_box(ask(student, "remove_ego_returns", cloud, *box), cloud, *box, ~inside)
 
 
 @hidden(
@@ -495,7 +497,7 @@ def test_remove_order(student, seed):
     hint="The same lines serve every case; what occurs twice stays twice.",
 )
 def test_remove_kinds_of_clouds(student, seed):
-    assert_frees(student.remove_ego_returns)
+    require_ego_removed(student.remove_ego_returns)
     cloud, _ = clear_cut(scan_around_the_car(seed), *EGO_BOX)
     for other in other_clouds(cloud):
         assert_box_filtered(student, "remove_ego_returns", other, *EGO_BOX)
@@ -508,7 +510,7 @@ def test_remove_kinds_of_clouds(student, seed):
     hint="The same lines serve every case: no special case is needed.",
 )
 def test_remove_small(student, seed):
-    assert_frees(student.remove_ego_returns)
+    require_ego_removed(student.remove_ego_returns)
     cloud = scan_around_the_car(seed)
     columns = as_array(ask(student, "remove_ego_returns", cloud, *EGO_BOX)).shape[-1]
     low, high = map(np.array, EGO_BOX)
@@ -524,7 +526,7 @@ def test_remove_small(student, seed):
     hint="Indexing with a mask makes a new array, and leaves the cloud as it is.",
 )
 def test_remove_input(student, seed):
-    assert_frees(student.remove_ego_returns)
+    require_ego_removed(student.remove_ego_returns)
     # In a few rows of a whole scan there may be none of our own car, and nothing to overwrite.
     for cloud in (course_around_the_car(), samples.patch_of_course_cloud(seed, 200)):
         assert_untouched(student.remove_ego_returns, cloud, *map(np.array, EGO_BOX))

@@ -28,11 +28,11 @@ from utils.checks.detections import (
     detected,
 )
 from utils.checks.lesson_12.match_boxes import (
-    assert_finds_again,
+    assert_limit_respected,
     assert_matched,
     assert_one_to_one,
-    assert_within,
     cubes,
+    require_matching,
 )
 from utils.checks.scans import (
     car_across,
@@ -324,7 +324,7 @@ def test_many_boxes(student, seed):
     hint="The answer has -1 wherever no pair was made.",
 )
 def test_new_ones(student, seed):
-    assert_finds_again(student.match_boxes)
+    require_matching(student.match_boxes)
     previous, current, partner = moved_on(np.random.default_rng(seed), new=4)
     assert_pairs(student, cubes(previous), cubes(current), 1.6, partner, partner < 0)
 
@@ -336,18 +336,18 @@ def test_new_ones(student, seed):
     hint="Compare the distance itself, in metres, with max_distance, before you accept a pair.",
 )
 def test_limit(student, seed):
-    assert_finds_again(student.match_boxes)
+    require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
     for step, limit, near in ((2.2, 2.4, True), (0.7, 0.6, False), (2.2, 1.9, False)):
         previous, current, partner = moved_on(rng, gone=3, new=3, step=step)
         expected = partner if near else np.full(len(partner), -1)
         boxes = cubes(previous), cubes(current)
-        assert_within(student.match_boxes(*boxes, limit), expected, *boxes, limit)
+        assert_limit_respected(student.match_boxes(*boxes, limit), expected, *boxes, limit)
     # Here the two pairs that are too far apart have the smaller sum.
     start, angle = rng.uniform(-30, 30, 2), rng.uniform(0, 2 * np.pi)
     along = [np.cos(angle), np.sin(angle)]
     boxes = tuple(cubes(start + np.outer(ways, along)) for ways in ([0, 4], [3.2, 7.2]))
-    assert_within(student.match_boxes(*boxes, 2.0), [1, -1], *boxes, 2.0)
+    assert_limit_respected(student.match_boxes(*boxes, 2.0), [1, -1], *boxes, 2.0)
 
 
 @hidden(
@@ -357,7 +357,7 @@ def test_limit(student, seed):
     hint="Two that want the same partner: what does the second one get?",
 )
 def test_one_to_one(student, seed):
-    assert_finds_again(student.match_boxes)
+    require_matching(student.match_boxes)
     previous, current = rivals(np.random.default_rng(seed))
     for order in (np.arange(16), np.arange(16)[::-1]):
         boxes = cubes(previous), cubes(current[order])
@@ -371,7 +371,7 @@ def test_one_to_one(student, seed):
     hint="Sort all pairs by distance, and go through them from the closest.",
 )
 def test_nearer(student, seed):
-    assert_finds_again(student.match_boxes)
+    require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
     previous, current = rivals(rng)
     partner = np.concatenate([np.arange(8), np.full(8, -1)])
@@ -387,7 +387,7 @@ def test_nearer(student, seed):
     hint="A box that has its partner takes no second one, whoever is left.",
 )
 def test_second_choice(student, seed):
-    assert_finds_again(student.match_boxes)
+    require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
     current, previous = rivals(rng)
     for order in (np.arange(16), np.arange(16)[::-1], rng.permutation(16)):
@@ -402,7 +402,7 @@ def test_second_choice(student, seed):
     hint="A box that turns a little may start its corners elsewhere. The mean of all eight stays.",
 )
 def test_order_of_corners(student, seed):
-    assert_finds_again(student.match_boxes)
+    require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
     previous, current, partner = moved_on(rng, step=0.3)
     turned = cubes(current, 2.0, turn=2)

@@ -76,7 +76,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
         )
 
 
-def assert_fits(fit_plane: Callable) -> None:
+def require_direction(fit_plane: Callable) -> None:
     """Assert that the direction of the normal is right; raise `NotYet` if not."""
     with needs("(a, b, c) is the direction of least spread"):
         points, _ = scattered_plane(2, 80, 0, noise=0.05)
@@ -107,7 +107,7 @@ def fits_a_road(fit_plane: Callable) -> None:
     hint="d is minus the product of the normal and the mean.",
 )
 def goes_through_the_mean(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     opposite = points - 2 * points.mean(axis=0)  # the origin is on the other side of the plane
     for cloud in (points, opposite, _FLOOR):  # the mean of few points shows a missing point
@@ -123,7 +123,7 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
     "divided by its length, and d with it.",
 )
 def fit_has_a_unit_normal(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     assert_unit_normal(fit_plane(points.copy()))
 
@@ -136,7 +136,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
 def fits_a_wall(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     for plane in ((0.6, 0.8, 0.0, -4.0), (1.0, 0.0, 0.0, 7.0)):
         points, _ = scattered_plane(3, 60, 0, plane=plane, noise=0.03)
         assert_direction(fit_plane(points.copy()), points)
@@ -150,7 +150,7 @@ def fits_a_wall(fit_plane: Callable) -> None:
     hint="Subtract the mean first, and put it back into d.",
 )
 def fits_far_away(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     points, _ = scattered_plane(4, 60, 0, plane=(0.0, 0.28, 0.96, 55.0), noise=0.02)
     points += [70.0, 0.0, 0.0]
     assert_direction(fit_plane(points.copy()), points)
@@ -164,7 +164,7 @@ def fits_far_away(fit_plane: Callable) -> None:
     hint="points[:, :3] before anything else.",
 )
 def fits_without_intensity(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     points, _ = scattered_plane(5, 60, 0, noise=0.05, columns=4)
     for scale in (1.0, 1e-5):  # intensity spreads most, then least
         cloud = points * [1, 1, 1, scale]
@@ -180,7 +180,7 @@ def fits_without_intensity(fit_plane: Callable) -> None:
     "points has three rows, too.",
 )
 def fits_three_points(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     for triangle in TRIANGLES[2:]:
         assert_direction(fit_plane(triangle.copy()), triangle)
 
@@ -195,7 +195,7 @@ def fits_three_points(fit_plane: Callable) -> None:
     "column for each point.",
 )
 def fits_many_points(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     # The judge limits memory, while a notebook only measures it, so a smaller cloud is used there.
     n = 25_000 if isinstance(fit_plane, Remote) else 3_000
     points, _ = scattered_plane(6, n, 0, noise=0.05)
@@ -238,7 +238,7 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
     hint="points[:, :3] - centre is a new array; points[:, :3] -= centre moves the cloud.",
 )
 def leaves_the_points_where_they_are(fit_plane: Callable) -> None:
-    assert_fits(fit_plane)
+    require_direction(fit_plane)
     points, _ = scattered_plane(2, 80, 0, noise=0.05)
     assert_untouched(fit_plane, points)
 
@@ -250,7 +250,7 @@ common_checks.names(
         {"points": frozen(scattered_plane(2, 80, 0, noise=0.05)[0])},
         expected=None,  # `assert_direction` computes it
         look=lambda answer, points, _: assert_direction(answer, points),
-        basic=assert_fits,
+        basic=require_direction,
     ),
     "keeps_points",
     title="The parameter keeps its name: points",

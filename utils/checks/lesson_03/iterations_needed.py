@@ -28,7 +28,7 @@ def assert_number(answer: object) -> np.ndarray:
     return number
 
 
-def assert_about(answer: object, expected: int, *case: object) -> None:
+def assert_nearly(answer: object, expected: int, *case: object) -> None:
     """Assert that the answer is right, give or take one, because another check covers rounding.
 
     Parameters
@@ -92,14 +92,14 @@ def _call_text(case: Sequence) -> str | None:
     return ", ".join(f"{name} {value}" for name, value in zip(names, case, strict=False)) or None
 
 
-def assert_reckons(iterations_needed: Callable) -> None:
+def require_plain_cases(iterations_needed: Callable) -> None:
     """Assert that plain cases are right, give or take one; raise `NotYet` if not."""
     with needs("the number of samples is right, give or take one"):
-        assert_about(iterations_needed(0.6, 3, 0.99), 19)
-        assert_about(iterations_needed(0.3, 3, 0.99), 169)
+        assert_nearly(iterations_needed(0.6, 3, 0.99), 19)
+        assert_nearly(iterations_needed(0.3, 3, 0.99), 169)
 
 
-def assert_falls(iterations_needed: Callable) -> None:
+def require_decreasing_numbers(iterations_needed: Callable) -> None:
     """Assert that more inliers need fewer samples; raise `NotYet` if not."""
     with needs("the more inliers there are, the fewer samples it takes"):
         for_few, for_more, for_most = (
@@ -119,7 +119,7 @@ def assert_falls(iterations_needed: Callable) -> None:
 def reckons_the_number(iterations_needed: Callable) -> None:
     for ratio, expected in ((0.6, 19), (0.3, 169), (0.2, 574), (0.7, 11), (0.01, 4605168)):
         answer = iterations_needed(ratio, 3, 0.99)
-        assert_about(answer, expected, ratio, 3, 0.99)
+        assert_nearly(answer, expected, ratio, 3, 0.99)
 
 
 @visible(
@@ -130,7 +130,7 @@ def reckons_the_number(iterations_needed: Callable) -> None:
     hint="math.ceil rounds up to a whole number.",
 )
 def smallest_that_suffices(iterations_needed: Callable) -> None:
-    assert_reckons(iterations_needed)
+    require_plain_cases(iterations_needed)
     for ratio, expected in ((0.6, 19), (0.4, 70), (0.75, 9), (0.8, 7), (0.98, 2), (0.999, 1)):
         assert_iterations(iterations_needed(ratio, 3, 0.99), expected, ratio, 3, 0.99)
 
@@ -143,9 +143,9 @@ def smallest_that_suffices(iterations_needed: Callable) -> None:
     hint="s is sample_size: w is taken to that power.",
 )
 def follows_the_sample_size(iterations_needed: Callable) -> None:
-    assert_reckons(iterations_needed)
+    require_plain_cases(iterations_needed)
     for size, expected in ((1, 7), (2, 17), (4, 72), (5, 146)):
-        assert_about(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
+        assert_nearly(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
 
 
 @visible(
@@ -156,12 +156,12 @@ def follows_the_sample_size(iterations_needed: Callable) -> None:
     hint="Take the logarithm of 1 - confidence, with the parameter and no number of your own.",
 )
 def follows_the_confidence(iterations_needed: Callable) -> None:
-    assert_reckons(iterations_needed)
+    require_plain_cases(iterations_needed)
     for confidence, expected in ((0.8, 34), (0.9, 49), (0.999, 145), (0.9999, 193)):
         answer = iterations_needed(0.36, 3, confidence)
-        assert_about(answer, expected, 0.36, 3, confidence)
+        assert_nearly(answer, expected, 0.36, 3, confidence)
     # The inlier ratio is larger than the confidence.
-    assert_about(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
+    assert_nearly(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
 
 
 @visible(
@@ -172,7 +172,7 @@ def follows_the_confidence(iterations_needed: Callable) -> None:
     hint="Look at w = 1 before you take logarithms.",
 )
 def one_is_enough(iterations_needed: Callable) -> None:
-    assert_falls(iterations_needed)
+    require_decreasing_numbers(iterations_needed)
     for ratio, size, confidence in ((1.0, 3, 0.99), (1, 2, 0.5)):
         answer = iterations_needed(ratio, size, confidence)
         if assert_number(answer) != 1:
@@ -192,7 +192,7 @@ def one_is_enough(iterations_needed: Callable) -> None:
     hint="Return math.inf (or np.inf) when w is 0: a division by log(1) would fail.",
 )
 def none_is_enough(iterations_needed: Callable) -> None:
-    assert_falls(iterations_needed)
+    require_decreasing_numbers(iterations_needed)
     try:
         answer = iterations_needed(0.0, 3, 0.99)
     except Exception as error:  # a ValueError is an acceptable answer
@@ -208,15 +208,15 @@ common_checks.names(
         "iterations_needed",
         {"inlier_ratio": 0.6, "sample_size": 3, "confidence": 0.99},
         expected=19,
-        look=lambda answer, *case: assert_about(answer, case[-1], *case[:-1]),
-        basic=assert_reckons,
+        look=lambda answer, *case: assert_nearly(answer, case[-1], *case[:-1]),
+        basic=require_plain_cases,
     ),
     "keeps_the_names_of_the_parameters",
     why="Whoever reads the docstring calls iterations_needed(inlier_ratio=..., ...).",
 )
 
 
-def iterations_by_trying(ratio: float, size: int, confidence: float) -> int | None:
+def iterations_by_counting(ratio: float, size: int, confidence: float) -> int | None:
     """Return the right answer to `iterations_needed`, found by counting up with sixty digits.
 
     Returns
@@ -247,32 +247,32 @@ mistakes(
     Mistake(
         "The exponent is missing: w is the chance that one point is good, w^s that a whole "
         "sample is.",
-        lambda right, ratio, size, confidence: iterations_by_trying(ratio, 1, confidence),
+        lambda right, ratio, size, confidence: iterations_by_counting(ratio, 1, confidence),
     ),
     Mistake(
         "w is multiplied by s, where it takes the power: w^s is the chance that all of s points "
         "are good.",
-        lambda right, ratio, size, confidence: iterations_by_trying(ratio * size, 1, confidence),
+        lambda right, ratio, size, confidence: iterations_by_counting(ratio * size, 1, confidence),
         "w ** sample_size, with two stars; w * sample_size may be above 1, which no chance is.",
     ),
     Mistake(
         "The exponent is always 3, whatever sample_size is.",
-        lambda right, ratio, size, confidence: iterations_by_trying(ratio, 3, confidence),
+        lambda right, ratio, size, confidence: iterations_by_counting(ratio, 3, confidence),
         "w ** sample_size",
     ),
     Mistake(
         "The exponent is always 2, whatever sample_size is.",
-        lambda right, ratio, size, confidence: iterations_by_trying(ratio, 2, confidence),
+        lambda right, ratio, size, confidence: iterations_by_counting(ratio, 2, confidence),
         "w ** sample_size",
     ),
     Mistake(
         "Inliers and outliers are swapped: 1 - w is taken where w is asked for.",
-        lambda right, ratio, size, confidence: iterations_by_trying(1 - ratio, size, confidence),
+        lambda right, ratio, size, confidence: iterations_by_counting(1 - ratio, size, confidence),
     ),
     Mistake(
         "The logarithm is that of the confidence; it must be that of 1 - confidence, the chance "
         "to fail that is allowed.",
-        lambda right, ratio, size, confidence: iterations_by_trying(ratio, size, 1 - confidence),
+        lambda right, ratio, size, confidence: iterations_by_counting(ratio, size, 1 - confidence),
     ),
     Mistake(
         "So many samples give one good one on average; the confidence does not count.",
@@ -291,5 +291,5 @@ mistakes(
         (0.2, 2, 0.9),
         (0.25, 3, 0.9),
     ),
-    right=iterations_by_trying,
+    right=iterations_by_counting,
 )

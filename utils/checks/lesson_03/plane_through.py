@@ -43,7 +43,7 @@ _LINES = frozen(
 )
 
 
-def plane_of(answer: object, triangle: np.ndarray) -> np.ndarray:
+def as_plane_of_triangle(answer: object, triangle: np.ndarray) -> np.ndarray:
     """Return the four numbers of the answer for three points that have a plane.
 
     Parameters
@@ -72,7 +72,7 @@ def plane_of(answer: object, triangle: np.ndarray) -> np.ndarray:
     return as_plane(answer)
 
 
-def assert_upright(answer: object, triangle: np.ndarray) -> None:
+def assert_perpendicular(answer: object, triangle: np.ndarray) -> None:
     """Assert that the normal is perpendicular to a triangle; its length and d are ignored.
 
     Parameters
@@ -80,7 +80,7 @@ def assert_upright(answer: object, triangle: np.ndarray) -> None:
     answer : object
     triangle : numpy.ndarray, shape (3, 3)
     """
-    plane = plane_of(answer, triangle)
+    plane = as_plane_of_triangle(answer, triangle)
     sides = np.roll(triangle, -1, axis=0) - triangle
     lengths = np.linalg.norm(sides, axis=1) * np.linalg.norm(plane[:3])
     angle = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
@@ -93,7 +93,7 @@ def assert_upright(answer: object, triangle: np.ndarray) -> None:
         )
 
 
-def assert_through(answer: object, triangle: np.ndarray) -> None:
+def assert_contains_points(answer: object, triangle: np.ndarray) -> None:
     """Assert that the three points of a triangle lie on the plane.
 
     Parameters
@@ -101,7 +101,7 @@ def assert_through(answer: object, triangle: np.ndarray) -> None:
     answer : object
     triangle : numpy.ndarray, shape (3, 3)
     """
-    plane = plane_of(answer, triangle)
+    plane = as_plane_of_triangle(answer, triangle)
     worst = triangle[np.argmax(gaps_from(triangle, plane))]
     if gaps_from(worst[None], plane)[0] > 2e-3:
         raise CheckFailed(
@@ -132,18 +132,18 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
         )
 
 
-def assert_fits_triangles(plane_through: Callable) -> None:
+def require_perpendicular_normals(plane_through: Callable) -> None:
     """Assert that the normal is perpendicular to triangles; raise `NotYet` if not."""
     with needs("the normal is perpendicular to the triangle"):
         for triangle in TRIANGLES[2:]:
-            assert_upright(plane_through(*triangle.copy()), triangle)
+            assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
 
-def assert_gives_planes(plane_through: Callable) -> None:
+def require_planes(plane_through: Callable) -> None:
     """Assert that points which have a plane get one; raise `NotYet` if not."""
     with needs("three points that are not on one line give a plane"):
         for triangle in TRIANGLES[:2]:
-            plane_of(plane_through(*triangle.copy()), triangle)
+            as_plane_of_triangle(plane_through(*triangle.copy()), triangle)
 
 
 @visible(
@@ -155,7 +155,7 @@ def assert_gives_planes(plane_through: Callable) -> None:
 )
 def stands_upright(plane_through: Callable) -> None:
     for triangle in TRIANGLES:
-        assert_upright(plane_through(*triangle.copy()), triangle)
+        assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
 
 @visible(
@@ -166,10 +166,10 @@ def stands_upright(plane_through: Callable) -> None:
     hint="Choose d so that a x + b y + c z + d is 0 at p, with the same a, b, c that you return.",
 )
 def holds_its_points(plane_through: Callable) -> None:
-    assert_fits_triangles(plane_through)
+    require_perpendicular_normals(plane_through)
     for triangle in TRIANGLES:
         for points in (triangle, triangle[::-1]):  # reversed points flip the normal
-            assert_through(plane_through(*points.copy()), points)
+            assert_contains_points(plane_through(*points.copy()), points)
 
 
 @visible(
@@ -180,9 +180,9 @@ def holds_its_points(plane_through: Callable) -> None:
     hint="Divide the cross product by np.linalg.norm of it, and compute d afterwards.",
 )
 def has_a_unit_normal(plane_through: Callable) -> None:
-    assert_fits_triangles(plane_through)
+    require_perpendicular_normals(plane_through)
     for triangle in LARGE_AND_SMALL:
-        assert_unit_normal(plane_of(plane_through(*triangle.copy()), triangle))
+        assert_unit_normal(as_plane_of_triangle(plane_through(*triangle.copy()), triangle))
 
 
 @visible(
@@ -194,7 +194,7 @@ def has_a_unit_normal(plane_through: Callable) -> None:
     hint="When the cross product has length 0, return None before dividing by it.",
 )
 def refuses_a_line(plane_through: Callable) -> None:
-    assert_gives_planes(plane_through)
+    require_planes(plane_through)
     for line in _LINES:
         assert_no_plane(plane_through(*line.copy()), line)
 
@@ -209,7 +209,7 @@ def refuses_a_line(plane_through: Callable) -> None:
     "such as 1e-9.",
 )
 def sees_through_rounding(plane_through: Callable) -> None:
-    assert_gives_planes(plane_through)
+    require_planes(plane_through)
     with needs("points that lie exactly on one line have no plane"):
         assert_no_plane(plane_through(*_LINES[0].copy()), _LINES[0])
     start, step = np.array([0.1, 0.2, 0.3]), np.array([0.7, 0.1, -0.3])
@@ -226,7 +226,7 @@ def sees_through_rounding(plane_through: Callable) -> None:
     hint="Refuse only what is as good as 0, such as a length below 1e-9.",
 )
 def takes_a_small_triangle(plane_through: Callable) -> None:
-    assert_fits_triangles(plane_through)
+    require_perpendicular_normals(plane_through)
     answer = plane_through(*_TINY.copy())
     if answer is None:
         raise CheckFailed(
@@ -235,7 +235,7 @@ def takes_a_small_triangle(plane_through: Callable) -> None:
             yours="None",
             expected=plane_text(best_plane(_TINY)[0]),
         )
-    assert_upright(answer, _TINY)
+    assert_perpendicular(answer, _TINY)
 
 
 _SLOPE_CASE = Case(
@@ -243,8 +243,8 @@ _SLOPE_CASE = Case(
     "plane_through",
     dict(zip("pqr", TRIANGLES[2], strict=True)),
     expected=TRIANGLES[2],
-    look=lambda answer, p, q, r, triangle: assert_upright(answer, triangle),
-    basic=assert_fits_triangles,
+    look=lambda answer, p, q, r, triangle: assert_perpendicular(answer, triangle),
+    basic=require_perpendicular_normals,
 )
 common_checks.untouched(
     _SLOPE_CASE,

@@ -38,7 +38,7 @@ _IN_FRONT = frozen(
 _BEHIND = frozen(_IN_FRONT * [-1, 1, -1, 1] + 0.0)
 
 
-def distances_by_hand(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
+def exact_distances(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
     """Return the right answer to `point_plane_distance`, computed point by point.
 
     Parameters
@@ -68,7 +68,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
     plane : (4,) array_like
         A plane with a unit normal.
     """
-    expected = distances_by_hand(points, plane)
+    expected = exact_distances(points, plane)
     yours = as_array(answer, what="an array of distances")
     yours = in_shape(
         yours,
@@ -118,7 +118,7 @@ def assert_ignores_intensity(
 
 
 @once
-def assert_measures(point_plane_distance: Callable) -> None:
+def require_plain_distances(point_plane_distance: Callable) -> None:
     """Assert that points in front of planes through the sensor are right; raise `NotYet` if not."""
     with needs("the distances from a plane through the sensor are right"):
         _assert_plain(point_plane_distance)
@@ -154,7 +154,7 @@ def measures_distances(point_plane_distance: Callable) -> None:
     hint="Add d to a x + b y + c z.",
 )
 def adds_d(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     for offset in (2.0, -0.25):
         plane = np.array([*_NORMAL, offset])
         answer = point_plane_distance(_IN_FRONT[:, :3].copy(), plane.copy())
@@ -169,7 +169,7 @@ def adds_d(point_plane_distance: Callable) -> None:
     hint="A distance is never negative: np.abs.",
 )
 def forgets_the_sign(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     plane = np.array([*_NORMAL, 0.0])
     assert_distances(
         point_plane_distance(_BEHIND[:, :3].copy(), plane.copy()), _BEHIND[:, :3], plane
@@ -203,7 +203,7 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
     hint="Take points[:, :3] and the first three numbers of the plane; add the last one.",
 )
 def ignores_intensity(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     plane = np.array([*_NORMAL, 1.5])
     assert_ignores_intensity(point_plane_distance, _IN_FRONT * [1, 1, 1, 255], plane)
 
@@ -216,7 +216,7 @@ def ignores_intensity(point_plane_distance: Callable) -> None:
     hint="A tuple does not calculate: take its numbers one by one, or np.asarray(plane).",
 )
 def takes_a_tuple(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     xyz = _IN_FRONT[:, :3]
     assert_distances(point_plane_distance(xyz.copy(), (*_NORMAL, 0.0)), xyz, (*_NORMAL, 0.0))
 
@@ -229,7 +229,7 @@ def takes_a_tuple(point_plane_distance: Callable) -> None:
     hint="points[:, :3] @ normal has one number for each row, however many rows there are.",
 )
 def takes_few_points(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     plane = np.array([*_NORMAL, 0.0])
     for points in (_IN_FRONT[2:3, :3], _IN_FRONT[:0, :3]):
         assert_distances(point_plane_distance(points.copy(), plane.copy()), points, plane)
@@ -243,7 +243,7 @@ def takes_few_points(point_plane_distance: Callable) -> None:
     hint="Build a new array: points[:, :3] @ normal does, points *= normal does not.",
 )
 def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     assert_untouched(point_plane_distance, _BEHIND[:, :3], np.array([*_NORMAL, 2.0]))
 
 
@@ -254,7 +254,7 @@ common_checks.names(
         {"points": _IN_FRONT[:, :3], "plane": frozen(np.array([*_NORMAL, 0.0]))},
         expected=None,  # `assert_distances` computes it
         look=lambda answer, points, plane, _: assert_distances(answer, points, plane),
-        basic=assert_measures,
+        basic=require_plain_distances,
     ),
     "keeps_points_and_plane",
     title="The parameters keep their names: points and plane",
@@ -270,7 +270,7 @@ common_checks.names(
     hint="Whole columns give an array. If you build a list, wrap it in np.array(...).",
 )
 def gives_an_array(point_plane_distance: Callable) -> None:
-    assert_measures(point_plane_distance)
+    require_plain_distances(point_plane_distance)
     answer = point_plane_distance(_IN_FRONT[:, :3].copy(), np.array([*_NORMAL, 0.0]))
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
@@ -294,21 +294,21 @@ mistakes(
     ),
     Mistake(
         "d is missing: these are the distances from the parallel plane through the sensor.",
-        lambda right, points, plane: distances_by_hand(points, [*plane[:3], 0]),
+        lambda right, points, plane: exact_distances(points, [*plane[:3], 0]),
         "Add d to a x + b y + c z.",
     ),
     Mistake(
         "d is subtracted; it must be added.",
-        lambda right, points, plane: distances_by_hand(points, [*plane[:3], -plane[3]]),
+        lambda right, points, plane: exact_distances(points, [*plane[:3], -plane[3]]),
     ),
     Mistake(
         "The absolute value is taken of a x + b y + c z, and d is added after that.",
-        lambda right, points, plane: distances_by_hand(points, [*plane[:3], 0]) + plane[3],
+        lambda right, points, plane: exact_distances(points, [*plane[:3], 0]) + plane[3],
         "np.abs around everything: first the sum with d, then its absolute value.",
     ),
     Mistake(
         "The absolute values of a x + b y + c z and of d are taken apart and then added.",
-        lambda right, points, plane: distances_by_hand(points, [*plane[:3], 0]) + abs(plane[3]),
+        lambda right, points, plane: exact_distances(points, [*plane[:3], 0]) + abs(plane[3]),
         "np.abs around everything: first the sum with d, then its absolute value.",
     ),
     Mistake(
@@ -357,5 +357,5 @@ mistakes(
             np.array([-2 / 3, 2 / 3, 1 / 3, -0.5]),
         ),
     ),
-    right=distances_by_hand,
+    right=exact_distances,
 )

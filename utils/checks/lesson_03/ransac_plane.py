@@ -24,13 +24,13 @@ from utils.checks.lesson_03.planes import (
     scattered_plane,
 )
 from utils.checks.lesson_03.results import (
+    as_mask,
+    as_model,
+    as_pair,
     assert_finds,
-    assert_mask_belongs,
-    assert_mask_follows,
+    assert_inliers_within_tolerance,
+    assert_nearest_are_inliers,
     assert_nothing_found,
-    mask_of,
-    model_of,
-    pair_of,
 )
 from utils.checks.run_cache import once
 from utils.geometry import gaps_from
@@ -52,7 +52,7 @@ _SEVEN_POINTS = frozen(
 
 
 @once
-def assert_works(ransac_plane: Callable) -> None:
+def require_plane_among_outliers(ransac_plane: Callable) -> None:
     """Assert that a plane is found among outliers; raise `NotYet` if not."""
     with needs("the plane is found among the outliers"):
         for seed in (1, 2, 3):
@@ -62,7 +62,7 @@ def assert_works(ransac_plane: Callable) -> None:
             assert_finds(answer, points, 0.2, belongs)
 
 
-def assert_runs(ransac_plane: Callable) -> None:
+def require_plane_without_outliers(ransac_plane: Callable) -> None:
     """Assert that a plane is found when all points lie on it; raise `NotYet` if not."""
     with needs("a plane is found where there is nothing else"):
         points, belongs = scattered_plane(2, 40, 0)
@@ -76,10 +76,10 @@ def _assert_masks_belong(ransac_plane: Callable) -> None:
         points, _ = scattered_plane(10 + seed, 50, 20, noise=0.1)
         rng = np.random.default_rng(seed)
         for iterations in (12, 30):
-            assert_mask_belongs(ransac_plane(points.copy(), iterations, 0.2, rng), points)
+            assert_nearest_are_inliers(ransac_plane(points.copy(), iterations, 0.2, rng), points)
 
 
-def ring_on_a_ramp(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def ramp_with_collinear_points(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Return shuffled points of the ramp z = y / 4 - 3, most of them on one line.
 
     The coordinates are whole numbers, so that computations are exact. More than half of all samples
@@ -138,7 +138,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
     hint="When a sample is better than the best so far, keep both, plane and mask.",
 )
 def mask_belongs_to_model(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     _assert_masks_belong(ransac_plane)
 
 
@@ -150,13 +150,13 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
     hint="Compare the distances with distance_tolerance, not with a number of your own.",
 )
 def follows_the_tolerance(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     with needs("the mask belongs to the model"):
         _assert_masks_belong(ransac_plane)
     points, _ = scattered_plane(21, 90, 0, noise=0.2)
     for tolerance in (0.05, 0.12, 0.35):
         answer = ransac_plane(points.copy(), 30, tolerance, np.random.default_rng(5))
-        assert_mask_follows(answer, points, tolerance)
+        assert_inliers_within_tolerance(answer, points, tolerance)
 
 
 @visible(
@@ -167,10 +167,10 @@ def follows_the_tolerance(ransac_plane: Callable) -> None:
     hint="plane_through divides by the length already: return its four numbers as they are.",
 )
 def model_has_a_unit_normal(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     points, _ = scattered_plane(25, 60, 0)
     answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(4))
-    model_of(answer)
+    as_model(answer)
     assert_unit_normal(answer[0])
 
 
@@ -182,7 +182,7 @@ def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     hint="for _ in range(max_iterations): one sample in each round, and `return` after the loop.",
 )
 def tries_enough(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     assert_no_round_is_missing(ransac_plane)
     for seed in (31, 32):
         points, belongs = scattered_plane(seed, 20, 40)
@@ -200,7 +200,7 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
             ransac_plane(points.copy(), rounds, 0.2, np.random.default_rng(seed))
             for seed in range(12)
         )
-        return sum(pair_of(answer)[0] is not None for answer in runs)
+        return sum(as_pair(answer)[0] is not None for answer in runs)
 
     if runs_with_plane(1):
         return
@@ -226,7 +226,7 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
     hint="for _ in range(max_iterations): one sample in each round.",
 )
 def tries_no_more(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     points, belongs = scattered_plane(32, 20, 40)
     generators = map(np.random.default_rng, range(48))
     found = sum(
@@ -256,7 +256,7 @@ def tries_no_more(ransac_plane: Callable) -> None:
 def survives_degenerate_samples(ransac_plane: Callable) -> None:
     for seed in range(4):
         ramp, half_equal = (
-            ring_on_a_ramp(np.random.default_rng(seed)),
+            ramp_with_collinear_points(np.random.default_rng(seed)),
             _half_equal_points(40 + seed),
         )
         for (points, belongs), given in (
@@ -276,7 +276,7 @@ def survives_degenerate_samples(ransac_plane: Callable) -> None:
     hint="Ask for len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
 )
 def gives_up_politely(ransac_plane: Callable) -> None:
-    assert_runs(ransac_plane)
+    require_plane_without_outliers(ransac_plane)
     for n in (0, 1, 2):
         for columns in (3, 4):
             points = np.arange(float(n * columns)).reshape(n, columns)
@@ -289,7 +289,7 @@ def assert_three_are_enough(ransac_plane: Callable, triangle: np.ndarray) -> Non
     """Assert that at least one of 12 runs finds the plane through three points."""
     for seed in range(12):
         answer = ransac_plane(triangle.copy(), 10, 0.2, np.random.default_rng(seed))
-        if pair_of(answer)[0] is not None:
+        if as_pair(answer)[0] is not None:
             return
     raise CheckFailed(
         "Three points that lie on no line make a plane, and for these there is none, whatever the "
@@ -311,7 +311,7 @@ def assert_three_are_enough(ransac_plane: Callable, triangle: np.ndarray) -> Non
     "they are the answer.",
 )
 def finds_nothing_on_a_line(ransac_plane: Callable) -> None:
-    assert_runs(ransac_plane)
+    require_plane_without_outliers(ransac_plane)
     line = np.outer(np.arange(12.0), [1.0, 2.0, 1.0])
     assert_nothing_found(ransac_plane(line.copy(), 20, 0.2, np.random.default_rng(8)), 12)
 
@@ -324,13 +324,13 @@ def finds_nothing_on_a_line(ransac_plane: Callable) -> None:
     hint="rng.choice(len(points), 3, replace=False) never takes a row twice.",
 )
 def draws_three_rows(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     assert_rows_differ(ransac_plane, _FIVE_POINTS)
 
 
 def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
     """Assert that every run finds a plane when any three points make one."""
-    planes = planes_of_few(ransac_plane, points)
+    planes = planes_from_two_rounds(ransac_plane, points)
     n_without_plane = sum(plane is None for plane in planes)
     if n_without_plane:
         raise CheckFailed(
@@ -348,7 +348,7 @@ _FIVE_POINTS = frozen(
 )
 
 
-def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray | None]:
+def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray | None]:
     """Return the planes of 48 two-round runs with different seeds; None for a run without a plane.
 
     With five points, a function that draws with replacement finds no plane in a quarter of the
@@ -374,9 +374,9 @@ def planes_of_few(ransac_plane: Callable, points: np.ndarray) -> list[np.ndarray
     "which are all there are.",
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     planes, drawn = [], np.zeros(len(_FIVE_POINTS), dtype=bool)
-    for plane in planes_of_few(ransac_plane, _FIVE_POINTS):
+    for plane in planes_from_two_rounds(ransac_plane, _FIVE_POINTS):
         if plane is not None:
             planes.append(plane)
             drawn |= gaps_from(_FIVE_POINTS, plane) < 2e-3
@@ -401,12 +401,12 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     hint="Compare the distances with <=.",
 )
 def includes_the_edge(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     four = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [1.0, 1.0, 1.0]])
-    assert_edge_counts(ransac_plane, four)
+    assert_border_is_inlier(ransac_plane, four)
 
 
-def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
+def assert_border_is_inlier(ransac_plane: Callable, four: np.ndarray) -> None:
     """Assert that a point exactly `distance_tolerance` away from the plane counts as an inlier.
 
     Parameters
@@ -425,7 +425,7 @@ def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
         # Skip other planes: one that was refitted to its inliers may be off in the last digits.
         if plane is None or not (np.array_equal(plane, exact) or np.array_equal(plane, -exact)):
             continue
-        if not mask_of(answer, 4)[3]:
+        if not as_mask(answer, 4)[3]:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the plane is no inlier.",
                 given=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
@@ -446,7 +446,7 @@ def assert_edge_counts(ransac_plane: Callable, four: np.ndarray) -> None:
     hint="Use points[:, :3] for the sample and for the distances.",
 )
 def searches_without_intensity(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     points, belongs = scattered_plane(51, 50, 20, columns=4)
     rng = np.random.default_rng(10)
     assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
@@ -460,7 +460,7 @@ def searches_without_intensity(ransac_plane: Callable) -> None:
     hint="Nothing about roads belongs into the loop: the number of inliers decides.",
 )
 def finds_a_wall(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     points, belongs = scattered_plane(52, 50, 20, plane=(0.6, 0.8, 0.0, -4.0))
     rng = np.random.default_rng(11)
     assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, belongs)
@@ -475,7 +475,7 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     "arrays from it.",
 )
 def leaves_the_cloud(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     points, _ = scattered_plane(53, 50, 20)
     assert_untouched(ransac_plane, points, 50, 0.2, np.random.default_rng(12))
 
@@ -489,7 +489,7 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
     "np.random.choice or a seed of your own.",
 )
 def follows_the_generator(ransac_plane: Callable) -> None:
-    assert_runs(ransac_plane)
+    require_plane_without_outliers(ransac_plane)
     # Only one sample in eight is good, so planes differ even if they are refitted to their inliers.
     points, _ = scattered_plane(61, 30, 30, noise=0.05)
     generators = [np.random.default_rng(seed) for seed in range(12) for _ in range(2)]
@@ -514,7 +514,7 @@ def follows_the_generator(ransac_plane: Callable) -> None:
 
 
 def _plane_or_none(answer: object) -> np.ndarray | None:
-    model, _ = pair_of(answer)
+    model, _ = as_pair(answer)
     return None if model is None else as_plane(model)
 
 
@@ -545,7 +545,7 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     "and leaves a generator as it is.",
 )
 def takes_a_seed(ransac_plane: Callable) -> None:
-    assert_works(ransac_plane)
+    require_plane_among_outliers(ransac_plane)
     for seed in (1, 2, 3):
         points, belongs = scattered_plane(70 + seed, 60, 30)
         assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, belongs)
@@ -579,7 +579,7 @@ common_checks.names(
         look=lambda answer, points, _, tolerance, __, belongs: assert_finds(
             answer, points, tolerance, belongs
         ),
-        basic=assert_works,
+        basic=require_plane_among_outliers,
     ),
     "keeps_the_names_of_ransac",
     why="Later cells may call ransac_plane(street, max_iterations=50, distance_tolerance=0.2, "

@@ -9,7 +9,7 @@ from utils.checks.lesson_03.planes import as_plane, draw_on_edge
 from utils.geometry import best_plane, gaps_from
 
 
-def pair_of(answer: object) -> Sequence:
+def as_pair(answer: object) -> Sequence:
     """Return an answer as a pair, without judging its two parts."""
     if answer is None:
         raise WrongForm(
@@ -26,7 +26,7 @@ def pair_of(answer: object) -> Sequence:
     return answer
 
 
-def model_of(answer: object, given: str | None = None) -> np.ndarray:
+def as_model(answer: object, given: str | None = None) -> np.ndarray:
     """Return the model of an answer for points that have a plane; the mask is ignored.
 
     Parameters
@@ -45,7 +45,7 @@ def model_of(answer: object, given: str | None = None) -> np.ndarray:
     CheckFailed
         If the model is None or is not a plane.
     """
-    model, _ = pair_of(answer)
+    model, _ = as_pair(answer)
     if model is None:
         raise CheckFailed(
             "There is a plane, and none was found: the model is None.",
@@ -63,7 +63,7 @@ def model_of(answer: object, given: str | None = None) -> np.ndarray:
     return as_plane(model)
 
 
-def mask_of(answer: object, n: int) -> np.ndarray:
+def as_mask(answer: object, n: int) -> np.ndarray:
     """Return the mask of an answer; the model is ignored.
 
     Parameters
@@ -76,7 +76,7 @@ def mask_of(answer: object, n: int) -> np.ndarray:
     -------
     numpy.ndarray of bool, shape (n,)
     """
-    mask = as_array(pair_of(answer)[1], what="a mask of True and False")
+    mask = as_array(as_pair(answer)[1], what="a mask of True and False")
     if mask.shape == (0,) and n == 0:
         return mask.astype(bool)
     if mask.dtype != bool:
@@ -111,7 +111,7 @@ def assert_finds(
     given : str, optional
         The input of the function, for the message.
     """
-    plane = model_of(answer, given)
+    plane = as_model(answer, given)
     near = gaps_from(points, plane) <= distance_tolerance
     found, total = np.count_nonzero(near & belongs), np.count_nonzero(belongs)
     if found < share * total:
@@ -128,7 +128,7 @@ def assert_finds(
         )
 
 
-def assert_mask_belongs(answer: object, points: np.ndarray) -> None:
+def assert_nearest_are_inliers(answer: object, points: np.ndarray) -> None:
     """Assert that the inliers are the points nearest to the model, up to any distance.
 
     Parameters
@@ -136,7 +136,7 @@ def assert_mask_belongs(answer: object, points: np.ndarray) -> None:
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     """
-    plane, mask = model_of(answer), mask_of(answer, len(points))
+    plane, mask = as_model(answer), as_mask(answer, len(points))
     gaps = gaps_from(points, plane)
     if not mask.any():
         raise CheckFailed(
@@ -156,7 +156,9 @@ def assert_mask_belongs(answer: object, points: np.ndarray) -> None:
         )
 
 
-def assert_mask_follows(answer: object, points: np.ndarray, distance_tolerance: float) -> None:
+def assert_inliers_within_tolerance(
+    answer: object, points: np.ndarray, distance_tolerance: float
+) -> None:
     """Assert that the inliers are the points within the tolerance of the model.
 
     Either answer is accepted for points at the border.
@@ -168,7 +170,7 @@ def assert_mask_follows(answer: object, points: np.ndarray, distance_tolerance: 
     distance_tolerance : float
         Largest distance of an inlier, in metres.
     """
-    plane, mask = model_of(answer), mask_of(answer, len(points))
+    plane, mask = as_model(answer), as_mask(answer, len(points))
     gaps = gaps_from(points, plane)
     clear = np.abs(gaps - distance_tolerance) > 1e-4
     wrong = np.flatnonzero((mask != (gaps <= distance_tolerance)) & clear)
@@ -193,14 +195,14 @@ def assert_nothing_found(answer: object, n: int) -> None:
     n : int
         Number of points.
     """
-    model, inliers = pair_of(answer)
+    model, inliers = as_pair(answer)
     if model is not None:
         raise CheckFailed(
             "No plane can be found here: the model must be None.",
             yours=brief(model),
             expected="None",
         )
-    if mask_of(answer, n).any():
+    if as_mask(answer, n).any():
         raise CheckFailed(
             "Without a model there are no inliers: the mask must be all False.",
             yours=brief(np.asarray(inliers)),

@@ -27,15 +27,15 @@ QUIZ = frozen(
     )
 )
 # Inserted in this order they make a balanced tree.
-BALANCED = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
+BALANCED_ORDER = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
 
 
-def balanced() -> Node:
+def balanced_tree() -> Node:
     """Return the right tree of the eleven points, four levels deep."""
-    return grown(QUIZ[list(BALANCED)], BALANCED)
+    return grown(QUIZ[list(BALANCED_ORDER)], BALANCED_ORDER)
 
 
-def chain(count: int) -> Node:
+def chain_tree(count: int) -> Node:
     """Return a tree of points that arrived in sorted order; no node has a left child."""
     root = last = Node([0.0, 0.0], 0)
     for row in range(1, count):
@@ -43,7 +43,7 @@ def chain(count: int) -> Node:
     return root
 
 
-def distinct(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
+def distinct_points(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
     """Return points in random order, of which no two share a coordinate.
 
     Returns
@@ -53,7 +53,7 @@ def distinct(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
     return (np.stack([rng.permutation(4 * n)[:n] for _ in range(k)], axis=1) - 2 * n) / 16 + 0.01
 
 
-def along_the_diagonal(values: ArrayLike, k: int = 2) -> np.ndarray:
+def diagonal_points(values: ArrayLike, k: int = 2) -> np.ndarray:
     """Return points whose coordinates are all equal, so that any axis gives the same tree.
 
     Parameters
@@ -68,7 +68,7 @@ def along_the_diagonal(values: ArrayLike, k: int = 2) -> np.ndarray:
     return np.repeat(np.array(values, dtype=float)[:, None], k, axis=1)
 
 
-def nested(
+def nested_points(
     rng: np.random.Generator,
     sizes: Sequence[float],
     k: int,
@@ -107,12 +107,12 @@ def nested(
     return np.array(points)
 
 
-def off_the_corners(points: np.ndarray) -> np.ndarray:
+def is_off_corners(points: np.ndarray) -> np.ndarray:
     """Return whether points are off the rim of the unit circle and the corners of its square."""
     distances = np.linalg.norm(points, axis=-1)
     return (distances < 0.99) | (np.abs(points).max(axis=-1) > 1.01)
 
 
-def off_the_rim(point: np.ndarray) -> bool:
+def is_off_rim(point: np.ndarray) -> bool:
     """Return whether a point is off the rim of the unit circle and the sides of its square."""
     return abs(np.linalg.norm(point) - 1) > 0.02 and abs(np.abs(point).max() - 1) > 0.01

@@ -19,13 +19,13 @@ from utils.checks.assertions import (
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_04.cases import QUIZ, along_the_diagonal, chain
+from utils.checks.lesson_04.cases import QUIZ, chain_tree, diagonal_points
 from utils.checks.lesson_04.trees import (
-    MOST_NODES,
+    MAX_NODES,
     assert_indices,
     assert_tree,
+    build_tree,
     error_names,
-    planted,
 )
 from utils.checks.run_cache import once
 from utils.geometry import grown, places_of
@@ -36,11 +36,11 @@ _SIDEWAYS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
 _THREE_LEVELS = frozen(
     np.array([[5.0, 5.0], [2.0, 6.0], [8.0, 4.0], [1.0, 7.0], [3.0, 1.0], [7.0, 9.0], [9.0, 2.0]])
 )
-_DIAGONAL = frozen(along_the_diagonal([4, 2, 6, 1, 3, 5, 7]))
+_DIAGONAL = frozen(diagonal_points([4, 2, 6, 1, 3, 5, 7]))
 
 
 def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None = None) -> object:
-    assert_root(KdTree)
+    require_root(KdTree)
     tree = KdTree()
     indices = indices or range(len(points))
     call_each(tree.insert, zip(np.array(points), indices, strict=True))
@@ -48,7 +48,7 @@ def _inserted(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None
 
 
 @once
-def assert_root(KdTree: Callable) -> None:
+def require_root(KdTree: Callable) -> None:
     """Assert that the first point becomes the root; raise `NotYet` if not.
 
     Without a right root, a walk down the tree may never end.
@@ -135,7 +135,7 @@ def grows_the_quiz(KdTree: Callable) -> None:
     hint="Only strictly smaller (<) goes left; everything else goes right.",
 )
 def equal_goes_right(KdTree: Callable) -> None:
-    points = along_the_diagonal([4, 4, 2, 2, 6, 4])
+    points = diagonal_points([4, 4, 2, 2, 6, 4])
     assert_tree(_inserted(KdTree, points), points)
 
 
@@ -182,7 +182,7 @@ def keeps_the_index(KdTree: Callable) -> None:
     hint="point[axis] and len(point) serve every kind; .shape, .size and .tolist() are an array's.",
 )
 def takes_any_notation(KdTree: Callable) -> None:
-    assert_root(KdTree)
+    require_root(KdTree)
     for kind in (list, tuple):
         tree = KdTree()
         points = map(kind, _DIAGONAL.tolist())
@@ -215,7 +215,7 @@ def keeps_trees_apart(KdTree: Callable) -> None:
     hint="Read point[axis], and write to the tree only.",
 )
 def leaves_the_point(KdTree: Callable) -> None:
-    assert_root(KdTree)
+    require_root(KdTree)
     tree = KdTree()
     for index, point in enumerate(_DIAGONAL.copy()):
         assert_left_alone(observe(tree.insert, point, index), point, index)
@@ -235,7 +235,7 @@ def leaves_the_point(KdTree: Callable) -> None:
 def copes_with_depth(KdTree: Callable) -> None:
     _assert_sides(KdTree)
     try:
-        tree = planted(KdTree, chain(1200), as_lists=True)
+        tree = build_tree(KdTree, chain_tree(1200), as_lists=True)
         tree.insert(np.array([1200.0, 1200.0]), 1200)
     except Exception as error:
         if "RecursionError" not in error_names(error):
@@ -268,7 +268,7 @@ def _paths_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
             assert_tree(tree, points[:1])  # a node below itself would be endless
     found, pending = {}, [("", tree.root)]
     for path, node in pending:  # the list grows inside the loop
-        if node is not None and len(found) < MOST_NODES:
+        if node is not None and len(found) < MAX_NODES:
             found[path] = node.index
             pending += [(path + "l", node.left), (path + "r", node.right)]
     return found

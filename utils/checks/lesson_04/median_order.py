@@ -18,8 +18,8 @@ from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_04.cases import QUIZ, distinct
-from utils.checks.lesson_04.trees import few_points
+from utils.checks.lesson_04.cases import QUIZ, distinct_points
+from utils.checks.lesson_04.trees import few_points_text
 from utils.checks.run_cache import once
 from utils.geometry import grown, in_turn, places_of
 
@@ -28,7 +28,7 @@ _SHORT_HINT = (
     "its turn: one without rows is skipped, and ends nothing."
 )
 # With 7 or 15 points every part has a single middle point.
-_SEVEN_POINTS = frozen(distinct(np.random.default_rng(51), 7, 2))
+_SEVEN_POINTS = frozen(distinct_points(np.random.default_rng(51), 7, 2))
 
 
 def as_order(answer: object, n: int) -> np.ndarray:
@@ -84,7 +84,7 @@ def assert_shallow(answer: object, points: np.ndarray) -> None:
         raise CheckFailed(
             f"Inserted in this order, {len(points)} points give a tree of depth "
             f"{depth}; medians give {least}.",
-            given=few_points(points),
+            given=few_points_text(points),
             yours=f"depth {depth}",
             expected=f"depth {least}",
             draw=_draw_tree(order, points),
@@ -247,7 +247,7 @@ def starts_with_the_median(median_order: Callable) -> None:
 def halves_every_part(median_order: Callable) -> None:
     rng = np.random.default_rng(47)
     for n in (3, 7, 15):
-        points = distinct(rng, n, 2)
+        points = distinct_points(rng, n, 2)
         assert_halves(median_order(points.copy()), points)
 
 
@@ -262,7 +262,7 @@ def takes_turns(median_order: Callable) -> None:
     _assert_halves(median_order)
     rng = np.random.default_rng(42)
     for n in (3, 7, 15):
-        points = distinct(rng, n, 2)
+        points = distinct_points(rng, n, 2)
         assert_lower_medians(median_order(points.copy()), points)
 
 
@@ -278,7 +278,7 @@ def takes_the_lower(median_order: Callable) -> None:
     _assert_medians(median_order)
     rng = np.random.default_rng(43)
     for n in (2, 4, 6):
-        points = distinct(rng, n, 2)
+        points = distinct_points(rng, n, 2)
         assert_lower_medians(median_order(points.copy()), points)
 
 
@@ -291,7 +291,7 @@ def takes_the_lower(median_order: Callable) -> None:
 )
 def takes_three_axes(median_order: Callable) -> None:
     _assert_medians(median_order)
-    points = distinct(np.random.default_rng(44), 31, 3)
+    points = distinct_points(np.random.default_rng(44), 31, 3)
     assert_lower_medians(median_order(points.copy()), points)
 
 
@@ -307,7 +307,7 @@ def takes_three_axes(median_order: Callable) -> None:
 def least_depth(median_order: Callable) -> None:
     rng = np.random.default_rng(45)
     for n in (3, 7, 15, 40, 64):
-        points = distinct(rng, n, 2)
+        points = distinct_points(rng, n, 2)
         assert_shallow(median_order(points.copy()), points)
 
 
@@ -434,7 +434,7 @@ mistakes(
         "What comes first is on top: [median] + smaller ones + others.",
     ),
     cases=tuple(
-        (distinct(np.random.default_rng(50), len(order), k), np.array(order))
+        (distinct_points(np.random.default_rng(50), len(order), k), np.array(order))
         for k, order in (
             (2, [5, 0, 1, 4, 3, 2]),
             (3, [7, 0, 2, 9, 4, 6, 3, 8, 10, 1, 5]),

@@ -10,14 +10,14 @@ from utils.checks.assertions import CheckFailed, assert_untouched, frozen, needs
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_04.cases import (
-    BALANCED,
+    BALANCED_ORDER,
     QUIZ,
-    balanced,
-    chain,
-    distinct,
-    nested,
-    off_the_corners,
-    off_the_rim,
+    balanced_tree,
+    chain_tree,
+    distinct_points,
+    is_off_corners,
+    is_off_rim,
+    nested_points,
 )
 from utils.checks.lesson_04.search_results import (
     as_indices,
@@ -25,14 +25,14 @@ from utils.checks.lesson_04.search_results import (
     assert_pruned,
     assert_same_tree,
 )
-from utils.checks.lesson_04.trees import planted
+from utils.checks.lesson_04.trees import build_tree
 from utils.checks.run_cache import once
 from utils.geometry import SIDES, Node, grown, in_turn, places_of
 
 # Distances from the target at which nodes cut, from 8 times the radius of the circle to a tenth.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 # Any two of these points are at least a quarter of a metre apart along x and along y.
-_SCATTERED_POINTS = frozen(4 * distinct(np.random.default_rng(46), 11, 2))
+_SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2))
 
 
 @once
@@ -51,7 +51,7 @@ def _assert_at_target(KdTree: Callable) -> None:
 )
 def finds_the_target(KdTree: Callable) -> None:
     root = grown(_SCATTERED_POINTS)
-    tree = planted(KdTree, root)
+    tree = build_tree(KdTree, root)
     for point in _SCATTERED_POINTS:
         assert_found(tree, root, point + [0.03, -0.02], 0.1)
 
@@ -69,9 +69,11 @@ def looks_on_both_sides(KdTree: Callable) -> None:
     # The root is far from the target, but its cut is between two neighbours of the target.
     root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
-        assert_found(planted(KdTree, root), root, np.array([x, 0.0]), 1.0)
+        assert_found(build_tree(KdTree, root), root, np.array([x, 0.0]), 1.0)
     for target, tolerance in (([-6.0, 7.0], 3.0), ([-6.5, 7.5], 2.5)):
-        assert_found(planted(KdTree, balanced()), balanced(), np.array(target), tolerance)
+        assert_found(
+            build_tree(KdTree, balanced_tree()), balanced_tree(), np.array(target), tolerance
+        )
 
 
 @visible(
@@ -85,9 +87,9 @@ def looks_on_both_sides(KdTree: Callable) -> None:
 )
 def measures_a_circle(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
-    points = nested(np.random.default_rng(3), np.geomspace(0.96, 0.5, 8), 2, off_the_rim, -1)
+    points = nested_points(np.random.default_rng(3), np.geomspace(0.96, 0.5, 8), 2, is_off_rim, -1)
     root = grown(points)
-    assert_found(planted(KdTree, root), root, np.zeros(2), 1.0)
+    assert_found(build_tree(KdTree, root), root, np.zeros(2), 1.0)
 
 
 @visible(
@@ -100,12 +102,12 @@ def measures_a_circle(KdTree: Callable) -> None:
 )
 def takes_the_radius(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
-    points = nested(
-        np.random.default_rng(4), [2.2, 1.6, 1.3, 0.9, 0.8, 0.7, 0.6, 0.3], 2, off_the_corners, -1
+    points = nested_points(
+        np.random.default_rng(4), [2.2, 1.6, 1.3, 0.9, 0.8, 0.7, 0.6, 0.3], 2, is_off_corners, -1
     )
     for tolerance in (0.3, 1.0, 3.0):
         root = grown(points * tolerance)
-        assert_found(planted(KdTree, root), root, np.zeros(2), tolerance)
+        assert_found(build_tree(KdTree, root), root, np.zeros(2), tolerance)
 
 
 @visible(
@@ -118,7 +120,7 @@ def takes_the_radius(KdTree: Callable) -> None:
 def includes_the_border(KdTree: Callable) -> None:
     points = np.array([[0.0, 2.0], [1.0, 1.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
     root = grown(points)
-    assert_found(planted(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
+    assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
 @visible(
@@ -136,7 +138,7 @@ def reaches_the_split(KdTree: Callable) -> None:
         looks_on_both_sides(KdTree)
     points = np.array([[2.0, 9.0], [-3.0, 3.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
     root = grown(points)
-    assert_found(planted(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
+    assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
 @visible(
@@ -147,9 +149,9 @@ def reaches_the_split(KdTree: Callable) -> None:
     hint="The axis is depth % len(target), as in insert.",
 )
 def searches_space(KdTree: Callable) -> None:
-    points = nested(np.random.default_rng(5), _SIZES, 3, off_the_corners)
+    points = nested_points(np.random.default_rng(5), _SIZES, 3, is_off_corners)
     root = grown(points)
-    assert_found(planted(KdTree, root), root, np.zeros(3), 1.0)
+    assert_found(build_tree(KdTree, root), root, np.zeros(3), 1.0)
 
 
 @visible(
@@ -168,7 +170,7 @@ def leaves_regions_out(KdTree: Callable) -> None:
         ([-2.0, 6.5], 9, [-2.0, 7.3], (6, 10)),
     ):
         for trap in traps:
-            assert_pruned(KdTree, balanced(), np.array(target), 1.0, trap, decoy, place)
+            assert_pruned(KdTree, balanced_tree(), np.array(target), 1.0, trap, decoy, place)
 
 
 @visible(
@@ -181,10 +183,10 @@ def leaves_regions_out(KdTree: Callable) -> None:
 )
 def takes_an_empty_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
-    assert_found(planted(KdTree, None), None, np.zeros(2), 1.0)
+    assert_found(build_tree(KdTree, None), None, np.zeros(2), 1.0)
     root = grown([[1.0, 2.0]])
-    assert_found(planted(KdTree, root), root, np.array([1.1, 2.0]), 0.5)
-    assert_found(planted(KdTree, root), root, np.array([5.0, 5.0]), 1.0)
+    assert_found(build_tree(KdTree, root), root, np.array([1.1, 2.0]), 0.5)
+    assert_found(build_tree(KdTree, root), root, np.array([5.0, 5.0]), 1.0)
 
 
 @visible(
@@ -196,7 +198,7 @@ def takes_an_empty_tree(KdTree: Callable) -> None:
 )
 def names_each_once(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
-    yours = as_indices(planted(KdTree, balanced()).search(np.array([-6.0, 7.0]), 3.0))
+    yours = as_indices(build_tree(KdTree, balanced_tree()).search(np.array([-6.0, 7.0]), 3.0))
     repeated = sorted({index for index in yours if yours.count(index) > 1})
     if repeated:
         raise CheckFailed(
@@ -220,10 +222,10 @@ def _indices_text(indices: list[int]) -> str:
 )
 def takes_any_target(KdTree: Callable) -> None:
     root = grown(
-        nested(np.random.default_rng(6), [3.0, 2.0, 0.8, 0.5, 0.3], 2, off_the_corners, -1)
+        nested_points(np.random.default_rng(6), [3.0, 2.0, 0.8, 0.5, 0.3], 2, is_off_corners, -1)
     )
     for as_lists, target in ((True, [0.0, 0.0]), (True, np.zeros(2)), (False, (0.0, 0.0))):
-        assert_found(planted(KdTree, root, as_lists), root, target, 1.0)
+        assert_found(build_tree(KdTree, root, as_lists), root, target, 1.0)
 
 
 @visible(
@@ -235,8 +237,8 @@ def takes_any_target(KdTree: Callable) -> None:
 )
 def leaves_the_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
-    order = list(BALANCED)
-    tree = planted(KdTree, balanced())
+    order = list(BALANCED_ORDER)
+    tree = build_tree(KdTree, balanced_tree())
     assert_untouched(tree.search, np.array([-6.0, 7.0]), 3.0)
     assert_same_tree(tree, QUIZ[order], order)
 
@@ -248,8 +250,8 @@ def leaves_the_tree(KdTree: Callable) -> None:
     "itself ends there in a RecursionError; a list of places that wait does not.",
 )
 def searches_deep_trees(KdTree: Callable) -> None:
-    root = chain(1200)
-    assert_found(planted(KdTree, root), root, np.array([1199.0, 1199.0]), 0.5)
+    root = chain_tree(1200)
+    assert_found(build_tree(KdTree, root), root, np.array([1199.0, 1199.0]), 0.5)
 
 
 class _Split(NamedTuple):
@@ -507,7 +509,7 @@ mistakes(
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance
     },
     same=_same_indices,
-    ask=lambda KdTree, points, target, tolerance: planted(KdTree, grown(points)).search(
+    ask=lambda KdTree, points, target, tolerance: build_tree(KdTree, grown(points)).search(
         target, tolerance
     ),
     through="KdTree",

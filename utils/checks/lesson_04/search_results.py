@@ -8,7 +8,7 @@ import numpy as np
 
 import utils
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief
-from utils.checks.lesson_04.trees import assert_indices, assert_tree, exact_text, planted_with
+from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree_with, exact_text
 from utils.geometry import Node, table_of
 
 
@@ -137,7 +137,7 @@ def assert_pruned(
     rows = indices.index(trap), indices.index(decoy)
     assert all(left[row] == right[row] == -1 for row in rows)
     assert math.dist(place, target) < tolerance
-    tree = planted_with(KdTree, root, {trap: target, decoy: place})
+    tree = build_tree_with(KdTree, root, {trap: target, decoy: place})
     answer = as_indices(tree.search(copy.copy(target), tolerance))
     if trap in answer:
         raise CheckFailed(

@@ -23,7 +23,7 @@ from utils.geometry import SIDES, Node, grown, places_of, table_of
 from utils.remote_objects import Remote, RemoteError, RemoteStopped
 
 # Limit on the nodes of a wrong tree that are visited, because the tree may be endless.
-MOST_NODES = 200
+MAX_NODES = 200
 # Points in the plane and in space. No point occurs twice, but many coordinates are equal.
 _SAMPLES = frozen(
     tuple(
@@ -33,7 +33,7 @@ _SAMPLES = frozen(
 )
 
 
-def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> object:
+def build_tree(KdTree: Callable, root: Node | None, as_lists: bool = False) -> object:
     """Return a tree of the student's class with the same nodes as a right one.
 
     The class of the lesson gets its nodes ready-made, so that a mistake in `insert` does not affect
@@ -64,7 +64,7 @@ def planted(KdTree: Callable, root: Node | None, as_lists: bool = False) -> obje
     return tree
 
 
-def planted_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]]) -> object:
+def build_tree_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]]) -> object:
     """Return a tree of the student's class with some points where no right tree has them.
 
     Parameters
@@ -90,7 +90,7 @@ def planted_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]
     points, left, right, indices = table_of(root)
     plant = method_of(tree, "plant")
     if not plant or not _uses_plant(KdTree):
-        tree = planted(KdTree, root)
+        tree = build_tree(KdTree, root)
         with needs("every point is where it belongs"):
             assert_tree(tree, points, indices)
         if _move_points(tree, root, places):
@@ -217,7 +217,7 @@ def assert_tree(
     if message:
         raise CheckFailed(
             message[0].upper() + message[1:],
-            given=few_points(points),
+            given=few_points_text(points),
             hint=hint,
             draw=_draw_two_trees(tree, root),
         )
@@ -248,7 +248,7 @@ def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> N
             raise CheckFailed(
                 f"The node of the point {exact_text(node.point)} has another index than the one "
                 "that came with it.",
-                given=few_points(points),
+                given=few_points_text(points),
                 yours=f"index {brief(index)}",
                 expected=f"index {node.index}",
             )
@@ -354,7 +354,7 @@ def _path_to(tree: object, node: Node, expected: dict[str, Node]) -> str | None:
             path in expected and _same_point(point, expected[path])
         ):
             return path
-        if len(pending) < MOST_NODES:
+        if len(pending) < MAX_NODES:
             pending += [(path + "l", current.left), (path + "r", current.right)]
     return None
 
@@ -390,7 +390,7 @@ def exact_text(point: Sequence[float]) -> str:
     return "(" + ", ".join(f"{float(value):g}" for value in np.ravel(point)) + ")"
 
 
-def few_points(points: ArrayLike) -> str | None:
+def few_points_text(points: ArrayLike) -> str | None:
     """Return points in their order as text; None if there are more than seven."""
     if len(points) > 7:
         return None

@@ -47,7 +47,7 @@ from utils.checks.clusters import (
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_10.steps import SEVEN, WIDE
+from utils.checks.lesson_10.steps import SEVEN_POINTS, WIDE_THRESHOLD
 
 _NAME = "euclidean_clustering_accelerated"
 # Side of a cell whose diagonal is the threshold, in thresholds.
@@ -75,7 +75,12 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
 )
 def clusters_the_seven(euclidean_clustering_accelerated: Callable) -> None:
     labels = np.array([1, 1, 1, 1, 1, 1, 2])
-    assert_clusters(euclidean_clustering_accelerated(SEVEN.copy(), WIDE), labels, SEVEN, WIDE)
+    assert_clusters(
+        euclidean_clustering_accelerated(SEVEN_POINTS.copy(), WIDE_THRESHOLD),
+        labels,
+        SEVEN_POINTS,
+        WIDE_THRESHOLD,
+    )
 
 
 @visible(
@@ -371,7 +376,7 @@ def assert_in_time(
     for attempt in range(3):  # repeat, because other load may disturb a single run
         answer, seconds = timed(euclidean_clustering, cloud, 0.5)
         best = min(best, seconds)
-        assert_in_clusters(answer, labels, cloud)
+        assert_timed_clusters(answer, labels, cloud)
         if best <= allowed or (attempt and best > 3 * allowed):
             break
     if best > allowed:
@@ -384,7 +389,7 @@ def assert_in_time(
         )
 
 
-def assert_in_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) -> None:
+def assert_timed_clusters(answer: object, labels: np.ndarray, cloud: np.ndarray) -> None:
     """Assert that the clusters of a timed call are right, and hint at correctness if not.
 
     Parameters

@@ -25,8 +25,8 @@ from utils.checks.core import visible
 from utils.checks.failures import fixed
 
 # At this threshold a cell is 1 m wide.
-WIDE = float(np.sqrt(3))
-SEVEN = frozen(
+WIDE_THRESHOLD = float(np.sqrt(3))
+SEVEN_POINTS = frozen(
     np.array(
         [
             [0.1, 0.2, 0.0],
@@ -130,7 +130,9 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     "cell_of_point, and rows[first] are the different cells.",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
-    _assert_cells(points_in_cells(SEVEN.copy(), WIDE), SEVEN, WIDE, _GIVEN)
+    _assert_cells(
+        points_in_cells(SEVEN_POINTS.copy(), WIDE_THRESHOLD), SEVEN_POINTS, WIDE_THRESHOLD, _GIVEN
+    )
 
 
 @visible(
@@ -142,10 +144,17 @@ def finds_the_cells(points_in_cells: Callable) -> None:
 )
 def follows_the_side(points_in_cells: Callable) -> None:
     with needs("the seven points lie in six cells"):
-        _assert_cells(points_in_cells(SEVEN.copy(), WIDE), SEVEN, WIDE, _GIVEN)
+        _assert_cells(
+            points_in_cells(SEVEN_POINTS.copy(), WIDE_THRESHOLD),
+            SEVEN_POINTS,
+            WIDE_THRESHOLD,
+            _GIVEN,
+        )
     for threshold in (0.5, 2.5):
         given = f"the seven points, threshold {threshold:g} m"
-        _assert_cells(points_in_cells(SEVEN.copy(), threshold), SEVEN, threshold, given)
+        _assert_cells(
+            points_in_cells(SEVEN_POINTS.copy(), threshold), SEVEN_POINTS, threshold, given
+        )
 
 
 @visible(
@@ -155,7 +164,7 @@ def follows_the_side(points_in_cells: Callable) -> None:
     hint="points / side is a new array; points /= side changes the one that was given.",
 )
 def leaves_the_points(points_in_cells: Callable) -> None:
-    assert_left_alone(observe(points_in_cells, SEVEN, 0.5), SEVEN, 0.5)
+    assert_left_alone(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
 
 
 # ---- step 2 ------------------------------------------------------------------------------------
@@ -168,7 +177,7 @@ _HEAP_FIRST = frozen(np.array([0, 6, 7, 8]))
 
 
 def _join_seven(join_cheaply: Callable) -> tuple:
-    arguments = SEVEN.copy(), _CELLS.copy(), _FIRST.copy(), WIDE
+    arguments = SEVEN_POINTS.copy(), _CELLS.copy(), _FIRST.copy(), WIDE_THRESHOLD
     return _results(join_cheaply(*arguments), ("pairs", "label"))
 
 
@@ -211,7 +220,7 @@ def joins_what_is_close(join_cheaply: Callable) -> None:
     "points[first[pairs[:, 0]]] are the points: x, y and z all count.",
 )
 def measures_representatives(join_cheaply: Callable) -> None:
-    arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE
+    arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE_THRESHOLD
     _, label = _results(join_cheaply(*arguments), ("pairs", "label"))
     given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
     _assert_same_pieces(label, np.arange(4), f"{given}; from cell to cell about 2 m, threshold √3")
@@ -227,7 +236,7 @@ _ROW_PAIRS = frozen(np.array([[0, 1], [1, 2], [2, 3], [3, 4]]))
 
 
 def _exact_arguments(label: np.ndarray) -> tuple:
-    return SEVEN, _CELL_OF_POINT, _PAIRS, label, WIDE
+    return SEVEN_POINTS, _CELL_OF_POINT, _PAIRS, label, WIDE_THRESHOLD
 
 
 @visible(
@@ -242,7 +251,7 @@ def joins_exactly(join_exactly: Callable) -> None:
     # Pieces are numbered in any order, so either of the two to join may have the larger number.
     for label in (_PIECES, 2 - _PIECES):
         answer = join_exactly(
-            *(np.copy(argument) for argument in _exact_arguments(label)[:-1]), WIDE
+            *(np.copy(argument) for argument in _exact_arguments(label)[:-1]), WIDE_THRESHOLD
         )
         _assert_same_pieces(
             answer, _JOINED, f"{_GIVEN}; pieces {_pieces_text(_PIECES)} after step 2"
@@ -270,7 +279,9 @@ def leaves_the_labels(join_exactly: Callable) -> None:
 )
 def joins_on_and_on(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
-    answer = join_exactly(_ROW.copy(), np.repeat(np.arange(5), 3), _ROW_PAIRS.copy(), label, WIDE)
+    answer = join_exactly(
+        _ROW.copy(), np.repeat(np.arange(5), 3), _ROW_PAIRS.copy(), label, WIDE_THRESHOLD
+    )
     given = (
         "five cells in a row, a piece each, with three points in each; up to the fourth a point "
         "of each is 1.2 m from one of the next, threshold √3 m"

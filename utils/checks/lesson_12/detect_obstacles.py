@@ -43,7 +43,7 @@ from utils.checks.scans import (
 )
 from utils.checks.static_analysis import functions_used
 
-SQUARE, WALK = 25, 7
+SQUARE_SEED, WALK_SEED = 25, 7
 
 
 @visible(
@@ -57,7 +57,7 @@ SQUARE, WALK = 25, 7
 def finds_cars(detect_obstacles: Callable) -> None:
     # Cover every scan that later checks use, one by one, because those checks can be judged only if
     # the cars in their scan are found.
-    for frame in (street(), street_before(), square(SQUARE), walk(WALK)):
+    for frame in (street(), street_before(), square(SQUARE_SEED), walk(WALK_SEED)):
         assert_cars_found([detected(detect_obstacles, frame)], [frame])
 
 
@@ -69,8 +69,8 @@ def finds_cars(detect_obstacles: Callable) -> None:
     hint="How many points of a person are left before clustering? min_num_points must be smaller.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, walk(WALK))
-    assert_people_found(detected(detect_obstacles, walk(WALK)), walk(WALK))
+    assert_cars_seen(detect_obstacles, walk(WALK_SEED))
+    assert_people_found(detected(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
 
 
 @visible(
@@ -81,8 +81,8 @@ def finds_people(detect_obstacles: Callable) -> None:
     hint="Where does your region of interest end? It must reach 10 m ahead, and a little more.",
 )
 def looks_far_enough(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE))
-    frame = crossing(SQUARE)
+    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+    frame = crossing(SQUARE_SEED)
     assert_reached(detected(detect_obstacles, frame), car_across(frame), frame)
 
 
@@ -110,8 +110,8 @@ def leaves_the_road(detect_obstacles: Callable) -> None:
     "and roof from edge to edge.",
 )
 def forgets_itself(detect_obstacles: Callable) -> None:
-    frame = square(SQUARE)
-    answer = detect_obstacles(np.vstack([frame.cloud, own_car(SQUARE)]))
+    frame = square(SQUARE_SEED)
+    answer = detect_obstacles(np.vstack([frame.cloud, own_car(SQUARE_SEED)]))
     assert_sees(answer, frame)
     assert_own_car_free(answer, frame)
 
@@ -126,8 +126,8 @@ def forgets_itself(detect_obstacles: Callable) -> None:
     "from above.",
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE))
-    assert_boxes_turned(detected(detect_obstacles, square(SQUARE)), square(SQUARE))
+    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+    assert_boxes_turned(detected(detect_obstacles, square(SQUARE_SEED)), square(SQUARE_SEED))
 
 
 @visible(
@@ -138,8 +138,8 @@ def turns_boxes(detect_obstacles: Callable) -> None:
     hint="Let the last step be your get_oriented_boxes of lesson 11: it turns about z alone.",
 )
 def stands_upright(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE))
-    assert_upright(detected(detect_obstacles, square(SQUARE)))
+    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
+    assert_upright(detected(detect_obstacles, square(SQUARE_SEED)))
 
 
 @visible(
@@ -151,7 +151,7 @@ def stands_upright(detect_obstacles: Callable) -> None:
     "labels that get boxes?",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
-    frame, drops = square(SQUARE), rain(SQUARE)
+    frame, drops = square(SQUARE_SEED), rain(SQUARE_SEED)
     answer = detect_obstacles(np.vstack([frame.cloud, drops]))
     assert_sees(answer, frame)
     assert_dry(answer, frame, drops)
@@ -165,7 +165,7 @@ def ignores_rain(detect_obstacles: Callable) -> None:
     hint="Let drop_invalid be the very first step.",
 )
 def drops_invalid(detect_obstacles: Callable) -> None:
-    frame = square(SQUARE)
+    frame = square(SQUARE_SEED)
     answer = detect_obstacles(with_invalid(frame.cloud, 1))
     assert_sees(answer, frame)
     assert_nothing_at_sensor(answer, frame)
@@ -180,7 +180,7 @@ def drops_invalid(detect_obstacles: Callable) -> None:
     "leave nothing.",
 )
 def takes_an_empty_scan(detect_obstacles: Callable) -> None:
-    assert_cars_seen(detect_obstacles, square(SQUARE))
+    assert_cars_seen(detect_obstacles, square(SQUARE_SEED))
     boxes = as_boxes(detect_obstacles(np.empty((0, 4))))
     if len(boxes):
         raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
@@ -194,7 +194,7 @@ def takes_an_empty_scan(detect_obstacles: Callable) -> None:
     hint="Use cloud[:, :3] from the start.",
 )
 def takes_three_columns(detect_obstacles: Callable) -> None:
-    frame = square(SQUARE)
+    frame = square(SQUARE_SEED)
     assert_cars_seen(detect_obstacles, frame)
     assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
 
@@ -207,10 +207,10 @@ def takes_three_columns(detect_obstacles: Callable) -> None:
     hint="Choose rows with a mask, which makes a new array, and write into none that came in.",
 )
 def leaves_the_cloud(detect_obstacles: Callable) -> None:
-    cloud = square(SQUARE).cloud.copy()
+    cloud = square(SQUARE_SEED).cloud.copy()
     cloud[::50, 3] = np.nan  # a function that cleans the cloud in place replaces these
     observed = observe(detect_obstacles, cloud)
-    assert_sees(observed.result, square(SQUARE))
+    assert_sees(observed.result, square(SQUARE_SEED))
     assert_left_alone(observed, cloud)
 
 

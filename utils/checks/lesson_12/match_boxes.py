@@ -187,7 +187,7 @@ def assert_one_to_one(
         )
 
 
-def assert_within(
+def assert_limit_respected(
     answer: object,
     expected: ArrayLike,
     previous: np.ndarray,
@@ -230,7 +230,7 @@ def assert_within(
 
 
 @once
-def assert_finds_again(match_boxes: Callable) -> None:
+def require_matching(match_boxes: Callable) -> None:
     """Assert that boxes are found again after a small move; raise `NotYet` if not."""
     with needs("boxes are found again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
@@ -269,7 +269,7 @@ def finds_again(match_boxes: Callable) -> None:
     hint="Start from an array full of -1, as long as current, and write into it.",
 )
 def marks_new_ones(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     previous, current = cubes([[4, 1], [9, -3]]), cubes([[20, 5], [9.4, -3], [4, 1.5], [-9, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 1.5)
     assert_matched(answer, [-1, 1, 0, -1], previous, current, [0, 3], "max_distance 1.5")
@@ -284,7 +284,7 @@ def marks_new_ones(match_boxes: Callable) -> None:
     "accept a pair.",
 )
 def ends_at_the_limit(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     previous = cubes([[0, 0], [20, 0], [40, 0]])
     # The last box has moved diagonally by 1.4 m.
     current = cubes([[40, 2.6], [0, 0.4], [19.16, -1.12]])
@@ -296,10 +296,10 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
         (0.3, [-1, -1, -1]),
     ):
         answer = match_boxes(previous.copy(), current.copy(), limit)
-        assert_within(answer, expected, previous, current, limit)
+        assert_limit_respected(answer, expected, previous, current, limit)
     # A search for the smallest sum would choose the two pairs that are too far apart.
     previous, current = cubes([[0, 0], [4, 0]]), cubes([[3.2, 0], [7.2, 0]])
-    assert_within(
+    assert_limit_respected(
         match_boxes(previous.copy(), current.copy(), 2.0), [1, -1], previous, current, 2.0
     )
 
@@ -312,7 +312,7 @@ def ends_at_the_limit(match_boxes: Callable) -> None:
     hint="Once a pair is chosen, strike out its row and its column: neither is free any more.",
 )
 def is_one_to_one(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     # The nearer current box comes first, then last. No current box is near previous box 0.
     previous, current = cubes([[-20, 0], [5, 0]]), cubes([[5.2, 0], [6.2, 0.3]])
     for ordered in (current, current[::-1]):
@@ -329,7 +329,7 @@ def is_one_to_one(match_boxes: Callable) -> None:
     "gives the partner to whoever comes first.",
 )
 def prefers_the_nearer(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     previous, current = cubes([[-20, 0], [5, 0]]), cubes([[6.2, 0.3], [5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
     assert_matched(answer, [-1, 1], previous, current, [1], "max_distance 2")
@@ -343,7 +343,7 @@ def prefers_the_nearer(match_boxes: Callable) -> None:
     hint="Strike out the row of a pair, too: a box that has its partner takes no second one.",
 )
 def takes_the_nearer(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     previous, current = cubes([[6.3, 0.4], [5, 0]]), cubes([[5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
     assert_matched(answer, [1], previous, current, given="max_distance 2")
@@ -357,7 +357,7 @@ def takes_the_nearer(match_boxes: Callable) -> None:
     hint="The centre is the mean over all eight corners: boxes.mean(axis=1).",
 )
 def goes_by_the_centres(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     previous = cubes([[4, 1], [15, 2], [-8, -4]], 2.0)
     current = cubes([[15.2, 2], [-8, -4.3], [4.1, 1]], 2.0, turn=2)
     answer = match_boxes(previous.copy(), current.copy(), 1.0)
@@ -372,13 +372,13 @@ def goes_by_the_centres(match_boxes: Callable) -> None:
     hint="argmin of an empty table is an error: return early, an array of -1 as long as current.",
 )
 def takes_no_boxes(match_boxes: Callable) -> None:
-    assert_finds_again(match_boxes)
+    require_matching(match_boxes)
     boxes, no_boxes = cubes([[4, 1], [9, -3]]), np.empty((0, 8, 3))
     far = cubes([[40, 7]])
     [marker] = as_indices(match_boxes(boxes.copy(), far.copy(), 2.0), boxes, far)
     for previous, current in ((no_boxes, boxes), (boxes, no_boxes), (no_boxes, no_boxes)):
         answer = match_boxes(previous.copy(), current.copy(), 2.0)
-        assert_within(answer, np.full(len(current), -1), previous, current, 2.0)
+        assert_limit_respected(answer, np.full(len(current), -1), previous, current, 2.0)
         yours = as_indices(answer, previous, current)
         # Skip functions with another marker for new boxes: the check that asks for -1 reports them.
         if marker == -1 and not (yours == marker).all():
@@ -398,7 +398,7 @@ _MOVED_CASE = Case(
     look=lambda answer, previous, current, _, order: assert_matched(
         answer, order, previous, current
     ),
-    basic=assert_finds_again,
+    basic=require_matching,
 )
 common_checks.names(
     _MOVED_CASE,

@@ -18,7 +18,7 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.failures import fixed
-from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
+from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
 
 # Rows 1 to 3 and 5 to 7 are the two cells. Their closest pair, rows 3 and 7, is 0.51 m apart; all
 # other pairs are at least 0.9 m apart. Rows 0, 4 and 8 are in neither cell and closer to both.
@@ -176,7 +176,7 @@ def leaves_the_rows(any_close: Callable) -> None:
     assert_left_alone(observe(any_close, *arguments), *arguments)
 
 
-@noted("any_close", title=COMPILES, why=WHY_COMPILED)
+@noted("any_close", title=COMPILES_TITLE, why=COMPILES_WHY)
 def any_close_compiles(any_close: Callable) -> None:
     def answers(function: Callable) -> list[bool]:
         return [bool(function(_ROWS.copy(), *_CELLS, distance**2)) for distance in (_ABOVE, _BELOW)]

@@ -9,7 +9,7 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
+from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
 
 # A tilted plane, and two directions in it.
 _PLANE = frozen(np.array([0.36, 0.48, 0.8, -0.2]))
@@ -95,7 +95,7 @@ def leaves_the_points(count_near: Callable) -> None:
     assert_left_alone(observe(count_near, *arguments), *arguments)
 
 
-@noted("count_near", title=COMPILES, why=WHY_COMPILED)
+@noted("count_near", title=COMPILES_TITLE, why=COMPILES_WHY)
 def count_near_compiles(count_near: Callable) -> None:
     points, plane = _points_at(_OFFSETS), _PLANE.copy()
     assert_compiles(count_near, lambda function: int(function(points, plane, _TOLERANCE)))

@@ -17,7 +17,7 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
+from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
 
 _TURNS = frozen(np.arange(90))
 
@@ -144,7 +144,7 @@ def leaves_the_cluster(snuggest_turn: Callable) -> None:
     assert_left_alone(observe(snuggest_turn, points), points)
 
 
-@noted("snuggest_turn", title=COMPILES, why=WHY_COMPILED)
+@noted("snuggest_turn", title=COMPILES_TITLE, why=COMPILES_WHY)
 def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
     points = _rectangle(30, 12, -7)
     assert_compiles(snuggest_turn, lambda function: int(function(points)))

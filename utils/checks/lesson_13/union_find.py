@@ -9,7 +9,7 @@ from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
-from utils.checks.lesson_13.words import COMPILES, WHY_COMPILED
+from utils.checks.lesson_13.words import COMPILES_TITLE, COMPILES_WHY
 
 # Two pieces and a single cell: 9 -> 4 -> 7 -> 1 with 8 -> 7 and 2 -> 1; 6 -> 3 -> 0; and 5.
 _PARENT = frozen(np.array([0, 1, 1, 0, 7, 5, 3, 1, 7, 4]))
@@ -147,7 +147,7 @@ def shortens_the_way(root_of: Callable) -> None:
         )
 
 
-@noted("root_of", title=COMPILES, why=WHY_COMPILED)
+@noted("root_of", title=COMPILES_TITLE, why=COMPILES_WHY)
 def root_of_compiles(root_of: Callable) -> None:
     def answers(function: Callable) -> list[int]:
         parent = _PARENT.copy()
@@ -277,7 +277,7 @@ def points_at_the_smaller(unite: Callable) -> None:
             )
 
 
-@noted("unite", title=COMPILES, why=WHY_COMPILED)
+@noted("unite", title=COMPILES_TITLE, why=COMPILES_WHY)
 def unite_compiles(unite: Callable) -> None:
     def parents(function: Callable) -> list[int]:
         parent = _PARENT.copy()
