@@ -239,7 +239,7 @@ def run_judge(options: argparse.Namespace) -> int:
 def run_grade(options: argparse.Namespace) -> int:
     """Run ``grade [STAGE ...]``."""
     from grader.classroom.executors import processors
-    from grader.classroom.folders import Unknown, who_is_meant
+    from grader.classroom.folders import UnknownStudent, who_is_meant
     from grader.course.deadlines import read_deadlines
     from grader.course.seed import course_seed
 
@@ -251,7 +251,7 @@ def run_grade(options: argparse.Namespace) -> int:
     read_deadlines(course)  # what cannot be read is told before hours of judging
     try:
         student = who_is_meant(course, options.student) if options.student else None
-    except Unknown as error:
+    except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
     sandbox = (_sandbox_elsewhere if options.scheduler else choose_sandbox)(options.sandbox)
@@ -387,7 +387,7 @@ def run_autograder(options: argparse.Namespace) -> int:
 
 def run_feedback(options: argparse.Namespace) -> int:
     """Run ``feedback [STAGE ...]``."""
-    from grader.classroom.folders import Unknown, who_is_meant
+    from grader.classroom.folders import UnknownStudent, who_is_meant
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
 
     if not are_stages(options.stages):
@@ -395,7 +395,7 @@ def run_feedback(options: argparse.Namespace) -> int:
     course = Course()
     try:
         students = [who_is_meant(course, text) for text in options.student]
-    except Unknown as error:
+    except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
         return WRONG_CALL
     folder = options.to or course.root / "handed_back"
@@ -564,7 +564,7 @@ def _grade_alone(
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
     from grader.classroom.submissions import unaccounted_files
-    from grader.lms.report import Run, write_report
+    from grader.lms.report import GradingRun, write_report
     from grader.lms.standings import class_results
 
     begin = time.perf_counter()
@@ -588,7 +588,7 @@ def _grade_alone(
     reported = _verdicts_on_disk(course) if student or wanted else judged
     results, now = class_results(course), len(judged) - before
     label = "" if scheduler else sandbox.label()
-    run = Run(now, len(reported) - now, seconds, label)
+    run = GradingRun(now, len(reported) - now, seconds, label)
     path = write_report(course, reported, results, run, warning or sandbox.warning, left)
     if student:
         _print_one(course, student, judged)

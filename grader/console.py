@@ -18,7 +18,7 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
-    from grader.classroom.collect.outcome import Outcome, Question
+    from grader.classroom.collect.outcome import CollectionReport, Question
     from grader.classroom.doctor import Finding
     from grader.classroom.similarity.stage import StageComparison
     from grader.classroom.submissions import Submission
@@ -282,7 +282,7 @@ def print_feedback(done: Sequence[Written]) -> None:
         )
 
 
-def print_collected(outcome: Outcome) -> None:
+def print_collected(outcome: CollectionReport) -> None:
     """Print what became of what was handed in, and what waits for somebody."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for path, kind, count in outcome.archives:
@@ -295,7 +295,7 @@ def print_collected(outcome: Outcome) -> None:
     _print_questions(console, "Not placed, and waiting for an answer", outcome.questions)
 
 
-def _collected_table(outcome: Outcome) -> Table:
+def _collected_table(outcome: CollectionReport) -> Table:
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("Student", no_wrap=True)
     for lesson in outcome.lessons:
@@ -311,7 +311,7 @@ def _collected_table(outcome: Outcome) -> Table:
     return table
 
 
-def _collected_sentences(outcome: Outcome) -> Iterator[str]:
+def _collected_sentences(outcome: CollectionReport) -> Iterator[str]:
     counts = Counter(state for states in outcome.states.values() for state in states.values())
     told = (
         ("new", "new"),

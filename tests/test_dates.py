@@ -11,7 +11,7 @@ from grader.course.paths import Course
 from grader.lms import dates as dates_module
 from grader.lms import gradebook
 from grader.lms.differences import differences
-from grader.lms.entries import Entry
+from grader.lms.entries import StageEntry
 from grader.lms.gradebook_writer import enter
 from grader.lms.instructor_notes import notes
 from grader.lms.penalties import late_penalties
@@ -247,7 +247,7 @@ def test_a_stage_that_the_file_does_not_name_keeps_the_gradebooks_dates(course):
 def test_another_extension_is_a_difference(course):
     grade_with(course, HEAD)
     deadlines = read_deadlines(course)
-    entry = Entry("ada", STAGE, tuple(verdicts(course)[:2]))
+    entry = StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     with gradebook.open_gradebook(course) as book:
         about = (course, book, entry, late_penalties(course), deadlines)
         assert differences(*about) == []

@@ -30,14 +30,14 @@ from utils.play import load_detector
 from utils.simulator.pose import Pose
 from utils.simulator.scanner import CLASSES
 from utils.simulator.sensor import Sensor, layers
-from utils.simulator.streets import Plan, placed
+from utils.simulator.streets import StreetPlan, placed
 from utils.simulator.traffic import pedestrian
 from utils.simulator.world import World
 from utils.tracking import Tracker
 
 COARSE = Sensor(layers(12, 1.0, -12.0), np.radians(1.5), maximum_range=40.0)
 BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
-NOTHING = Plan(parked=np.inf, furniture=np.inf, walkers=np.inf)
+NOTHING = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
 
 
 def box(x, y, length=1.0, width=1.0):

@@ -31,7 +31,7 @@ from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, time_budget, u
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.protocol import Thread
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.archives import notebook
 from tests.prerequisites import PATIENCE
 from tests.test_grade import rehearsed
@@ -570,7 +570,10 @@ def wait(seconds): time.sleep(seconds)
 def test_who_shares_the_processor_has_as_much_of_it_as_another(sandbox, others):
     """With three at work beside it, who needs 0.9 s of its 1.0 takes 3.6 by the wall's clock."""
     limits = Limits(call_seconds=1.0)
-    with Student(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, others):
+    with (
+        StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student,
+        crowded(student, others),
+    ):
         assert student.f(0.9) == 0.9
         assert not student.starved
         assert student._budget.seconds > limits.total_seconds - 1.5
@@ -600,7 +603,7 @@ def children():
 def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sleep(sandbox, name):
     """Of what has ended nobody tells how long it was kept waiting; 0.6 s of 2.5 are needed."""
     program, limits = Program((BRIEFLY,), (name,)), Limits(call_seconds=2.5)
-    with Student(program, sandbox, limits) as student, crowded(student, 5):
+    with StudentProxy(program, sandbox, limits) as student, crowded(student, 5):
         assert getattr(student, name)() is None
         assert not student.starved
 
@@ -608,7 +611,7 @@ def test_who_waits_for_threads_or_children_that_wait_for_a_processor_does_not_sl
 @pytest.mark.slow
 def test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_starved(sandbox):
     limits = Limits(call_seconds=0.5)
-    with Student(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 3):
+    with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 3):
         with pytest.raises(StudentStopped, match="did not answer within 0.5 seconds"):
             student.f(60)
         assert not student.starved
@@ -618,7 +621,7 @@ def test_who_works_too_long_is_given_up_on_a_crowded_machine_and_not_called_star
 def test_whom_the_walls_clock_gives_up_first_is_called_starved(sandbox):
     """It gets an eighth of a processor, where it could have needed more."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
-    with Student(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
+    with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
         with pytest.raises(StudentStopped, match="4 seconds by the clock on the wall"):
             student.f(6)
         assert student.starved
@@ -630,7 +633,7 @@ def test_whom_the_walls_clock_gives_up_first_is_called_starved(sandbox):
 def test_who_sleeps_is_given_up_as_soon_as_who_works_and_not_called_starved(sandbox):
     program = Program((NEEDS,), ("f", "wait"))
     for name in ("f", "wait"):
-        with Student(program, sandbox, Limits(call_seconds=0.5)) as student:
+        with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
             begin = time.monotonic()
             with pytest.raises(StudentStopped, match="did not answer"):
                 getattr(student, name)(60)
@@ -643,7 +646,7 @@ def test_who_sleeps_is_given_up_as_soon_as_who_works_and_not_called_starved(sand
 def test_where_nobody_tells_who_waits_all_have_longer_and_are_starved(sandbox, monkeypatch):
     monkeypatch.setattr(usage, "_tells_delays", lambda: False)
     program = Program((NEEDS,), ("f", "wait"))
-    with Student(program, sandbox, Limits(call_seconds=0.5)) as student:
+    with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
         assert student.f(0.1) == 0.1
         student.wait(0.8)  # perhaps others were at work
         with pytest.raises(StudentStopped, match="did not answer"):
@@ -726,7 +729,7 @@ def test_who_is_ready_to_run_does_not_sleep(monkeypatch):
 
 @pytest.mark.slow
 def test_who_sleeps_takes_time_and_who_waits_for_a_processor_does_not(sandbox):
-    with Student(Program((NEEDS,), ("f", "wait")), sandbox) as student:
+    with StudentProxy(Program((NEEDS,), ("f", "wait")), sandbox) as student:
         # Sleep is told by looking now and then; beside others, some of it passes for waiting.
         assert student.wait.timed(1)[1] > 0.3
         with crowded(student, 11):
@@ -736,7 +739,7 @@ def test_who_sleeps_takes_time_and_who_waits_for_a_processor_does_not(sandbox):
 
 @pytest.mark.slow
 def test_time_is_counted_wherever_the_work_is_done(sandbox):
-    with Student(Program((WORK,), ("work", "delegate", "wait")), sandbox) as student:
+    with StudentProxy(Program((WORK,), ("work", "delegate", "wait")), sandbox) as student:
         own = student.work.timed()[1]
         assert student.delegate.timed()[1] > own / 2 > 0.02
         assert 0.5 < student.wait.timed()[1] < 3

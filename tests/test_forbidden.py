@@ -13,7 +13,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import Limits
 from grader.sandbox.boundary import files_of_packages
 from grader.sandbox.program import PACKAGES, Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from utils.checks.import_guard import Refusing
 from utils.notebooks.forbidden import StandIn, StandInModule
 
@@ -84,7 +84,7 @@ def in_the_sandbox(packages, without, forbidden, sandbox):
     source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
     program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
     limits = Limits(call_seconds=100.0, total_seconds=200.0)
-    with Student(program, sandbox, limits) as student:
+    with StudentProxy(program, sandbox, limits) as student:
         failed, count = student.f(tops_of(packages), list(without))
     return {name: tuple(told) for name, told in failed.items()}, count
 
@@ -173,7 +173,7 @@ def test_libraries_that_import_it_work(name, sandbox):
     header = find_lesson(name).header
     packages = (*PACKAGES, *header.packages)
     program = Program((WORKS[name],), ("f",), forbidden=header.forbidden, packages=packages)
-    with Student(program, sandbox, Limits()) as student:
+    with StudentProxy(program, sandbox, Limits()) as student:
         assert student.f() == pytest.approx(EXPECTED[name])
 
 

@@ -20,8 +20,8 @@ from grader.course.paths import Course
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
-from grader.lms.entries import Entry
-from grader.lms.gradebook_rows import Row
+from grader.lms.entries import StageEntry
+from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookTrouble, enter
 from grader.lms.penalties import late_penalties
 from grader.lms.registration import register
@@ -252,7 +252,7 @@ def test_a_kill_is_heard_and_leaves_nothing_half_done(course, monkeypatch):
 
 def found_in(course, entry=None):
     """The differences between the gradebook and the verdicts on ada."""
-    entry = entry or Entry("ada", STAGE, tuple(verdicts(course)[:2]))
+    entry = entry or StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     late = late_penalties(course)
     with gradebook.open_gradebook(course) as book:
         return differences(course, book, entry, late, Deadlines({}))
@@ -332,7 +332,7 @@ def test_every_difference_is_named_and_mended(entered, change, says):
 
 
 def test_points_for_what_was_not_handed_in_are_a_difference(entered):
-    entry = Entry("bob", STAGE, tuple(verdicts(entered)[2:]))
+    entry = StageEntry("bob", STAGE, tuple(verdicts(entered)[2:]))
     assert found_in(entered, entry) == []
     with gradebook.open_gradebook(entered) as book:
         grade_of(book.find_submission(STAGE, "bob"), "filter_ground").auto_score = 0.5
@@ -342,13 +342,13 @@ def test_points_for_what_was_not_handed_in_are_a_difference(entered):
 
 
 def test_who_is_not_in_the_gradebook_is_named(entered):
-    entry = Entry("eve", STAGE, ())
+    entry = StageEntry("eve", STAGE, ())
     assert found_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
     (submission, verdict), _ = verdicts(entered)[:2]
     later = dataclasses.replace(submission, lesson=STREAM)
     other = dataclasses.replace(verdict, lesson=STREAM.name)
     judged = (*verdicts(entered)[:2], (later, other))
-    assert found_in(entered, Entry("ada", STAGE, judged)) == [
+    assert found_in(entered, StageEntry("ada", STAGE, judged)) == [
         f"ada, {STAGE}, {STREAM.name}: it is not in the gradebook"
     ]
 
@@ -759,7 +759,7 @@ def test_a_gradebook_that_does_not_open_says_where_to_look(course, url, says):
     assert ".. c.Course" not in str(caught.value)
 
 
-@pytest.mark.parametrize("kind", [Entry, Row])
+@pytest.mark.parametrize("kind", [StageEntry, GradebookRow])
 def test_what_is_entered_and_what_is_read_stays_as_it_is(kind):
     assert kind.__dataclass_params__.frozen
 

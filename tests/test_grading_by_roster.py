@@ -8,7 +8,7 @@ import pytest
 from grader import cli, commands
 from grader.classroom import doctor
 from grader.classroom import grade as grading
-from grader.classroom.folders import Unknown, who_is_meant
+from grader.classroom.folders import UnknownStudent, who_is_meant
 from grader.classroom.submissions import Submission, find_submissions
 from grader.console import print_class, progress_bar
 from grader.course import paths
@@ -174,10 +174,10 @@ def test_who_is_named_by_nobody_or_two_is_asked_about(course, capsys):
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
-    with pytest.raises(Unknown, match="may be ada .Ada Ash. or ada2 .Ada Ash.: name the id"):
+    with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.: name the id"):
         who_is_meant(course, "Ada Ash")
     (course.root / "roster.csv").unlink()
-    with pytest.raises(Unknown, match="^'nobody' has no folder in submitted/"):
+    with pytest.raises(UnknownStudent, match="^'nobody' has no folder in submitted/"):
         who_is_meant(course, "nobody")
 
 

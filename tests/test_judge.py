@@ -26,7 +26,7 @@ from grader.judging.key import verdict_key
 from grader.judging.runner import run_tests
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.sandbox import Limits
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.course_lessons import COURSE
 from tests.students import answers_in, student_with
 from utils.notebooks import slicing
@@ -109,7 +109,7 @@ def faults_on_other_seeds(path, lesson, sandbox):
     """
     cells = read_notebook(path).code
     if lesson.header.given:
-        with Student(program_for(lesson, cells, {}), sandbox, LIMITS) as student:
+        with StudentProxy(program_for(lesson, cells, {}), sandbox, LIMITS) as student:
             return faults_of(lesson, student)
     try:
         return faults_of(lesson, student_with(lesson, answers_in(lesson, cells)))

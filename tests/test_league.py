@@ -38,20 +38,20 @@ from grader.course.paths import PROJECT, Course
 from grader.judging.key import with_all_they_run
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.test_faults import Inline
 from utils.drive import Street, on_time
 from utils.drive.actors import standing
 from utils.drive.loop import drive
 from utils.simulator.sensor import Sensor, layers
-from utils.simulator.streets import EGO_LANE, Plan
+from utils.simulator.streets import EGO_LANE, StreetPlan
 from utils.simulator.traffic import car
 
 SEED = 271_828_182_845_904_523_536
 LESSON = lesson_of_league("stage4_realtime")
 FEW = Sensor(layers(6, -2.0, -9.0), np.radians(2.0), maximum_range=30.0)
 BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
-NOTHING = Plan(parked=np.inf, furniture=np.inf, walkers=np.inf)
+NOTHING = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
 FREE = Street(1, "A made-up street", plan=NOTHING)
 BLOCKED = replace(FREE, actors=(standing(car(), 30.0, EGO_LANE),))
 
@@ -77,7 +77,7 @@ def answering(expression, before=""):
 def driven_by(sandbox, source, street=FREE, seconds=2.0, **limits):
     program = Program((source,), (DETECTOR,))
     limits = Limits(**{"call_seconds": 1.0, "total_seconds": 20.0, **limits})
-    with Student(program, sandbox, limits) as student:
+    with StudentProxy(program, sandbox, limits) as student:
         return drive_behind_walls(street, student, "k", seconds=seconds, sensor=BLINKERED)
 
 
@@ -115,7 +115,7 @@ def test_a_folder_that_is_no_text_has_a_pseudonym_too():
 
 def test_a_drive_behind_walls_is_the_same_drive(sandbox):
     program = Program((AHEAD,), (DETECTOR,))
-    with Student(program, sandbox) as student:
+    with StudentProxy(program, sandbox) as student:
         driven = drive_behind_walls(BLOCKED, student, seconds=5.0, sensor=FEW)
     functions = {}
     exec(AHEAD, functions)

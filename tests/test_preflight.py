@@ -13,7 +13,7 @@ from nbconvert.exporters import HTMLExporter
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.intake import preflight
-from grader.intake.preflight import Answer, Prepared, ToJudge, prepare, prepare_to_show
+from grader.intake.preflight import Prepared, ToJudge, WrittenAnswer, prepare, prepare_to_show
 from grader.intake.submission import HandedIn
 from grader.judging.judge import judge_handed_in
 from grader.lms.autograded import LOOK_FOR_IT, build_copy, graded_cells
@@ -364,9 +364,9 @@ VOXELS = "def voxel_grid(cloud):\n    return {}"
 
 
 def test_what_is_prepared_stays_as_it_is():
-    for kind in (Answer, Prepared, ToJudge):
+    for kind in (WrittenAnswer, Prepared, ToJudge):
         assert kind.__dataclass_params__.frozen
-    assert Answer("a").certain
+    assert WrittenAnswer("a").certain
     assert preflight.given_cells(LESSON) is preflight.given_cells(LESSON)  # read once
 
 

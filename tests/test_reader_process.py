@@ -74,7 +74,7 @@ def soon(monkeypatch):
     ],
 )
 def test_too_much_is_said_in_a_sentence(work, says, soon):
-    with pytest.raises(reader_process.TooMuch) as caught:
+    with pytest.raises(reader_process.TooCostly) as caught:
         reader_process.apart("file.ipynb", work)
     assert f"Reading file.ipynb takes {says}" in str(caught.value)
     assert "hand it in again" in str(caught.value)
@@ -116,7 +116,7 @@ def test_nothing_is_left_behind(soon):
     soon()
     before, others = open_files(), children()
     for work in (wait, end_its_process, answer_at_length):
-        with pytest.raises((reader_process.TooMuch, reader_process.ReadingFailed)):
+        with pytest.raises((reader_process.TooCostly, reader_process.ReadingFailed)):
             reader_process.apart("file.ipynb", work)
     assert open_files() == before
     assert children() <= others

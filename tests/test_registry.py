@@ -13,7 +13,7 @@ import pytest
 
 from grader import cli, commands
 from grader.course import build, lessons
-from grader.course.header import Header, read_header
+from grader.course.header import LessonHeader, read_header
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import all_lessons, find_lesson, lesson_of
 from grader.course.paths import PROJECT
@@ -357,12 +357,12 @@ def test_no_list_names_a_lesson():
 
 
 def test_the_header_is_the_policy():
-    assert find_lesson("04_kd_tree").header == Header(
+    assert find_lesson("04_kd_tree").header == LessonHeader(
         forbidden=("scipy.spatial", "sklearn.neighbors"),
         given=("Node", "KdTree"),
         lent=("grow", "trace", "levels", "cost_of", "measure", "search_the_scan"),
     )
-    assert dataclasses.replace(find_lesson("06_filter_ground").header, lent=()) == Header()
+    assert dataclasses.replace(find_lesson("06_filter_ground").header, lent=()) == LessonHeader()
 
 
 def test_jupyterlab_keeps_the_header(tmp_path):
@@ -394,6 +394,6 @@ def test_a_lesson_without_a_header_is_named(tmp_path):
     with pytest.raises(ValueError, match="solutions/README.md"):
         read_header(path)
     path.write_text(HEAD.format(settings=""), "utf-8")
-    assert read_header(path) == Header()
-    names = {field.name for field in dataclasses.fields(Header)}
+    assert read_header(path) == LessonHeader()
+    names = {field.name for field in dataclasses.fields(LessonHeader)}
     assert names == {"forbidden", "packages", "given", "lent"}

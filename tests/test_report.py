@@ -19,7 +19,7 @@ from grader.intake.submission import HandedIn
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Kind, Slip, Verdict
 from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import duration, marks_table
-from grader.lms.report import FEWEST, Run, write_report
+from grader.lms.report import FEWEST, GradingRun, write_report
 from grader.lms.results import (
     EXCUSED,
     MARKED,
@@ -208,17 +208,17 @@ def test_a_mean_says_over_whom():
 def test_counts_and_seconds_are_of_what_was_done(tmp_path):
     verdicts = [verdict(name, [check(True)]) for name in ("ada", "bo")]
     assert "2 notebooks, of which 2 had been judged before ·" in report(
-        tmp_path, verdicts, run=Run(0, 2, 1.4)
+        tmp_path, verdicts, run=GradingRun(0, 2, 1.4)
     )
-    both = report(tmp_path, verdicts, run=Run(1, 1, 3.4))
+    both = report(tmp_path, verdicts, run=GradingRun(1, 1, 3.4))
     assert "of which 1 judged in 3 s and 1 had been judged before" in both
     assert "of which" not in report(tmp_path, verdicts)
 
 
 def test_the_sandbox_is_named(tmp_path):
     verdicts, label = [verdict("ada", [check(True)])], "bubblewrap 0.8.0 (/usr/bin/bwrap)"
-    assert f"sandbox: {label}</p>" in report(tmp_path, verdicts, run=Run(1, 0, 1.4, label))
-    on_a_cluster = report(tmp_path, verdicts, run=Run(1, 0, 1.4))
+    assert f"sandbox: {label}</p>" in report(tmp_path, verdicts, run=GradingRun(1, 0, 1.4, label))
+    on_a_cluster = report(tmp_path, verdicts, run=GradingRun(1, 0, 1.4))
     assert "sandbox" not in on_a_cluster
 
 

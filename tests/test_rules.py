@@ -25,7 +25,7 @@ from grader.judging.verdict import (
 )
 from grader.lms import gradebook_writer
 from grader.lms.differences import differences
-from grader.lms.entries import Entry
+from grader.lms.entries import StageEntry
 from grader.lms.submission_times import known_time
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Given, Program
@@ -272,7 +272,7 @@ def test_another_time_of_submission_is_a_difference(handed_in, hour):
     course, submission, verdict = handed_in
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
-    entry = Entry("ada", FILTER.stage, ((submission, verdict),))
+    entry = StageEntry("ada", FILTER.stage, ((submission, verdict),))
     known = known_time(entry.places(course)).replace(hour=hour)
     book = SimpleNamespace(
         find_submission=lambda stage, student: SimpleNamespace(

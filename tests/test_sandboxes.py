@@ -18,7 +18,7 @@ from grader.sandbox.boundary import WORKER
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.launcher import introduce
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 
 
 class Streams:
@@ -116,7 +116,7 @@ def test_what_hangs_or_ends_in_a_third_sandbox_is_told_apart(container):
         "    if what == 'kill': os.kill(os.getpid(), 9)\n"
         "    return what"
     )
-    with Student(Program((source,), ("f",)), container, Limits(call_seconds=0.5)) as student:
+    with StudentProxy(Program((source,), ("f",)), container, Limits(call_seconds=0.5)) as student:
         assert student.f("answer") == "answer"
         with pytest.raises(StudentStopped, match="did not answer within"):
             student.f("hang")

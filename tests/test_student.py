@@ -7,7 +7,7 @@ from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.quotation import sentence_on
-from grader.sandbox.student import TOOK_TOO_LONG, Student
+from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
 from utils.checks.assertions import call_each, reach
 
 TREE = """
@@ -39,7 +39,7 @@ class KdTree:
 
 @pytest.fixture
 def student(sandbox):
-    with Student(Program((TREE,), ("KdTree",)), sandbox, Limits(call_seconds=5)) as proxy:
+    with StudentProxy(Program((TREE,), ("KdTree",)), sandbox, Limits(call_seconds=5)) as proxy:
         yield proxy
 
 
@@ -92,7 +92,7 @@ def test_whatever_numpy_reads_as_a_list_crosses_as_a_list(sandbox):
         "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
         " 'array': array.array('d', [0, 1, 2])}[kind]"
     )
-    with Student(Program((source,), ("f",)), sandbox) as proxy:
+    with StudentProxy(Program((source,), ("f",)), sandbox) as proxy:
         for kind in ("range", "deque", "array"):
             assert list(proxy.f(kind)) == [0, 1, 2]
 
@@ -159,7 +159,7 @@ def test_outside_calls_and_ways_are_pythons_own():
 def test_a_walk_in_a_circle_is_the_walkers_own(sandbox):
     source = """class Ring:
     def __init__(self): self.next, self.name = self, 1"""
-    with Student(Program((source,), ("Ring",)), sandbox) as proxy:
+    with StudentProxy(Program((source,), ("Ring",)), sandbox) as proxy:
         ring = proxy.Ring()
         for _ in range(50):
             ring = ring.next
@@ -202,7 +202,7 @@ class Odd:
     "kind", ["plain", "many", "large", "own size", "no text", "no dictionary", "lists"]
 )
 def test_what_stands_beside_an_attribute_does_no_harm(sandbox, kind):
-    with Student(Program((ODD,), ("Odd",)), sandbox) as proxy:
+    with StudentProxy(Program((ODD,), ("Odd",)), sandbox) as proxy:
         odd = proxy.Odd(kind)
         assert (odd.first, odd.computed, odd.class_wide, odd.first) == (1, 2, 5, 1)
 
@@ -225,7 +225,7 @@ def answer(number):
 def test_an_exception_is_placed_where_the_exercise_called_what_raised(sandbox):
     """Not where the asked function called its own helper: that one belongs to it."""
     program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
-    with Student(program, sandbox, Limits(call_seconds=5)) as student:
+    with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
         with pytest.raises(StudentError) as caught:
             student.answer(7)
@@ -248,7 +248,7 @@ def test_an_exception_is_placed_where_the_exercise_called_what_raised(sandbox):
 def test_of_a_long_exercise_the_place_that_calls_is_not_told(sandbox, lines):
     padded = CALLS_IT.replace("    total = 1\n", "    total = 1\n" * lines)
     program = Program((FINISHED, padded), ("finished", "answer"))
-    with Student(program, sandbox, Limits(call_seconds=5)) as student:
+    with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
         with pytest.raises(StudentError) as caught:
             student.answer(7)
@@ -280,7 +280,7 @@ def answers(cloud):
 
 def test_who_is_interrupted_may_be_asked_again(sandbox):
     program = Program((LOOPS,), ("works", "sleeps", "holds_on", "answers"))
-    with Student(program, sandbox, Limits(call_seconds=1)) as student:
+    with StudentProxy(program, sandbox, Limits(call_seconds=1)) as student:
         student.interrupts_after = 0.05
         process = student.answers(1)
         for _ in range(3):

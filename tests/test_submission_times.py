@@ -5,10 +5,10 @@ from datetime import UTC, datetime
 
 import pytest
 
-from grader.classroom.collect.record import Record, Source, write_record
+from grader.classroom.collect.record import FileOrigin, Record, write_record
 from grader.lms.submission_times import Undecided, handed_in_at, known_time
 
-LATE = Record({"06.ipynb": Source("0", "a.zip", "2026-10-14T12:00:00", late=True)})
+LATE = Record({"06.ipynb": FileOrigin("0", "a.zip", "2026-10-14T12:00:00", late=True)})
 OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 

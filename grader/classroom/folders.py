@@ -11,7 +11,7 @@ from grader.course.paths import Course
 from grader.course.roster import Person, Roster, read_roster, roster_path
 
 
-class Unknown(Exception):
+class UnknownStudent(Exception):
     """Nobody, or more than one, is meant; `str()` is the sentence to show."""
 
 
@@ -26,19 +26,19 @@ def who_is_meant(course: Course, text: str) -> str:
 
     Raises
     ------
-    Unknown
+    UnknownStudent
     """
     roster = read_roster(course)
     meant = roster.like(text) if roster else ()
     if len(meant) > 1:
         whom = " or ".join(person.called for person in meant)
-        raise Unknown(f"{text!r} may be {whom}: name the id.")
+        raise UnknownStudent(f"{text!r} may be {whom}: name the id.")
     if meant:
         return meant[0].id
     if text in _folders(course):
         return text
     nobody = "is not on the roster, and " if roster else ""
-    raise Unknown(f"{text!r} {nobody}has no folder in {course.submitted.name}/.")
+    raise UnknownStudent(f"{text!r} {nobody}has no folder in {course.submitted.name}/.")
 
 
 def strangers(course: Course, roster: Roster) -> dict[str, str]:

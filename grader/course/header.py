@@ -20,7 +20,7 @@ import yaml
 
 
 @dataclass(frozen=True)
-class Header:
+class LessonHeader:
     """The settings of a lesson; all may be left out.
 
     Attributes
@@ -44,7 +44,7 @@ class Header:
     lent: tuple[str, ...] = ()
 
 
-def read_header(source: Path) -> Header:
+def read_header(source: Path) -> LessonHeader:
     """Read the header of a lesson.
 
     Parameters
@@ -65,11 +65,11 @@ def read_header(source: Path) -> Header:
         )
     content = yaml.safe_load(re.sub(r"^# ?", "", found[1], flags=re.M))
     settings = content["jupyter"].get("lidar_obstacle_lab", {})
-    known = [field.name for field in fields(Header)]
+    known = [field.name for field in fields(LessonHeader)]
     for name, value in settings.items():
         if name not in known or not isinstance(value, list):
             raise ValueError(
                 f"{source.parent.name}/{source.name}: the header says `{name}: {value}`. Below "
                 f"lidar_obstacle_lab stand lists of names: {' and '.join(known)}."
             )
-    return Header(**{name: tuple(value) for name, value in settings.items()})
+    return LessonHeader(**{name: tuple(value) for name, value in settings.items()})

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course import earlier_lessons
-from grader.course.header import Header, read_header
+from grader.course.header import LessonHeader, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
 
@@ -85,7 +85,7 @@ class Lesson:
         return self.folder / "hidden_tests.py"
 
     @functools.cached_property
-    def header(self) -> Header:
+    def header(self) -> LessonHeader:
         """What the source says about the lesson as a whole."""
         return read_header(self.source)
 

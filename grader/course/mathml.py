@@ -100,7 +100,7 @@ class Renderer(IPythonRenderer):
         return formula(rf"\begin{{{name}}}{body}\end{{{name}}}", display=True)
 
 
-class Page(HTMLExporter):
+class MathPage(HTMLExporter):
     """nbconvert's pages, with formulas that no script has to draw."""
 
     @jinja2.pass_context

@@ -17,7 +17,7 @@ from grader.course.archives import zipped
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Dates, Deadlines
 from grader.course.lessons import Lesson
-from grader.course.mathml import STYLE, Page
+from grader.course.mathml import STYLE, MathPage
 from grader.course.paths import PROJECT
 from grader.course.release import FOLDER, course_tools
 from grader.course.standalone import NotReleased
@@ -142,7 +142,7 @@ def shown(lesson: Lesson, kept: Path, before: str) -> bytes:
 def as_page(notebook: bytes, lesson: Lesson) -> bytes:
     """A notebook that was run as a page that needs nothing beside it, and no network."""
     content = nbformat.reads(notebook.decode(), as_version=4)
-    exporter = Page(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
+    exporter = MathPage(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
     resources = {"metadata": {"name": lesson.name}, "style_of_formulas": STYLE}
     page, _ = exporter.from_notebook_node(content, resources)
     return page.encode()

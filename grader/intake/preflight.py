@@ -21,13 +21,13 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.intake.reader_process import TooMuch, apart
+from grader.intake.reader_process import TooCostly, apart
 from grader.intake.submission import HandedIn
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 
 @dataclass(frozen=True)
-class Answer:
+class WrittenAnswer:
     """What a student wrote where a person grades.
 
     Attributes
@@ -57,7 +57,7 @@ class Prepared:
     graded : dict of str to int
         Place in `cells` of what stands for each graded cell that the student may write in, by
         its ``grade_id``; what is missing was not found.
-    answers : dict of str to Answer
+    answers : dict of str to WrittenAnswer
         Written answers by ``grade_id``.
     notes : tuple of str
         What was mended or noticed, one sentence each.
@@ -68,7 +68,7 @@ class Prepared:
     lesson: Lesson
     cells: tuple[Cell, ...]
     graded: dict[str, int]
-    answers: dict[str, Answer]
+    answers: dict[str, WrittenAnswer]
     notes: tuple[str, ...]
     versions: dict[str, str] = field(default_factory=dict, hash=False)
 
@@ -105,7 +105,7 @@ class _Draft:
     notebook: Notebook
     cells: list[Cell]
     graded: dict[str, int] = field(default_factory=dict)
-    answers: dict[str, Answer] = field(default_factory=dict)
+    answers: dict[str, WrittenAnswer] = field(default_factory=dict)
 
 
 def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
@@ -161,17 +161,17 @@ def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
     try:
         return prepare(handed_in, lesson)
     except UnreadableNotebook as error:
-        return _with_answers(lesson, Answer(""), error)
+        return _with_answers(lesson, WrittenAnswer(""), error)
 
 
-def prepare_without(handed_in: HandedIn, lesson: Lesson, error: TooMuch) -> Prepared:
+def prepare_without(handed_in: HandedIn, lesson: Lesson, error: TooCostly) -> Prepared:
     """A notebook that took too much: nothing of it is shown, and a person looks for answers."""
     file = hashlib.sha256(handed_in.data).hexdigest()[:12]  # a mark is for what was read
     text = f"*This notebook is too much to show. Look for the answer in the file itself ({file}).*"
-    return _with_answers(lesson, Answer(text), error)
+    return _with_answers(lesson, WrittenAnswer(text), error)
 
 
-def _with_answers(lesson: Lesson, answer: Answer, error: UnreadableNotebook) -> Prepared:
+def _with_answers(lesson: Lesson, answer: WrittenAnswer, error: UnreadableNotebook) -> Prepared:
     return Prepared(lesson, (), {}, dict.fromkeys(_by_hand(lesson), answer), (str(error),))
 
 
@@ -340,7 +340,7 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
                 f"The cell for {name} is missing, and there is text elsewhere that may be the "
                 "answer. Somebody will look for it."
             )
-        draft.answers[name] = Answer(text, certain, pictures)
+        draft.answers[name] = WrittenAnswer(text, certain, pictures)
     _drop(draft, moved)
 
 

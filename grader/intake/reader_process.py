@@ -36,7 +36,7 @@ LARGEST_REPLY = 2**28
 _OUT_OF_MEMORY = 77
 
 
-class TooMuch(UnreadableNotebook):
+class TooCostly(UnreadableNotebook):
     """It took more time or memory than any notebook needs; `str()` is the sentence to show."""
 
 
@@ -61,7 +61,7 @@ def apart(name: str, work: Callable[[], object]) -> object:
 
     Raises
     ------
-    TooMuch
+    TooCostly
     utils.notebooks.reading.UnreadableNotebook
         As `work` raised it.
     ReadingFailed
@@ -81,7 +81,7 @@ def apart(name: str, work: Callable[[], object]) -> object:
         _, status = os.waitpid(child, 0)
     how = _excess(os.waitstatus_to_exitcode(status), reply)
     if how:
-        raise TooMuch(
+        raise TooCostly(
             f"Reading {name} takes {how}. Clear its outputs (in JupyterLab: Edit, Clear Outputs "
             "of All Cells), delete text that does not belong to it, save, and hand it in again."
         )

@@ -15,7 +15,7 @@ from grader.intake.notebook import read_notebook
 from grader.judging.program_run import Setting
 from grader.judging.runner import run_tests
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake, player_of
 from utils.notebooks import slicing
@@ -70,7 +70,7 @@ def explains(
     player = player_of(exercise, mistake, _solution(setting.lesson, exercise))
     if player is None:
         return False
-    with Student(program, setting.sandbox, setting.limits, setting.budget) as student:
+    with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
         alone = _lost_by(setting, student, exercise, player.plays)
         if alone != lost:
             return False
@@ -89,7 +89,7 @@ def explains(
 
 
 def _lost_by(
-    setting: Setting, student: Student, exercise: str, function: Callable
+    setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
     """The checks that a function loses in the place of a student's."""
     beside = _Beside(student, exercise, function)

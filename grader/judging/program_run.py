@@ -9,7 +9,7 @@ from grader.course.lessons import Lesson
 from grader.judging.runner import JudgeFault, everything, run_tests, tests_of_nothing
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake, asked_through, diagnose
@@ -95,7 +95,7 @@ def ask(
     ------
     grader.sandbox.SandboxUnavailable
     """
-    with Student(program, setting.sandbox, setting.limits, setting.budget) as student:
+    with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
             outcomes = run_tests(setting.lesson, student, setting.seed, asked, to_the_end)
@@ -115,7 +115,7 @@ def nothing_written(lesson: Lesson) -> Asked:
         return Asked((), fault=str(error))
 
 
-def _mistakes(outcomes: Iterable[Outcome], student: Student) -> dict[str, Mistake]:
+def _mistakes(outcomes: Iterable[Outcome], student: StudentProxy) -> dict[str, Mistake]:
     """What explains the answers to each exercise, by its name."""
     found = {}
     for outcome in outcomes:

@@ -28,7 +28,7 @@ from grader.judging.runner import hidden_questions, shown_questions
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program, cell_and_line
-from grader.sandbox.student import TOOK_TOO_LONG, Student
+from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
@@ -180,14 +180,14 @@ class _Questions:
     Parameters
     ----------
     setting : grader.judging.program_run.Setting
-    student : grader.sandbox.student.Student
+    student : grader.sandbox.student.StudentProxy
     budget : grader.sandbox.time_budget.Budget
         The student's.
     failed : tuple of utils.checks.outcomes.Outcome
     """
 
     def __init__(
-        self, setting: Setting, student: Student, budget: Budget, failed: tuple[Outcome, ...]
+        self, setting: Setting, student: StudentProxy, budget: Budget, failed: tuple[Outcome, ...]
     ) -> None:
         checks = [outcome.check for outcome in failed]
         self._student, self._budget = student, budget
@@ -264,7 +264,7 @@ def _passing(
     seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
     limits = replace(limits, call_seconds=seconds, restarts=MOST_THAT_HANG)
     budget = setting.budget or Budget(limits)
-    with Student(program, setting.sandbox, limits, budget, exercise) as student:
+    with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
         student.exercise = f"an edit of {exercise}"  # what hangs with it, did not hang before
         try:
             student.start()

@@ -24,7 +24,7 @@ from grader.course.lessons import Lesson
 from grader.judging.hidden_tests import check_of
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from utils.checks import Check, checks_of
 from utils.checks.diagnosis import asked_through
 from utils.checks.failures import FarTooMuch
@@ -70,7 +70,7 @@ class _Asking:
 
     def __init__(
         self,
-        student: Student,
+        student: StudentProxy,
         seed: int,
         asked: Callable[[Check], bool],
         to_the_end: bool = True,
@@ -124,7 +124,7 @@ class _Asking:
         self.outcomes |= {check_of(item): None for item in items}
 
     @pytest.fixture
-    def student(self) -> Student:
+    def student(self) -> StudentProxy:
         """The functions under test."""
         return self.proxy
 
@@ -173,7 +173,7 @@ class _NotAsking(_Asking):
 class _Collecting(_Asking):
     """Keeps the checks that students do not see, to be asked later, as often as one likes."""
 
-    def __init__(self, student: Student, seed: int, asked: Callable[[Check], bool]) -> None:
+    def __init__(self, student: StudentProxy, seed: int, asked: Callable[[Check], bool]) -> None:
         super().__init__(student, seed, asked)
         self.questions: list[Callable[[], object]] = []
 
@@ -185,7 +185,9 @@ class _Collecting(_Asking):
         return True
 
 
-def shown_questions(student: Student, checks: Iterable[Check]) -> tuple[Callable[[], object], ...]:
+def shown_questions(
+    student: StudentProxy, checks: Iterable[Check]
+) -> tuple[Callable[[], object], ...]:
     """Those of some checks that students see, each as something that raises at a wrong answer."""
     return tuple(
         functools.partial(check.run, getattr(student, asked_through(check.exercise)))
@@ -195,7 +197,7 @@ def shown_questions(student: Student, checks: Iterable[Check]) -> tuple[Callable
 
 
 def hidden_questions(
-    lesson: Lesson, student: Student, seed: int, checks: Iterable[Check]
+    lesson: Lesson, student: StudentProxy, seed: int, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
     """Those of some checks that students do not see, as `shown_questions`; see `run_tests`."""
     wanted = {check.name for check in checks if not check.is_shown}
@@ -213,7 +215,7 @@ def everything(check: Check) -> bool:
 
 def run_tests(
     lesson: Lesson,
-    student: Student,
+    student: StudentProxy,
     seed: int,
     asked: Callable[[Check], bool] = everything,
     to_the_end: bool = True,
@@ -226,7 +228,7 @@ def run_tests(
     Parameters
     ----------
     lesson : grader.course.lessons.Lesson
-    student : grader.sandbox.student.Student
+    student : grader.sandbox.student.StudentProxy
     seed : int
         The course's secret.
     asked : callable

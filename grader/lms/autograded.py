@@ -20,8 +20,8 @@ from nbgrader.utils import is_grade, is_solution
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 from grader.course.standalone import TITLE, is_setup_cell
-from grader.intake.preflight import Answer, Prepared, prepare_to_show, prepare_without
-from grader.intake.reader_process import TooMuch, apart
+from grader.intake.preflight import Prepared, WrittenAnswer, prepare_to_show, prepare_without
+from grader.intake.reader_process import TooCostly, apart
 from grader.intake.submission import HandedIn
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.check_summary import fold
@@ -74,7 +74,7 @@ def copy_apart(handed_in: HandedIn, lesson: Lesson) -> tuple[NotebookNode, str]:
     _released(lesson)  # read here, and remembered for the next
     try:
         copy = apart(handed_in.name, work)
-    except TooMuch as error:
+    except TooCostly as error:
         return build_copy(prepare_without(handed_in, lesson, error)), str(error)
     return nbformat.from_dict(copy), ""
 
@@ -226,7 +226,7 @@ def _with_pictures(made: NotebookNode, attachments: dict) -> NotebookNode:
     return made
 
 
-def _filled(given: NotebookNode, cell: Cell | None, answer: Answer | None) -> NotebookNode:
+def _filled(given: NotebookNode, cell: Cell | None, answer: WrittenAnswer | None) -> NotebookNode:
     """A released cell with the student's work in it; as it was released where it is locked."""
     made = nbformat.from_dict(given)
     if answer is not None:

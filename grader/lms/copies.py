@@ -13,12 +13,12 @@ import nbformat
 
 from grader.course.paths import Course
 from grader.intake.notebook import read_file
-from grader.lms.entries import Entry
+from grader.lms.entries import StageEntry
 from utils.notebooks.reading import UnreadableNotebook
 
 
 def write_files(
-    course: Course, entry: Entry, copies: dict, modules: dict[Path, bytes], draft: Path
+    course: Course, entry: StageEntry, copies: dict, modules: dict[Path, bytes], draft: Path
 ) -> None:
     """Write into a folder of their own the copies, modules as judged, and all other files."""
     shutil.rmtree(draft, ignore_errors=True)

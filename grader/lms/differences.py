@@ -10,7 +10,7 @@ from grader.course.paths import Course
 from grader.judging.verdict import Verdict
 from grader.lms.autograded import key_of_copy
 from grader.lms.dates import extension
-from grader.lms.entries import Entry
+from grader.lms.entries import StageEntry
 from grader.lms.penalties import penalty_of
 from grader.lms.submission_times import known_time
 
@@ -18,7 +18,11 @@ CLOSE = 1e-6  # points are written with two digits
 
 
 def differences(
-    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
+    course: Course,
+    book: Gradebook,
+    entry: StageEntry,
+    late: AssignLatePenalties,
+    deadlines: Deadlines,
 ) -> list[str]:
     """What the gradebook and the autograded copies say otherwise than the verdicts do.
 

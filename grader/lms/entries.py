@@ -12,7 +12,7 @@ from grader.judging.verdict import JUDGED, Verdict
 
 
 @dataclass(frozen=True)
-class Entry:
+class StageEntry:
     """What a student handed in for a stage, with its verdicts."""
 
     student: str
@@ -32,7 +32,7 @@ class Entry:
 
 def entries_of(
     course: Course, judged: Sequence[tuple[Submission, Verdict]], unknown: Mapping[str, str]
-) -> tuple[list[Entry], list[str]]:
+) -> tuple[list[StageEntry], list[str]]:
     """(what can be entered, a sentence on each that cannot); `unknown` has those on strangers."""
     groups: dict[tuple[str, str], list] = {}
     for submission, verdict in judged:
@@ -51,5 +51,5 @@ def entries_of(
             for submission, _ in failed
         ]
         if not failed:  # no mark is better than a wrong one
-            entries.append(Entry(student, stage, tuple(pairs)))
+            entries.append(StageEntry(student, stage, tuple(pairs)))
     return entries, trouble

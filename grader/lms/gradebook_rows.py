@@ -23,7 +23,7 @@ MARKED_BY_HAND = exists().where(
 
 
 @dataclass(frozen=True)
-class Row:
+class GradebookRow:
     """What the gradebook says about a notebook of a student.
 
     Attributes
@@ -51,7 +51,7 @@ class Row:
     extension: timedelta | None
 
 
-def read_rows(book: Gradebook) -> list[Row]:
+def read_rows(book: Gradebook) -> list[GradebookRow]:
     """All rows of a gradebook."""
     # All in one question: each object by itself is three, which a server far away answers slowly.
     asked = (
@@ -75,4 +75,4 @@ def read_rows(book: Gradebook) -> list[Row]:
         .join(SubmittedNotebook.notebook)
         .all()
     )
-    return [Row(*row) for row in found]
+    return [GradebookRow(*row) for row in found]

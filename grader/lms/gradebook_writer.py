@@ -27,7 +27,7 @@ from grader.lms.autograded import graded_cells, judged_copy
 from grader.lms.copies import put_in_place, write_files
 from grader.lms.dates import enter_due_dates, extend
 from grader.lms.differences import differences
-from grader.lms.entries import Entry, entries_of
+from grader.lms.entries import StageEntry, entries_of
 from grader.lms.gradebook import open_gradebook
 from grader.lms.history import note_changes
 from grader.lms.penalties import late_penalties, penalty_of
@@ -92,7 +92,11 @@ def enter(
 
 
 def _enter_or_say_why_not(
-    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
+    course: Course,
+    book: Gradebook,
+    entry: StageEntry,
+    late: AssignLatePenalties,
+    deadlines: Deadlines,
 ) -> list[str]:
     """Write one submission; a sentence on each thing that is not as it should be then."""
     try:
@@ -105,7 +109,11 @@ def _enter_or_say_why_not(
 
 
 def _enter_one(
-    course: Course, book: Gradebook, entry: Entry, late: AssignLatePenalties, deadlines: Deadlines
+    course: Course,
+    book: Gradebook,
+    entry: StageEntry,
+    late: AssignLatePenalties,
+    deadlines: Deadlines,
 ) -> list[str]:
     """Write one submission: files beside their place, the gradebook, then the files' place.
 

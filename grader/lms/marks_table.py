@@ -24,7 +24,7 @@ JUDGE_FAILED = "the judge failed: grade again"
 
 
 @dataclass(frozen=True)
-class Cell:
+class MarkCell:
     """What stands in a cell, what it means, and the number to sort by."""
 
     text: str
@@ -33,7 +33,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class StudentRow:
     """One student.
 
     Attributes
@@ -41,18 +41,18 @@ class Row:
     person : grader.course.roster.Person
     is_known : bool
         False for who handed in and is not in the gradebook.
-    cells : tuple of Cell
-    late : Cell
-    sum : Cell
+    cells : tuple of MarkCell
+    late : MarkCell
+    sum : MarkCell
     share : float or None
         What that is of what it could be; None for who has no mark.
     """
 
     person: Person
     is_known: bool
-    cells: tuple[Cell, ...]
-    late: Cell
-    sum: Cell
+    cells: tuple[MarkCell, ...]
+    late: MarkCell
+    sum: MarkCell
     share: float | None = None
 
 
@@ -85,7 +85,7 @@ class MarksTable:
     lessons : tuple of Lesson
     most : tuple of str
         Points of each lesson.
-    rows : tuple of Row
+    rows : tuple of StudentRow
     sections : tuple of Section
         Empty where nobody is in one.
     has_late : bool
@@ -96,7 +96,7 @@ class MarksTable:
 
     lessons: tuple[Lesson, ...]
     most: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[StudentRow, ...]
     sections: tuple[Section, ...]
     has_late: bool
     from_gradebook: bool
@@ -142,7 +142,7 @@ def _known(
     lessons: Sequence[Lesson],
     results: ClassResults,
     verdicts: Mapping[str, Mapping[str, Verdict]],
-) -> Row:
+) -> StudentRow:
     mine = [results.notebook(person.id, lesson.name) for lesson in lessons]
     judged = verdicts.get(person.id, {})
     cells = tuple(
@@ -155,10 +155,10 @@ def _known(
     most = sum(one.max_score for one in counted)
     earned = [one.points for one in counted if one.points is not None]
     share = sum(earned) / most if earned and most else None
-    return Row(person, True, cells, _late(standings), _sum(found), share)
+    return StudentRow(person, True, cells, _late(standings), _sum(found), share)
 
 
-def _sections(rows: Sequence[Row]) -> Iterator[Section]:
+def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
     if not any(row.person.section for row in rows):
         return
     for name in sorted({row.person.section for row in rows if row.is_known}):
@@ -167,15 +167,15 @@ def _sections(rows: Sequence[Row]) -> Iterator[Section]:
         yield Section(name, len(shares), len(marked), statistics.mean(marked) if marked else None)
 
 
-def _cell(result: NotebookResult | None, verdict: Verdict | None) -> Cell:
+def _cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
     if verdict and verdict.status != JUDGED:
-        return Cell("?", JUDGE_FAILED)
+        return MarkCell("?", JUDGE_FAILED)
     if result is None or result.standing == MISSING:
-        return Cell("–", "missing: nothing was handed in")
+        return MarkCell("–", "missing: nothing was handed in")
     if result.standing == EXCUSED and result.score is None:
-        return Cell("exc.", "excused: nothing is expected")
+        return MarkCell("exc.", "excused: nothing is expected")
     if result.score is None:
-        return Cell("…", "handed in, and not yet entered")
+        return MarkCell("…", "handed in, and not yet entered")
     text, means = write_number(result.points), []
     if result.standing == EXCUSED:
         text, means = f"({text})", ["excused: does not count"]
@@ -185,24 +185,24 @@ def _cell(result: NotebookResult | None, verdict: Verdict | None) -> Cell:
         means.append(
             f"{write_number(result.score)} less {write_number(result.penalty)} for lateness"
         )
-    return Cell(text, "; ".join(means), result.points)
+    return MarkCell(text, "; ".join(means), result.points)
 
 
-def _sum(results: Sequence[NotebookResult]) -> Cell:
+def _sum(results: Sequence[NotebookResult]) -> MarkCell:
     """The points of all that counts, of what they could be."""
     counted = [result for result in results if result.standing != EXCUSED]
     if not counted:
-        return Cell("exc." if results else "–")
+        return MarkCell("exc." if results else "–")
     whole = sum(result.points or 0.0 for result in counted)
     waiting = sum(result.standing == WAITING for result in counted)
     missing = sum(result.standing == MISSING for result in counted)
     kinds = {"wait for a person": waiting, "missing": missing}
     means = ", ".join(f"{number} {what}" for what, number in kinds.items() if number)
     most = write_number(sum(result.max_score for result in counted))
-    return Cell(f"{write_number(whole)} of {most}{' …' if waiting else ''}", means, whole)
+    return MarkCell(f"{write_number(whole)} of {most}{' …' if waiting else ''}", means, whole)
 
 
-def _late(stages: Sequence[StageResult]) -> Cell:
+def _late(stages: Sequence[StageResult]) -> MarkCell:
     penalty = sum(stage.penalty for stage in stages)
     late = max((stage.late for stage in stages), default=timedelta())
     undecided = [stage for stage in stages if stage.undecided]
@@ -212,7 +212,7 @@ def _late(stages: Sequence[StageResult]) -> Cell:
     means = "; ".join(
         f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
     )
-    return Cell(", ".join(parts), means, late.total_seconds())
+    return MarkCell(", ".join(parts), means, late.total_seconds())
 
 
 def duration(time: timedelta) -> str:
@@ -225,16 +225,16 @@ def duration(time: timedelta) -> str:
 
 def _unknown(
     id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], is_stranger: bool
-) -> Row:
+) -> StudentRow:
     cells = []
     for lesson in lessons:
         verdict = judged.get(lesson.name)
         if verdict is None:
-            cells.append(Cell("–", "missing: nothing was handed in"))
+            cells.append(MarkCell("–", "missing: nothing was handed in"))
         elif verdict.status != JUDGED:
-            cells.append(Cell("?", JUDGE_FAILED))
+            cells.append(MarkCell("?", JUDGE_FAILED))
         else:
-            cells.append(Cell(write_number(verdict.score), "", verdict.score))
+            cells.append(MarkCell(write_number(verdict.score), "", verdict.score))
     scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
-    whole = Cell(write_number(sum(scores)), "by the judge", sum(scores))
-    return Row(Person(id), not is_stranger, tuple(cells), Cell(""), whole)
+    whole = MarkCell(write_number(sum(scores)), "by the judge", sum(scores))
+    return StudentRow(Person(id), not is_stranger, tuple(cells), MarkCell(""), whole)

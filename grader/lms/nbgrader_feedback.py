@@ -6,7 +6,7 @@ import re
 
 from nbformat import NotebookNode
 
-from grader.course.mathml import STYLE, Page
+from grader.course.mathml import STYLE, MathPage
 
 # nbgrader's template calls a cell by its kind alone.
 _KIND = re.compile(
@@ -17,7 +17,7 @@ _KIND = re.compile(
 _PICTURES = "img { max-width: 100%; height: auto; }"
 
 
-class FeedbackExporter(Page):
+class FeedbackExporter(MathPage):
     """The pages of ``nbgrader generate_feedback``."""
 
     def from_notebook_node(

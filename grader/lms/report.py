@@ -45,7 +45,7 @@ Judged = Sequence[tuple[Submission, Verdict]]
 
 
 @dataclass(frozen=True)
-class Run:
+class GradingRun:
     """What a run of `grade` did.
 
     Attributes
@@ -68,7 +68,7 @@ def write_report(
     course: Course,
     judged: Judged,
     results: ClassResults = NOBODY,
-    run: Run | None = None,
+    run: GradingRun | None = None,
     warning: str = "",
     left: Sequence[tuple[Path, str]] = (),
 ) -> Path:
@@ -80,7 +80,7 @@ def write_report(
     judged : list of (grader.classroom.submissions.Submission, grader.judging.verdict.Verdict)
     results : grader.lms.results.ClassResults, optional
         What the gradebook says. Without it, scores are the judge's.
-    run : Run, optional
+    run : GradingRun, optional
         What was done just now.
     warning : str, optional
         A sentence for the head of the page.

@@ -11,7 +11,7 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.lms.gradebook import open_gradebook
-from grader.lms.gradebook_rows import Row, read_rows
+from grader.lms.gradebook_rows import GradebookRow, read_rows
 from grader.lms.people import people_in
 from grader.lms.results import (
     EXCUSED,
@@ -63,7 +63,7 @@ def class_results(course: Course) -> ClassResults:
     return ClassResults(tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(strangers)))
 
 
-def _is_handed_in(course: Course, row: Row) -> bool:
+def _is_handed_in(course: Course, row: GradebookRow) -> bool:
     """Whether there is work behind a row: nbgrader has one with 0 points, too, where there is none.
 
     Who has points, or a mark by hand, has them whatever became of the files.
@@ -72,7 +72,7 @@ def _is_handed_in(course: Course, row: Row) -> bool:
     return row.score > 0 or row.has_mark_by_hand or copy.is_file()
 
 
-def _worth(lessons: Sequence[Lesson], rows: Sequence[Row]) -> dict[str, float]:
+def _worth(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
     """What each lesson is worth: in the gradebook, or for who has no mark yet in the release."""
     released = {
         lesson.name: sum(exercise.points for exercise in lesson.exercises) for lesson in lessons
@@ -88,7 +88,7 @@ def _without_roster(
     return tuple(named.get(id, Person(id)) for id in sorted({student for student, _ in handed_in}))
 
 
-def _standing(row: Row | None, is_given: bool) -> str:
+def _standing(row: GradebookRow | None, is_given: bool) -> str:
     """How somebody who is not excused stands in a lesson."""
     if row is None:
         return WAITING if is_given else MISSING
@@ -96,7 +96,7 @@ def _standing(row: Row | None, is_given: bool) -> str:
 
 
 def _notebook(
-    person: Person, lesson: Lesson, standing: str, row: Row | None, worth: float
+    person: Person, lesson: Lesson, standing: str, row: GradebookRow | None, worth: float
 ) -> NotebookResult:
     return NotebookResult(
         person.id,
@@ -112,7 +112,7 @@ def _notebook(
 def _stage(
     course: Course,
     lessons: Sequence[NotebookResult],
-    row: Row | None,
+    row: GradebookRow | None,
     files: Sequence[Submission],
     deadlines: Deadlines,
 ) -> StageResult:

@@ -43,7 +43,7 @@ class _Held:
 class RemoteFunction(Remote):
     """A function, a class or a method inside: call it, or observe what it does."""
 
-    def __init__(self, student: Student, name: str, held: _Held | None = None) -> None:
+    def __init__(self, student: StudentProxy, name: str, held: _Held | None = None) -> None:
         self._student, self.__name__, self._held = student, name, held
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
@@ -77,7 +77,7 @@ class RemoteObject(Remote):
     ``tree.root`` is plain data, None, or a further `RemoteObject`; ``tree.insert(p, 0)`` calls.
     """
 
-    def __init__(self, student: Student, held: _Held, type_name: str) -> None:
+    def __init__(self, student: StudentProxy, held: _Held, type_name: str) -> None:
         self._student, self._held = student, held
         self.type_name = type_name
 
@@ -94,7 +94,7 @@ class RemoteObject(Remote):
         return self._student._ask(".".join(names), held=self._held, call=False)
 
 
-class Student:
+class StudentProxy:
     """Proxy for the functions of one notebook.
 
     Parameters
@@ -154,7 +154,7 @@ class Student:
         self._lines: dict[str, list[list[int]]] = {}
         self._alone: dict[str, list[list[int]]] = {}  # without what other exercises define
 
-    def __enter__(self) -> Student:
+    def __enter__(self) -> StudentProxy:
         return self
 
     def __exit__(self, *error: object) -> None:

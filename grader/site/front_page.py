@@ -29,7 +29,7 @@ STILL = 0.45  # of the film, whose picture stands for it where nothing may move
 
 
 @dataclass(frozen=True)
-class Card:
+class LessonCard:
     """A lesson on the front page."""
 
     number: str
@@ -69,7 +69,7 @@ def _of(stage: str) -> list[Lesson]:
     return [lesson for lesson in every_lesson() if lesson.stage == stage]
 
 
-def card(lesson: Lesson, pictures: Pictures) -> Card:
+def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     """What the front page says of a lesson, and its preview."""
     first = json.loads(lesson.released.read_text("utf-8"))["cells"][0]
     found = PREVIEW.search("".join(first["source"]))
@@ -78,7 +78,7 @@ def card(lesson: Lesson, pictures: Pictures) -> Card:
         content = base64.b64decode(first["attachments"][found[2]]["image/png"])
         # The title beside it says where the link goes.
         picture = pictures.tag(_small(content), "", "")
-    return Card(
+    return LessonCard(
         lesson.number,
         title_of(lesson),
         f"{lesson.stage}/{lesson.name}.html",

@@ -27,7 +27,7 @@ def faults(folder: Path) -> list[str]:
     # What JupyterLite brings is not ours, but for the notebooks in it.
     live = folder / FOLDER
     ours = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
-    pages = {path: Page.read(path) for path in ours}
+    pages = {path: ParsedPage.read(path) for path in ours}
     found = [*_given_away(folder, pages), *_from_elsewhere(folder, pages)]
     for path, page in pages.items():
         name = path.relative_to(folder)
@@ -37,7 +37,7 @@ def faults(folder: Path) -> list[str]:
 
 
 @dataclass
-class Page(HTMLParser):
+class ParsedPage(HTMLParser):
     """A page as its reader gets it: text, links, and what the browser fetches for it."""
 
     text: list[str] = field(default_factory=list)
@@ -50,7 +50,7 @@ class Page(HTMLParser):
         super().__init__()
 
     @classmethod
-    def read(cls, path: Path) -> Page:
+    def read(cls, path: Path) -> ParsedPage:
         """Read a file."""
         page = cls()
         page.feed(path.read_text("utf-8"))
@@ -72,7 +72,7 @@ class Page(HTMLParser):
         self.text.append(data)
 
 
-def _given_away(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
+def _given_away(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
     """Lines of solutions that no student's notebook has, in whatever a reader can open."""
     lessons = every_lesson()
     notebooks = [line for lesson in lessons for line in lines_of(lesson.released.read_bytes())]
@@ -97,7 +97,7 @@ def _given_away(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
                 yield f"{name} gives away a line of the solution of {lesson}: {line!r}"
 
 
-def _from_elsewhere(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
+def _from_elsewhere(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
     """What a page or a style would fetch from another host."""
     for path, page in pages.items():
         for address in page.fetched:
@@ -108,7 +108,7 @@ def _from_elsewhere(folder: Path, pages: dict[Path, Page]) -> Iterator[str]:
             yield f"{path.relative_to(folder)} asks another host for {address}"
 
 
-def _lost(path: Path, pages: dict[Path, Page]) -> Iterator[str]:
+def _lost(path: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
     """Links and fetched files within the site that lead to nothing."""
     page = pages[path]
     for link in dict.fromkeys([*page.links, *page.fetched]):

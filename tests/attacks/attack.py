@@ -14,7 +14,7 @@ import pytest
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.prerequisites import PATIENCE
 
 WALLS = SANDBOXES[os.environ.get("ATTACKED", "bubblewrap")]
@@ -48,7 +48,7 @@ def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
     program = Program(
         (source,), ("f",), modules=modules or {}, forbidden=tuple(forbidden), packages=packages
     )
-    return Student(program, WALLS, Limits(**{**SHORT, **limits}))
+    return StudentProxy(program, WALLS, Limits(**{**SHORT, **limits}))
 
 
 def outcome_of(source, *arguments, **options):

@@ -16,7 +16,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, chroot, users
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import PACKAGES, Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SHORT, function, tried
 from tests.prerequisites import PATIENCE, ROOT, demand_walls
 
@@ -34,7 +34,9 @@ def walls():
 
 def attack(source, **limits):
     program = Program((source,), ("f",), packages=PACKAGES)
-    return Student(program, SANDBOXES["chroot"], Limits(**{**SHORT, "call_seconds": 5.0, **limits}))
+    return StudentProxy(
+        program, SANDBOXES["chroot"], Limits(**{**SHORT, "call_seconds": 5.0, **limits})
+    )
 
 
 def outcome_of(source, *arguments, **limits):

@@ -12,7 +12,7 @@ from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.inside.wire_format import Opaque
 from grader.sandbox.program import Program
-from grader.sandbox.student import RemoteObject, Student
+from grader.sandbox.student import RemoteObject, StudentProxy
 from tests.attacks.attack import (
     CLOUD,
     SHORT,
@@ -266,7 +266,7 @@ def test_hangs_until_the_rest_is_not_tried():
 
 def test_one_exercise_that_hangs_costs_the_others_nothing():
     cells = ("import os\ndef f(): os._exit(3)\ndef g(): return 1",)
-    with Student(Program(cells, ("f", "g")), WALLS, Limits(**SHORT)) as student:
+    with StudentProxy(Program(cells, ("f", "g")), WALLS, Limits(**SHORT)) as student:
         for _ in range(4):
             student.exercise = "f"
             with pytest.raises(StudentStopped):
@@ -510,7 +510,7 @@ def test_fails_in_a_strange_way(body, sentence):
 def test_has_hundreds_of_problems_that_speak_to_the_terminal():
     cells = [f"x{n} = f = 1 / 0 # \x1b[2J" for n in range(300)] + ["def f(): return 1"]
     cells += [f"f.y = \x1b{n}" for n in range(50)]
-    with Student(Program(tuple(cells), ("f",)), WALLS, Limits(**SHORT)) as student:
+    with StudentProxy(Program(tuple(cells), ("f",)), WALLS, Limits(**SHORT)) as student:
         student.f()
     assert 20 < len(student.problems) <= 30
     assert all(sentence.isprintable() for sentence in student.problems)

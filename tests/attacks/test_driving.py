@@ -7,7 +7,7 @@ from grader.classroom.league.streets import streets_of
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SHORT, WALLS
 from utils.simulator.sensor import Sensor, layers
 
@@ -36,7 +36,7 @@ def detect_obstacles(cloud):
 
 
 def answers_of(sandbox, source):
-    with Student(Program((source,), (DETECTOR,)), sandbox, Limits(**SHORT)) as student:
+    with StudentProxy(Program((source,), (DETECTOR,)), sandbox, Limits(**SHORT)) as student:
         street = streets_of(SEED)[0]
         driven = drive_behind_walls(street, student, seconds=0.5, sensor=BLINKERED)
     assert not driven.stopped and not driven.failed

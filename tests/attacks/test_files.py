@@ -17,7 +17,7 @@ from grader.judging.judge import judge_handed_in
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import Program
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SEED, SHORT, WALLS, attack, outcome_of, tried
 from tests.prerequisites import PATIENCE
 from utils.notebooks.reading import UnreadableNotebook
@@ -194,14 +194,14 @@ def test_shows_the_judge_one_code_and_the_instructor_another(number, shown, tmp_
 def test_a_cell_made_to_break_parsers(cell):
     """It costs only itself."""
     program = Program((cell, "def f(): return 1"), ("f",))
-    with Student(program, WALLS, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
+    with StudentProxy(program, WALLS, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
         assert student.f() == 1
 
 
 @pytest.mark.slow
 def test_five_hundred_shell_commands():
     program = Program(("x = !ls\n" * 501, "def f(): return 1"), ("f",))
-    with Student(program, WALLS, Limits(**SHORT)) as student:
+    with StudentProxy(program, WALLS, Limits(**SHORT)) as student:
         assert student.f() == 1
 
 
@@ -264,7 +264,7 @@ def test_a_module_beside_is_found_but_not_under_a_forbidden_name():
         modules={"scipy.cluster": "x = 5"},
         forbidden=("scipy.cluster",),
     )
-    with Student(program, WALLS, Limits(**SHORT)) as student, pytest.raises(StudentError):
+    with StudentProxy(program, WALLS, Limits(**SHORT)) as student, pytest.raises(StudentError):
         student.f()
 
 

@@ -172,7 +172,7 @@ def test_the_largest_file_is_read_or_refused_in_little_memory(fill):
     before = resident()
     try:
         assert preflight.prepare_to_judge(given, LESSON).code == ("x = 1",)
-    except reader_process.TooMuch as error:
+    except reader_process.TooCostly as error:
         assert "memory" in str(error)
     assert resident() - before < 2**23, "what reading takes is gone afterwards"
 

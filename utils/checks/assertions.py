@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 import utils
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
-from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooMuch, as_numbers, in_few_words
+from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, in_few_words
 from utils.remote_objects import Observed, Remote
 
 # A right answer in single precision differs by less than this at the range of a LiDAR (m).
@@ -135,7 +135,7 @@ def as_array(
         )
     try:
         array = as_numbers(answer, most)
-    except TooMuch as error:
+    except TooLarge as error:
         raise FarTooMuch(str(error), yours=brief(answer), expected=what) from None
     except NotNumbers:
         # In the judge an object of another kind arrives as a stand-in that knows its name. The

@@ -55,7 +55,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Place:
+class LineHint:
     """The lines in each of which one change makes all checks pass."""
 
     lines: tuple[Line, ...]
@@ -69,7 +69,7 @@ class Place:
 
 def place_to_change(
     function: Callable, checks: Sequence[Check], failed: Sequence[Check]
-) -> Place | None:
+) -> LineHint | None:
     """The lines in each of which one change makes all checks pass.
 
     Parameters
@@ -83,7 +83,7 @@ def place_to_change(
 
     Returns
     -------
-    Place or None
+    LineHint or None
         None where there is none, or too many lines to say anything; where it is not found in time,
         or where no process can be copied.
     """
@@ -97,7 +97,7 @@ def place_to_change(
             numbers = sorted(_lines_that_pass(function, statements[0], edits, order))
             rows = text.split("\n")
             lines = tuple(Line(first + at - 1, rows[at - 1].strip()) for at in numbers)
-            return Place(lines) if 0 < len(lines) <= MOST_LINES else None
+            return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
     return None
 
 

@@ -126,12 +126,14 @@ def _on_a_square(
     """A scan of things around the sensor, of two who walk by, and of houses."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
-    from utils.simulator.streets import Plan, placed, some_walker, street, world_of
+    from utils.simulator.streets import StreetPlan, placed, some_walker, street, world_of
 
     things = list(things)
     things += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
     empty = float("inf")
-    houses = Plan(((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0)
+    houses = StreetPlan(
+        ((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0
+    )
     ground = Ground(slope=0.02 * rng.uniform(-1, 1), width=10.0, crown=0.01, kerb=0.1)
     return observe(world_of(ground, [*things, *street(rng, houses)]), half_sensor(), seed)
 

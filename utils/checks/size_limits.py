@@ -19,7 +19,7 @@ _NUMBERS = {bool, int, float}
 _ITEMS = (bool, int, float, np.generic, range, deque)
 
 
-class TooMuch(Exception):
+class TooLarge(Exception):
     """An answer is larger than any right one; `str()` is a sentence that names the cap."""
 
 
@@ -101,7 +101,7 @@ def _look_through(answer: object, most: int) -> None:
                 _assert_short(max(value, key=abs))
             elif not kinds <= _NUMBERS:
                 if len(waiting) + len(value) > MOST_ROWS:
-                    raise TooMuch("The answer is a list of far more rows than any cloud has.")
+                    raise TooLarge("The answer is a list of far more rows than any cloud has.")
                 waiting += [(item, depth + 1) for item in value]
         elif isinstance(value, np.ndarray):
             count += value.size
@@ -115,14 +115,14 @@ def _look_through(answer: object, most: int) -> None:
 
 def _assert_few(count: int, most: int) -> None:
     if count > most:
-        raise TooMuch(f"The answer holds more than {_WORDS[most]} values; no right one does.")
+        raise TooLarge(f"The answer holds more than {_WORDS[most]} values; no right one does.")
 
 
 def _assert_flat(dimensions: int) -> None:
     if dimensions > MOST_DIMENSIONS:
-        raise TooMuch("The answer has more than three dimensions; no right one does.")
+        raise TooLarge("The answer has more than three dimensions; no right one does.")
 
 
 def _assert_short(number: int) -> None:
     if abs(number) > LARGEST_INTEGER:
-        raise TooMuch("The answer holds a number of more than nineteen digits; no right one does.")
+        raise TooLarge("The answer holds a number of more than nineteen digits; no right one does.")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import NotStarted, NotYet, Raised
-from utils.checks.line_hint import Place
+from utils.checks.line_hint import LineHint
 from utils.checks.outcomes import Check, Outcome
 
 
@@ -36,7 +36,7 @@ class Story:
         What explains all answers; None where the first failure is no answer.
     blamed : str or None
         A function that this one calls and that is wrong itself.
-    place : utils.checks.line_hint.Place or None
+    place : utils.checks.line_hint.LineHint or None
         Where one change makes everything pass that students see.
     """
 
@@ -48,7 +48,7 @@ class Story:
     notes: tuple[Outcome, ...] = ()
     mistake: Mistake | None = None
     blamed: str | None = None
-    place: Place | None = None
+    place: LineHint | None = None
 
     @property
     def not_started(self) -> bool:
@@ -73,7 +73,7 @@ def resolve(
     mistake: Mistake | None = None,
     notes: Sequence[Outcome] = (),
     blamed: str | None = None,
-    place: Place | None = None,
+    place: LineHint | None = None,
     alone: bool = False,
 ) -> Story:
     """Find out what to tell.
@@ -87,7 +87,7 @@ def resolve(
     mistake : Mistake, optional
     notes : sequence of Outcome
     blamed : str, optional
-    place : utils.checks.line_hint.Place, optional
+    place : utils.checks.line_hint.LineHint, optional
     alone : bool
         Whether one thing alone is proven to be wrong, as it is where there is a place.
     """

@@ -9,7 +9,7 @@ import numpy as np
 
 from utils.clouds import lzf
 from utils.clouds.errors import CloudFileError, excerpt, file_error
-from utils.clouds.pcd_header import ENCODINGS, Header, read_header
+from utils.clouds.pcd_header import ENCODINGS, PcdHeader, read_header
 from utils.clouds.text import shortest_digits
 
 ADVICE = "Was the file copied completely?"
@@ -72,7 +72,7 @@ def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
     return header + struct.pack("<II", len(packed), len(by_field)) + packed
 
 
-def _ascii(body: memoryview, header: Header, name: str) -> np.ndarray:
+def _ascii(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     lines = bytes(body).decode("latin-1").replace("\r", "").split("\n")
     columns = sum(header.counts)
     if not any(map(str.strip, lines)):
@@ -116,7 +116,7 @@ def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) ->
     return file_error(name, f"line {lines_above + 1}", "these are no lines of numbers")
 
 
-def _binary(body: memoryview, header: Header, name: str) -> np.ndarray:
+def _binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     for points in header.announced:
         size = points * header.step
         # PCL pads some files with zeros to a page; others end in a newline.
@@ -132,7 +132,7 @@ def _binary(body: memoryview, header: Header, name: str) -> np.ndarray:
     raise _wrong_size(header, f"{len(body)} bytes follow", name)
 
 
-def _compressed(body: memoryview, header: Header, name: str) -> np.ndarray:
+def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     if 0 in header.announced and len(body) <= 8:
         return np.empty((0, len(header.wanted)), header.precision)
     if len(body) < 8:
@@ -167,14 +167,14 @@ def _compressed(body: memoryview, header: Header, name: str) -> np.ndarray:
     )
 
 
-def _fields(header: Header) -> tuple[list[np.dtype], list[int]]:
+def _fields(header: PcdHeader) -> tuple[list[np.dtype], list[int]]:
     """Kinds of the wanted fields, and their byte offsets in one point."""
     sizes = [kind.itemsize * count for kind, count in zip(header.kinds, header.counts, strict=True)]
     offsets = [sum(sizes[:field]) for field in header.wanted]
     return [header.kinds[field] for field in header.wanted], offsets
 
 
-def _columns(columns: list[np.ndarray], header: Header) -> np.ndarray:
+def _columns(columns: list[np.ndarray], header: PcdHeader) -> np.ndarray:
     """Put one array per field side by side."""
     cloud = np.empty((len(columns[0]), len(columns)), header.precision)
     for index, column in enumerate(columns):
@@ -182,7 +182,7 @@ def _columns(columns: list[np.ndarray], header: Header) -> np.ndarray:
     return cloud
 
 
-def _wrong_size(header: Header, found: str, name: str) -> CloudFileError:
+def _wrong_size(header: PcdHeader, found: str, name: str) -> CloudFileError:
     return file_error(
         name,
         f"byte {header.start}",
@@ -191,6 +191,6 @@ def _wrong_size(header: Header, found: str, name: str) -> CloudFileError:
     )
 
 
-def _announced(header: Header) -> str:
+def _announced(header: PcdHeader) -> str:
     """Write how many points the header announces: ``"12"``, or ``"12 or 24"``."""
     return " or ".join(map(str, dict.fromkeys(header.announced)))

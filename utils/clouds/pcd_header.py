@@ -14,7 +14,7 @@ LONGEST_HEADER = 1 << 16  # bytes
 
 
 @dataclass(frozen=True)
-class Header:
+class PcdHeader:
     """What the head of a PCD file says about its body."""
 
     names: tuple[str, ...]
@@ -48,7 +48,7 @@ def cloud_fields(names: Container[str]) -> list[str]:
     return ["x", "y", "z", *[name for name in INTENSITY_NAMES if name in names][:1]]
 
 
-def read_header(data: bytes, name: str) -> Header:
+def read_header(data: bytes, name: str) -> PcdHeader:
     """Read the head of the file, which ends with the line DATA.
 
     Raises
@@ -76,8 +76,8 @@ def read_header(data: bytes, name: str) -> Header:
     return _checked_header(entries, position, name)
 
 
-def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> Header:
-    """Turn the words of the header into a `Header`, or say which line is wrong."""
+def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> PcdHeader:
+    """Turn the words of the header into a `PcdHeader`, or say which line is wrong."""
     line, words = entries["DATA"]
     if words[:1] not in ([encoding] for encoding in ENCODINGS):
         raise file_error(
@@ -125,7 +125,7 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
             name, "header", "there is neither POINTS nor WIDTH, expected the number of points"
         )
     dtypes = tuple(np.dtype(kind.lower()).newbyteorder("<") for kind in kinds)
-    return Header(
+    return PcdHeader(
         names, dtypes, counts, tuple(announced), entries["DATA"][1][0], start, entries["DATA"][0]
     )
 

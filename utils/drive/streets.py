@@ -29,7 +29,7 @@ from utils.simulator.streets import (
     PARKED,
     ROAD_WIDTH,
     WALKERS,
-    Plan,
+    StreetPlan,
     street,
     world_of,
 )
@@ -70,7 +70,7 @@ class Street:
         On the bonnet.
     traffic : bool
         Whether anything comes towards us.
-    plan : Plan
+    plan : StreetPlan
         What stands along it.
     drawn_from : int, optional
         What everything random in it is drawn from; by default its number.
@@ -84,7 +84,7 @@ class Street:
     rain: int = 0
     dirt: bool = False
     traffic: bool = False
-    plan: Plan = Plan(parked=5.0, furniture=10.0, walkers=14.0)  # noqa: RUF009
+    plan: StreetPlan = StreetPlan(parked=5.0, furniture=10.0, walkers=14.0)  # noqa: RUF009
     drawn_from: int | None = None
 
     @property
@@ -178,8 +178,8 @@ def _is_in_the_way(thing: Obstacle, x: float, y: float, actor: Actor) -> bool:
 def _streets() -> Iterable[Street]:
     """The twenty, in order."""
     v30, v50 = 30 / 3.6, 50 / 3.6
-    empty = Plan(parked=math.inf, furniture=16.0, walkers=30.0)
-    crowded = Plan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
+    empty = StreetPlan(parked=math.inf, furniture=16.0, walkers=30.0)
+    crowded = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
     lorry = standing(truck(width=2.3), 70.0, -4.05)
     yield Street(1, "A quiet street", traffic=True)
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))

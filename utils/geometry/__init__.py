@@ -1,11 +1,11 @@
 """Planes and kd-trees, as checks, the judge's tests and pictures measure them."""
 
 from utils.geometry.planes import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
-from utils.geometry.trees import SIDES, Node, grown, in_turn, places_of, regions_of, table_of
+from utils.geometry.trees import SIDES, TreeNode, grown, in_turn, places_of, regions_of, table_of
 
 __all__ = [
     "SIDES",
-    "Node",
+    "TreeNode",
     "best_plane",
     "gaps_from",
     "grown",

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 SIDES = {"l": "left", "r": "right"}
 
 
-class Node:
+class TreeNode:
     """A node of a right tree; `arrival` is its place in the order in which points came."""
 
     def __init__(self, point: list[float], index: int, arrival: int = 0) -> None:
@@ -27,7 +27,7 @@ def grown(
     indices: Sequence[int] | None = None,
     axis_at: Callable[[int, int], int] = in_turn,
     goes_left: Callable[[float, float], bool] = operator.lt,
-) -> Node | None:
+) -> TreeNode | None:
     """The tree of points that arrive one after another; None without points.
 
     The first of them is the root and parts the others in two, which arrive on either side.
@@ -48,7 +48,7 @@ def grown(
         With `point`, `index`, `left` and `right`.
     """
     points, rows = np.asarray(points).tolist(), range(len(points))
-    nodes = [Node(*one) for one in zip(points, indices or rows, rows, strict=True)]
+    nodes = [TreeNode(*one) for one in zip(points, indices or rows, rows, strict=True)]
     waiting = [(nodes, 0)] if nodes else []
     for (top, *others), depth in waiting:  # grows while it is walked
         axis = axis_at(depth, len(top.point))
@@ -63,7 +63,7 @@ def grown(
     return nodes[0] if nodes else None
 
 
-def places_of(root: Node | None) -> dict[str, Node]:
+def places_of(root: TreeNode | None) -> dict[str, TreeNode]:
     """The nodes of a tree by the way to them: "" is the root, "lr" to its left and then right.
 
     Returns
@@ -79,7 +79,7 @@ def places_of(root: Node | None) -> dict[str, Node]:
     return dict(waiting)
 
 
-def table_of(root: Node | None) -> tuple[list, list, list, list]:
+def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
     """The rows of a tree as `KdTree.plant` takes them.
 
     Returns
@@ -100,7 +100,7 @@ def table_of(root: Node | None) -> tuple[list, list, list, list]:
     )
 
 
-def regions_of(root: Node) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+def regions_of(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The region that each node of a right tree falls into.
 
     Returns

@@ -19,7 +19,7 @@ import numpy as np
 
 from utils.checks.static_analysis import functions_used
 from utils.display import shell
-from utils.lent.rerun import Plan, free_names, is_about_ones_own, key_of_cell, plan
+from utils.lent.rerun import RerunPlan, free_names, is_about_ones_own, key_of_cell, plan
 from utils.lent.stubs import is_written
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement
@@ -168,7 +168,7 @@ class GoingOn:
 
     def _plan(
         self, place: int, functions: Collection[str] | None = None, spoilt: bool = False
-    ) -> Plan:
+    ) -> RerunPlan:
         wrong = self._wrong_at(place) if functions is None else functions
         callers = {name: {name, *self._callers_of(name)} for name in wrong}
         cells = [self._ran.get(number, "") for number in range(place + 1)]
@@ -198,7 +198,7 @@ class GoingOn:
             self._lender.give_back()  # last, as functions may have stood aside before
         return ran
 
-    def _do_without(self, found: Plan) -> bool:
+    def _do_without(self, found: RerunPlan) -> bool:
         """Put functions aside, and do again quietly what was done with them."""
         self._put_aside(found.functions)
         if not self._again(found.statements):

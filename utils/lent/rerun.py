@@ -17,7 +17,7 @@ _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 @dataclass(frozen=True)
-class Plan:
+class RerunPlan:
     """What a cell rests on.
 
     Attributes
@@ -67,7 +67,7 @@ def plan(
     callers: Mapping[str, Collection[str]],
     broken: Collection[int],
     spoilt: bool = False,
-) -> Plan:
+) -> RerunPlan:
     """Find out what the last of some cells rests on.
 
     Parameters
@@ -105,7 +105,7 @@ def plan(
             names |= statement.binds | statement.changes
     functions = frozenset(name for name, others in callers.items() if needed & set(others))
     others = frozenset(name for name, about in given.items() if needed & about) - functions
-    return Plan(functions, others, tuple(reversed(kept)), frozenset(names))
+    return RerunPlan(functions, others, tuple(reversed(kept)), frozenset(names))
 
 
 def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[bool]:

@@ -18,7 +18,7 @@ import functools
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from utils.notebooks.edits_of_nodes import Names, Source, edits_of_node, names_in
+from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, names_in
 from utils.notebooks.statements import Statement
 
 # Of one function; the likeliest edits come first.
@@ -114,7 +114,7 @@ def _edit(cell: int, first: int, lines: list[str], changed: str) -> Edit:
 
 def _texts(block: str, tree: ast.Module) -> Iterator[tuple[int, Callable[[], str]]]:
     """What makes a changed block, with a rank: 0 for what is likeliest."""
-    source = Source(block)
+    source = SourceText(block)
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
     names = names_in(function)

@@ -114,7 +114,7 @@ _KEYWORDS = {
 }
 
 
-class Source:
+class SourceText:
     """A text, and where the nodes of its tree stand in it."""
 
     def __init__(self, text: str) -> None:
@@ -178,13 +178,13 @@ def names_in(function: ast.AST) -> Names:
 
 
 def edits_of_node(
-    source: Source, node: ast.AST, parent: ast.AST | None, field: str, names: Names
+    source: SourceText, node: ast.AST, parent: ast.AST | None, field: str, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     """Rank, begin, end and new text of each edit at a node.
 
     Parameters
     ----------
-    source : Source
+    source : SourceText
     node, parent : ast.AST
         The node, and what it belongs to.
     field : str
@@ -250,7 +250,10 @@ def edits_of_node(
 
 
 def _operators(
-    source: Source, operands: list[ast.expr], operators: list[ast.AST], table: dict | None = None
+    source: SourceText,
+    operands: list[ast.expr],
+    operators: list[ast.AST],
+    table: dict | None = None,
 ) -> Iterator[tuple[int, int, int, str]]:
     for left, operator, right in zip(operands, operators, operands[1:], strict=False):
         sign = _SIGNS[type(operator)]
@@ -263,13 +266,13 @@ def _operators(
 
 
 def _without_one(
-    source: Source, operands: list[ast.expr], node: ast.expr
+    source: SourceText, operands: list[ast.expr], node: ast.expr
 ) -> Iterator[tuple[int, int, int, str]]:
     for kept in operands if len(operands) == 2 else ():
         yield 3, *source.span(node), f"({source.of(kept)})"
 
 
-def _of_binary(source: Source, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
+def _of_binary(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
     yield from _operators(source, [node.left, node.right], [node.op])
     small = isinstance(node.right, ast.Constant)
     if small:
@@ -280,13 +283,13 @@ def _of_binary(source: Source, node: ast.BinOp) -> Iterator[tuple[int, int, int,
         yield 1, *_both(source, node.left, node.right)
 
 
-def _both(source: Source, one: ast.expr, other: ast.expr) -> tuple[int, int, str]:
+def _both(source: SourceText, one: ast.expr, other: ast.expr) -> tuple[int, int, str]:
     """Two neighbours exchanged."""
     (begin, middle), (further, end) = source.span(one), source.span(other)
     return begin, end, source.of(other) + source.text(middle, further) + source.of(one)
 
 
-def _of_augmented(source: Source, node: ast.AugAssign) -> Iterator[tuple[int, int, int, str]]:
+def _of_augmented(source: SourceText, node: ast.AugAssign) -> Iterator[tuple[int, int, int, str]]:
     sign = _SIGNS[type(node.op)]
     begin, end = source.span(node.target)[1], source.span(node.value)[0]
     at = source.text(begin, end).find(sign + "=")
@@ -294,7 +297,7 @@ def _of_augmented(source: Source, node: ast.AugAssign) -> Iterator[tuple[int, in
         yield 0, begin + at, begin + at + len(sign) + 1, f"{other}="
 
 
-def _of_constant(source: Source, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
+def _of_constant(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
     value, (begin, end) = node.value, source.span(node)
     if isinstance(value, bool):
         yield 0, begin, end, str(not value)
@@ -306,7 +309,9 @@ def _of_constant(source: Source, node: ast.Constant) -> Iterator[tuple[int, int,
             yield 3, begin, end, f"({other!r})"
 
 
-def _of_call(source: Source, node: ast.Call, names: Names) -> Iterator[tuple[int, int, int, str]]:
+def _of_call(
+    source: SourceText, node: ast.Call, names: Names
+) -> Iterator[tuple[int, int, int, str]]:
     name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
     if len(node.args) == 1:
         yield 1, *source.span(node), f"({source.of(node.args[0])})"
@@ -334,7 +339,7 @@ def _of_call(source: Source, node: ast.Call, names: Names) -> Iterator[tuple[int
 
 
 def _exchanged(
-    source: Source, nodes: list[ast.expr], rank: int
+    source: SourceText, nodes: list[ast.expr], rank: int
 ) -> Iterator[tuple[int, int, int, str]]:
     """Two of some exchanged, and one of them left out."""
     if len(nodes) > 4:
@@ -354,7 +359,7 @@ def _exchanged(
         yield 3, source.span(kept)[0], source.span(gone)[0], ""
 
 
-def _of_attribute(source: Source, node: ast.Attribute) -> Iterator[tuple[int, int, int, str]]:
+def _of_attribute(source: SourceText, node: ast.Attribute) -> Iterator[tuple[int, int, int, str]]:
     end = source.span(node)[1]
     for twin in _TWIN.get(node.attr, ()):
         yield 0, end - len(node.attr), end, twin
@@ -362,7 +367,7 @@ def _of_attribute(source: Source, node: ast.Attribute) -> Iterator[tuple[int, in
         yield 1, end - 2, end, ""
 
 
-def _of_subscript(source: Source, node: ast.Subscript) -> Iterator[tuple[int, int, int, str]]:
+def _of_subscript(source: SourceText, node: ast.Subscript) -> Iterator[tuple[int, int, int, str]]:
     begin, end = source.span(node)
     value_end = source.span(node.value)[1]
     yield 1, value_end, end, ""
@@ -374,7 +379,7 @@ def _of_subscript(source: Source, node: ast.Subscript) -> Iterator[tuple[int, in
         yield 1, *source.span(inside), f":, {source.of(inside)}"
 
 
-def _of_slice(source: Source, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
+def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
     for bound in (node.lower, node.upper, node.step):
         if bound is not None:
             yield 1, *source.span(bound), ""
@@ -390,7 +395,7 @@ def _of_slice(source: Source, node: ast.Slice) -> Iterator[tuple[int, int, int, 
             yield 1, end, end, bound
 
 
-def _with_comma(source: Source, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
+def _with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
     """Where a keyword argument stands, with the comma before it, or behind it."""
     begin, end = source.span(node)
     before = [source.span(one)[1] for one in (*call.args, *call.keywords) if one is not node]
@@ -399,7 +404,7 @@ def _with_comma(source: Source, node: ast.keyword, call: ast.Call) -> tuple[int,
 
 
 def _of_return(
-    source: Source, node: ast.Return, names: Names
+    source: SourceText, node: ast.Return, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     value = node.value
     yield 5, *source.span(node), source.of(value)
@@ -411,7 +416,7 @@ def _of_return(
 
 
 def _with_one_more(
-    source: Source, nodes: list[ast.expr], names: list[str], rank: int
+    source: SourceText, nodes: list[ast.expr], names: list[str], rank: int
 ) -> Iterator[tuple[int, int, int, str]]:
     """A name before, between or behind some nodes."""
     if any(isinstance(node, ast.GeneratorExp) for node in nodes):
@@ -425,7 +430,7 @@ def _with_one_more(
 
 
 def _of_assignment(
-    source: Source, node: ast.Assign, names: Names
+    source: SourceText, node: ast.Assign, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     target = node.targets[0]
     targets = target.elts if isinstance(target, ast.Tuple) else [target]
@@ -440,7 +445,7 @@ def _of_assignment(
         yield 2, *_both(source, target, node.value)
 
 
-def _of_if(source: Source, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
+def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
     begin = source.span(node)[0]
     if source.text(begin, begin + 5) == "elif ":
         yield 2, begin, begin + 4, "if"
@@ -449,7 +454,7 @@ def _of_if(source: Source, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
 
 
 def _wrapped(
-    source: Source, node: ast.expr, parent: ast.AST | None, field: str
+    source: SourceText, node: ast.expr, parent: ast.AST | None, field: str
 ) -> Iterator[tuple[int, int, int, str]]:
     """A value as it goes into something: with a sign, a root, a part, a copy more."""
     into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List, ast.Subscript)
@@ -491,7 +496,7 @@ def _wrapped(
 
 
 def _with_a_name(
-    source: Source, node: ast.expr, parent: ast.AST | None, field: str, names: Names
+    source: SourceText, node: ast.expr, parent: ast.AST | None, field: str, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     """A value in a call, or multiplied with a name that the function has, and the like."""
     into = (ast.Return, ast.Assign, ast.AugAssign, ast.Call, ast.Tuple, ast.List)

@@ -25,7 +25,7 @@ LICENCE = (
 
 
 @dataclass(frozen=True)
-class Source:
+class RecordingSource:
     """A recording on the internet.
 
     Attributes
@@ -49,10 +49,10 @@ class Source:
     licence: str = LICENCE
 
 
-def _frames(folder: str, count: int, sums: dict[int, str], about: str) -> Source:
+def _frames(folder: str, count: int, sums: dict[int, str], about: str) -> RecordingSource:
     """Describe a folder of numbered PCD files taken at 10 Hz."""
     names = {f"{number:010d}.pcd": sums.get(number) for number in range(count)}
-    return Source(f"{UDACITY}/{folder}", names, _read_frames, about)
+    return RecordingSource(f"{UDACITY}/{folder}", names, _read_frames, about)
 
 
 def _read_frames(folder: Path) -> Recording:
@@ -60,11 +60,11 @@ def _read_frames(folder: Path) -> Recording:
     return Recording(clouds, np.arange(len(clouds)) / 10)
 
 
-def _drive(day: str, number: str, about: str) -> Source:
+def _drive(day: str, number: str, about: str) -> RecordingSource:
     """Describe a drive of KITTI's raw data with its calibration and tracklets."""
     drive = f"{day}_drive_{number}"
     names = (f"{day}_calib.zip", f"{drive}/{drive}_tracklets.zip", f"{drive}/{drive}_sync.zip")
-    return Source(
+    return RecordingSource(
         KITTI,
         dict.fromkeys(names),
         lambda folder: read_kitti_raw(folder / day / f"{drive}_sync"),

@@ -18,7 +18,7 @@ STILL = 4  # pictures where nobody can move a slider
 
 
 @dataclass(frozen=True)
-class Step:
+class ReplayStep:
     """What happened at once.
 
     Attributes
@@ -50,12 +50,12 @@ class Wrong:
 
 
 @dataclass(frozen=True)
-class Run:
+class Replay:
     """What a function did.
 
     Attributes
     ----------
-    steps : sequence of Step
+    steps : sequence of ReplayStep
         None where nothing could be seen.
     wrong : Wrong or None
         None where nothing is wrong, or nobody can know.
@@ -63,7 +63,7 @@ class Run:
         On the run as a whole: what it did in the end, or why there is nothing to see.
     """
 
-    steps: Sequence[Step] = ()
+    steps: Sequence[ReplayStep] = ()
     wrong: Wrong | None = None
     remark: str = ""
 
@@ -73,7 +73,7 @@ def first_of(wrongs: Sequence[Wrong]) -> Wrong | None:
     return min(wrongs, key=lambda wrong: wrong.step, default=None)
 
 
-def play(run: Run) -> None:
+def play(run: Replay) -> None:
     """Show a run in a notebook, step by step.
 
     Without ipywidgets there are a few still pictures, up to the first step that is wrong.
@@ -96,7 +96,7 @@ def play(run: Run) -> None:
         ipywidgets.interact(step=_slider(count, begin))(step)
 
 
-def _show(run: Run, position: int) -> None:
+def _show(run: Replay, position: int) -> None:
     """One step: its picture, and what there is to say about it."""
     import matplotlib.pyplot as plt
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.replays.player import Run, Step, Wrong, first_of
+from utils.replays.player import Replay, ReplayStep, Wrong, first_of
 from utils.visits import nodes_of, told
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def walk(
     tolerance: float,
     visited: Sequence[int],
     found: Sequence[int],
-) -> Run:
+) -> Replay:
     """A search as it went.
 
     Parameters
@@ -40,22 +40,22 @@ def walk(
 
     Returns
     -------
-    Run
+    Replay
         Nothing in it is wrong as long as the tree itself is.
     """
     nodes = {node.index: node for node in nodes_of(root)}
     if not nodes or not set(visited) <= set(nodes):
-        return Run(
+        return Replay(
             remark="The tree is empty, or a search has changed it: there is no walk to show."
         )
     points = np.array([nodes[index].point for index in sorted(nodes)], dtype=float)
     rows = [int(one) for one in found if isinstance(one, int | np.integer) and one in nodes]
     remark = "" if len(rows) == len(found) else "Your search returns what is no row of the tree."
 
-    def step(number: int) -> Step:
+    def step(number: int) -> ReplayStep:
         says = told(root, visited, number, target, tolerance)
         says = f"{says[0].upper()}{says[1:]}".removesuffix(".") + "."
-        return Step(says, lambda title: draw(number, title))
+        return ReplayStep(says, lambda title: draw(number, title))
 
     def draw(number: int, title: str) -> None:
         import matplotlib.pyplot as plt
@@ -73,7 +73,7 @@ def walk(
         remark = f"The tree itself is wrong, so look at insert first: {misplaced}."
     elif not remark:
         wrong = _wrong(root, target, tolerance, list(visited), rows)
-    return Run([step(number) for number in range(len(visited) + 1)], wrong, remark)
+    return Replay([step(number) for number in range(len(visited) + 1)], wrong, remark)
 
 
 def _below(root: Node | None) -> Iterator[tuple[Node, Node | None, str, int]]:

@@ -3,7 +3,7 @@
 from utils.boxes import plane_iou, space_iou
 from utils.scoring.card import (
     OVERLAPS,
-    Card,
+    ScoreCard,
     counted,
     hidden_shares,
     score_card,
@@ -23,7 +23,7 @@ from utils.scoring.counting import (
 
 __all__ = [
     "OVERLAPS",
-    "Card",
+    "ScoreCard",
     "NameMistakes",
     "Score",
     "TrackedFrame",

@@ -126,7 +126,7 @@ def with_error(parts: ArrayLike, value: Callable[[np.ndarray], float]) -> tuple[
 
 
 @dataclass(frozen=True)
-class Row:
+class ScoreRow:
     """One line of a card: a value and its error for each of `OVERLAPS`; of how many things."""
 
     name: str
@@ -146,13 +146,13 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Card:
+class ScoreCard:
     """What is said of boxes, row by row."""
 
     title: str
-    rows: tuple[Row, ...]
+    rows: tuple[ScoreRow, ...]
 
-    def __getitem__(self, name: str) -> Row:
+    def __getitem__(self, name: str) -> ScoreRow:
         return next(row for row in self.rows if row.name == name)
 
     def show(self) -> None:
@@ -167,7 +167,7 @@ def score_card(
     region: Region,
     title: str = "",
     overlap: Callable[[np.ndarray, np.ndarray], np.ndarray] = plane_iou,
-) -> Card:
+) -> ScoreCard:
     """Compare boxes with the true ones of some frames.
 
     Parameters
@@ -184,7 +184,7 @@ def score_card(
 
     Returns
     -------
-    Card
+    ScoreCard
         Precision, recall and F1; then recall by distance, and by how much is hidden.
     """
     pairs = list(zip(found, frames, strict=True))
@@ -210,7 +210,7 @@ def score_card(
                 group = (getattr(one, of) >= low) & (getattr(one, of) < high)
                 parts.append((one.hits[:, group].sum(axis=1), group.sum()))
             rows.append(_row(name, parts, _share))
-    return Card(title, tuple(rows))
+    return ScoreCard(title, tuple(rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +241,7 @@ def _share(counts: np.ndarray) -> float:
     return part / whole if whole else 1.0
 
 
-def _row(name: str, parts: list, value: Callable, count: int | None = None) -> Row:
+def _row(name: str, parts: list, value: Callable, count: int | None = None) -> ScoreRow:
     """Each part: hits at each overlap, and how many there are, of one frame."""
     said = [
         with_error([(hits[place], whole) for hits, whole in parts], value)
@@ -251,4 +251,4 @@ def _row(name: str, parts: list, value: Callable, count: int | None = None) -> R
     values, errors = (tuple(numbers) for numbers in zip(*said, strict=True))
     if sum(whole > 0 for _, whole in parts) < 2:
         errors = (np.nan,) * len(OVERLAPS)  # without that one frame, there would be nothing to say
-    return Row(name, count, values, errors)
+    return ScoreRow(name, count, values, errors)

@@ -17,7 +17,15 @@ from utils.simulator.layouts import lesson_obstacles, square, winding
 from utils.simulator.pose import Pose
 from utils.simulator.scanner import CLASSES
 from utils.simulator.sensor import Sensor, hdl64, highway_sensor
-from utils.simulator.streets import EGO_LANE, ROAD_WIDTH, Plan, numbered, placed, street, world_of
+from utils.simulator.streets import (
+    EGO_LANE,
+    ROAD_WIDTH,
+    StreetPlan,
+    numbered,
+    placed,
+    street,
+    world_of,
+)
 from utils.simulator.traffic import block_car
 from utils.simulator.traffic import cyclist as bicycle
 from utils.simulator.world import World
@@ -67,7 +75,9 @@ def lesson_street(seed: int = 0) -> Frame:
     Within 10 m it holds parked, passing and turning cars, people, a cyclist, poles and trees.
     """
     rng = np.random.default_rng((seed, 1))
-    far = Plan(spans=((-85.0, -27.0), (27.0, 95.0)), parked=2.0, furniture=6.0, untidiness=0.05)
+    far = StreetPlan(
+        spans=((-85.0, -27.0), (27.0, 95.0)), parked=2.0, furniture=6.0, untidiness=0.05
+    )
     obstacles = [*lesson_obstacles(), *street(rng, far)]
     world = world_of(ROAD, obstacles).seen_from(Pose(0.0, EGO_LANE))
     return observe(world, hdl64(), (seed, 2))
@@ -86,7 +96,7 @@ def _city_frame(seed: int, number: int) -> Frame:
 
 @lru_cache(maxsize=4)
 def _city_world(seed: int) -> World:
-    plan = Plan(spans=((-80.0, 110.0),), parked=2.5, walkers=7.0, driving=14.0)
+    plan = StreetPlan(spans=((-80.0, 110.0),), parked=2.5, walkers=7.0, driving=14.0)
     return world_of(ROAD, street(np.random.default_rng((seed, 3)), plan))
 
 
@@ -130,7 +140,7 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
         raise ValueError(f"The difficulty is a number from 0 to 1, not {difficulty}.")
     rng = np.random.default_rng((seed, 5))
     ease = 1.0 - difficulty
-    plan = Plan(
+    plan = StreetPlan(
         parked=2.0 + 10.0 * ease,
         furniture=5.0 + 20.0 * ease,
         walkers=5.0 + 35.0 * ease,

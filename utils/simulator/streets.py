@@ -38,7 +38,7 @@ EGO_LANE = -1.2
 
 
 @dataclass(frozen=True)
-class Plan:
+class StreetPlan:
     """How a street is filled.
 
     Parameters
@@ -87,7 +87,7 @@ def world_of(ground: Ground, obstacles: Iterable[Obstacle]) -> World:
     return World(ground, numbered(obstacles), ego_roof())
 
 
-def street(rng: np.random.Generator, plan: Plan) -> Iterator[Obstacle]:
+def street(rng: np.random.Generator, plan: StreetPlan) -> Iterator[Obstacle]:
     """Things along both sides of a street, in road coordinates, the traffic on the right.
 
     Within a row all that moves has one speed and direction, so nothing ever collides.
@@ -98,13 +98,13 @@ def street(rng: np.random.Generator, plan: Plan) -> Iterator[Obstacle]:
                 yield from row(rng, plan, first, last, side)
 
 
-def _gap(rng: np.random.Generator, plan: Plan, mean: float) -> float:
+def _gap(rng: np.random.Generator, plan: StreetPlan, mean: float) -> float:
     """A free gap, evenly spread between the clearance and that plus twice the mean."""
     return plan.clearance + mean * rng.random() * 2
 
 
 def _parked(
-    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+    rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Cars along the kerb, heading with the traffic."""
     x = first + _gap(rng, plan, plan.parked)
@@ -119,7 +119,7 @@ def _parked(
 
 
 def _furniture(
-    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+    rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Trees, lamp posts and signs beside the kerb."""
     x = first + _gap(rng, plan, plan.furniture)
@@ -137,7 +137,7 @@ def _furniture(
 
 
 def _walkers(
-    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+    rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """People on the pavement, now and then two side by side."""
     x = first + _gap(rng, plan, plan.walkers)
@@ -150,7 +150,7 @@ def _walkers(
 
 
 def _driving(
-    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+    rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Cars, cyclists and lorries in the lane, but none where the ego car drives."""
     heading = 0.0 if side < 0 else math.pi
@@ -171,7 +171,7 @@ def _driving(
 
 
 def _fronts(
-    rng: np.random.Generator, plan: Plan, first: float, last: float, side: int
+    rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """House fronts with gaps between them, some closed by a hedge or a garden wall."""
     x, yaw = first, 0.0 if side > 0 else math.pi

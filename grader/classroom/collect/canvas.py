@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.protocol import Archive, Entry, Handed, Owner
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, Handed, Owner
 
 _WHO = (
     r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
@@ -33,12 +33,12 @@ def canvas(archive: Archive) -> list[Handed] | None:
     return found if 2 * len(found) > len(matches) else None
 
 
-def _match(entry: Entry) -> re.Match | None:
+def _match(entry: ArchiveEntry) -> re.Match | None:
     name = entry.path[-1]
     return _TYPED.fullmatch(name) or _FILE.fullmatch(name)
 
 
-def _handed(entry: Entry, match: re.Match) -> Handed:
+def _handed(entry: ArchiveEntry, match: re.Match) -> Handed:
     parts = match.groupdict()
     anonymous = parts["anonymous"]
     label = f"anon_{anonymous}" if anonymous else f"{parts['name']}_{parts['user']}"

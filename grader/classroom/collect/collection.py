@@ -9,11 +9,11 @@ from pathlib import Path
 from grader.classroom.collect import open_all
 from grader.classroom.collect.answers import Answers, read_answers, remember, same
 from grader.classroom.collect.inspection import OTHER, kind_of
-from grader.classroom.collect.outcome import Outcome, Question
-from grader.classroom.collect.owners import Owners, Unknown
+from grader.classroom.collect.outcome import CollectionReport, Question
+from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.protocol import Handed, Owner
-from grader.classroom.collect.student import Student
-from grader.classroom.collect.worksheet import Row, Worksheet, read_worksheet
+from grader.classroom.collect.student import StudentCollector
+from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable, read_worksheet
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import Lesson, all_lessons
@@ -32,7 +32,7 @@ def collect(
     who: dict[str, str],
     lessons: dict[str, str],
     progress: Callable[[int, int, object], None],
-) -> Outcome:
+) -> CollectionReport:
     """Collect what a class handed in.
 
     Parameters
@@ -55,11 +55,11 @@ def collect(
     roster = read_roster(course)
     deadlines = read_deadlines(course)
     zone = deadlines.zone if deadlines else None
-    worksheet = read_worksheet(timestamps, zone) if timestamps else Worksheet()
+    worksheet = read_worksheet(timestamps, zone) if timestamps else SubmissionTable()
     answers = read_answers(course, roster, stages, who, lessons)
     owners = Owners(roster, worksheet, answers.who)
     opened = [(path, kind, _of_one(path, handed, owners)) for path, kind, handed in open_all(paths)]
-    outcome = Outcome(
+    outcome = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
         [(path, kind, len(handed)) for path, kind, handed in opened],
         roster,
@@ -75,7 +75,7 @@ def collect(
     for done, (id, mine) in enumerate(sorted(students.items())):
         progress(done, len(students), None)
         rows = _rows(owners, mine, id) if timestamps else None
-        Student(course, id, there.get(id, {}), answers, outcome).collect(mine, rows)
+        StudentCollector(course, id, there.get(id, {}), answers, outcome).collect(mine, rows)
     progress(len(students), len(students), None)
     return outcome
 
@@ -102,7 +102,7 @@ def _of_one(path: Path, handed: list[Handed], owners: Owners) -> list[Handed]:
 
 
 def _by_owner(
-    places: Sequence[Place], owners: Owners, answers: Answers, outcome: Outcome
+    places: Sequence[Place], owners: Owners, answers: Answers, outcome: CollectionReport
 ) -> Iterator[tuple[tuple[str, ...], list[Place]]]:
     """What each handed in, with the ids of whom it is."""
     groups: dict[tuple[Path, Owner], list[Place]] = {}
@@ -116,7 +116,7 @@ def _by_owner(
             continue
         try:
             found[archive, owner] = owners.whose(owner)
-        except Unknown as question:
+        except UnknownOwner as question:
             outcome.ask(owner.label, f"{_files(len(mine))} of theirs. {question}")
     for (archive, owner), ids in found.items():
         if same(owner.label) in answers.before:
@@ -142,7 +142,7 @@ def _there(course: Course) -> dict[str, dict[Lesson, Submission]]:
     return found
 
 
-def _rows(owners: Owners, handed: Sequence[Place], id: str) -> list[Row]:
+def _rows(owners: Owners, handed: Sequence[Place], id: str) -> list[SubmissionRow]:
     """What the table of times says about a student."""
     return [row for owner in {one.owner for _, one in handed} for row in owners.rows(owner, id)]
 

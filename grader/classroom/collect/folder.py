@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import PurePath
 
-from grader.classroom.collect.protocol import Archive, Entry, Handed, Owner
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, Handed, Owner
 from grader.classroom.contents import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
@@ -28,7 +28,7 @@ def _wrapper(archive: Archive) -> int:
     return int(len(tops) == 1 and only_folders and len(seconds) > 1 and not ours)
 
 
-def _handed(archive: Archive, entry: Entry, path: tuple[str, ...]) -> Handed:
+def _handed(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> Handed:
     whole = archive.path.name if archive.path.is_dir() else archive.path.stem
     label, inner = whole, path
     if len(path) > 1 and not _is_of_the_course(path[0]):

@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import PurePath
 
 from grader.classroom import contents
-from grader.classroom.collect.protocol import Entry, Unreadable
+from grader.classroom.collect.protocol import ArchiveEntry, Unreadable
 from grader.classroom.collect.zips import (
     MOST_BYTES_OF_A_STUDENT,
     MOST_FILES_OF_A_STUDENT,
@@ -21,7 +21,7 @@ from grader.classroom.collect.zips import (
     open_zip,
 )
 from grader.classroom.contents import Content, lesson_by_name
-from grader.intake.reader_process import ReadingFailed, TooMuch, apart
+from grader.intake.reader_process import ReadingFailed, TooCostly, apart
 from grader.intake.submission import LARGEST_MODULE
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -61,7 +61,7 @@ class Piece:
     complaint: str = ""
 
 
-def look_at(entry: Entry, name: str) -> list[Piece]:
+def look_at(entry: ArchiveEntry, name: str) -> list[Piece]:
     """Open one file that somebody handed in under a name."""
     if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
         return [Piece((), OTHER)]
@@ -71,7 +71,7 @@ def look_at(entry: Entry, name: str) -> list[Piece]:
         found = apart(name, lambda: [_plain(piece) for piece in _look(data, name)])
     except Unreadable as error:
         return [Piece((), WORK, complaint=str(error))]
-    except TooMuch:
+    except TooCostly:
         return [Piece((), WORK, complaint="takes too long, or too much memory, to be opened")]
     except ReadingFailed:  # a fault of ours, which costs nobody else's work
         return [Piece((), WORK, complaint="cannot be opened: look at it, and ask for it unpacked")]

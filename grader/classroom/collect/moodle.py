@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.protocol import Archive, Entry, Handed, Owner
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, Handed, Owner
 
 _WHO = re.compile(
     r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
@@ -25,7 +25,7 @@ def moodle(archive: Archive) -> list[Handed] | None:
     return found if 2 * len(found) > len(archive.entries) else None
 
 
-def _handed(entry: Entry) -> list[Handed]:
+def _handed(entry: ArchiveEntry) -> list[Handed]:
     for place, part in enumerate(entry.path):
         match = _WHO.fullmatch(part)
         if match is None:

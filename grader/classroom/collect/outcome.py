@@ -29,7 +29,7 @@ class Question:
 
 
 @dataclass
-class Outcome:
+class CollectionReport:
     """What became of everything.
 
     Attributes

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Sequence
 
 from grader.classroom.collect.answers import NOBODY, same
 from grader.classroom.collect.protocol import CollectTrouble, Owner
-from grader.classroom.collect.worksheet import Row, Worksheet
+from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
 from grader.course.roster import Person, Roster, has_another_number, letters
 
 LONGEST = 80
@@ -18,7 +18,7 @@ LONGEST = 80
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 
 
-class Unknown(Exception):
+class UnknownOwner(Exception):
     """It cannot be told whose something is; `str()` is the question."""
 
 
@@ -29,7 +29,7 @@ class Owners:
     ----------
     roster : grader.course.roster.Roster or None
         Without one, folders are called as the archive calls people.
-    worksheet : Worksheet
+    worksheet : SubmissionTable
     answers : dict of str to (tuple of str)
         Of whoever collects: the label of an owner (`same`), and the ids of all whose it is.
 
@@ -40,7 +40,7 @@ class Owners:
     """
 
     def __init__(
-        self, roster: Roster | None, worksheet: Worksheet, answers: dict[str, tuple[str, ...]]
+        self, roster: Roster | None, worksheet: SubmissionTable, answers: dict[str, tuple[str, ...]]
     ) -> None:
         self._roster = roster
         self._worksheet = worksheet
@@ -55,7 +55,7 @@ class Owners:
 
         Raises
         ------
-        Unknown
+        UnknownOwner
         """
         answer = self._answers.get(same(owner.label))
         if answer is not None:
@@ -67,15 +67,19 @@ class Owners:
             return (people[0].id,)
         if people:
             several = ", ".join(person.id for person in people)
-            raise Unknown(f"They may be {several}: add {_who(owner, people[0].id)}, or the other")
+            raise UnknownOwner(
+                f"They may be {several}: add {_who(owner, people[0].id)}, or the other"
+            )
         team = self._team(owner)
         if team:
             return tuple(person.id for person in team)
         guessed = self._by_login(owner.guesses)
         if guessed:
             several = ", ".join(person.id for person in guessed)
-            raise Unknown(f"They may be {several}: add {_who(owner, guessed[0].id)}, or another")
-        raise Unknown(self._question(owner))
+            raise UnknownOwner(
+                f"They may be {several}: add {_who(owner, guessed[0].id)}, or another"
+            )
+        raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
         """Whether somebody has said whose it is."""
@@ -93,7 +97,7 @@ class Owners:
     def _is_known(self, owner: Owner) -> bool:
         try:
             return bool(self.whose(owner))
-        except Unknown:
+        except UnknownOwner:
             return False
 
     def doubt(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
@@ -128,7 +132,7 @@ class Owners:
             f"only once, add {_who(owner, f'{person.id},ID')}; if not, {_who(owner, person.id)}"
         )
 
-    def rows(self, owner: Owner, id: str) -> Iterable[Row]:
+    def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
         """Lines of the worksheet about a student: of two in Moodle's own, nobody's can be told."""
         person = self._roster.person(id) if self._roster else None
         row = self._worksheet.participant(owner.participant)
@@ -138,9 +142,9 @@ class Owners:
         return [] if self._worksheet.is_moodles and len(rows) > 1 else rows
 
     @functools.cached_property
-    def _rows_by_id(self) -> dict[str, list[Row]]:
+    def _rows_by_id(self) -> dict[str, list[SubmissionRow]]:
         """The rows that are one person's; of a namesake's time nobody gets any."""
-        found: dict[str, list[Row]] = {}
+        found: dict[str, list[SubmissionRow]] = {}
         for row in self._worksheet.rows:
             people = self._people_of(row)
             if len(people) == 1:
@@ -183,7 +187,7 @@ class Owners:
             person for person in self._roster.people if person.github.casefold() in wanted - {""}
         )
 
-    def _people_of(self, row: Row) -> tuple[Person, ...]:
+    def _people_of(self, row: SubmissionRow) -> tuple[Person, ...]:
         for text in row.identifying:
             found = self._roster.like(text)
             if found:
@@ -227,7 +231,7 @@ class Owners:
         name = safe_folder(owner.folder)
         before = self._folders.setdefault(same(name), owner.folder)
         if before != owner.folder:
-            raise Unknown(f"Their folder would be that of {before}: add {_who(owner, 'ID')}")
+            raise UnknownOwner(f"Their folder would be that of {before}: add {_who(owner, 'ID')}")
         return name
 
 

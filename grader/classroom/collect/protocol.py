@@ -17,7 +17,7 @@ class Unreadable(Exception):
 
 
 @dataclass(frozen=True)
-class Entry:
+class ArchiveEntry:
     """A file in an archive, not read yet.
 
     Attributes
@@ -43,14 +43,14 @@ class Archive:
     Attributes
     ----------
     path : pathlib.Path
-    entries : tuple of Entry
+    entries : tuple of ArchiveEntry
         But for hidden ones.
     checkouts : frozenset of (tuple of str)
         Folders that git manages.
     """
 
     path: Path
-    entries: tuple[Entry, ...]
+    entries: tuple[ArchiveEntry, ...]
     checkouts: frozenset[tuple[str, ...]] = frozenset()
 
 
@@ -90,7 +90,7 @@ class Handed:
     owner : Owner
     path : tuple of str
         Its folders and name as they were before a learning platform changed them.
-    entry : Entry
+    entry : ArchiveEntry
     order : int
         Higher is newer, in every archive of this kind; 0 where nothing is known.
     saved : datetime or None
@@ -105,7 +105,7 @@ class Handed:
 
     owner: Owner
     path: tuple[str, ...]
-    entry: Entry
+    entry: ArchiveEntry
     order: int = 0
     saved: datetime | None = None
     late: bool | None = None

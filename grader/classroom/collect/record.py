@@ -18,7 +18,7 @@ NAME = ".collected.json"
 
 
 @dataclass(frozen=True)
-class Source:
+class FileOrigin:
     """Where a file came from.
 
     Attributes
@@ -53,7 +53,7 @@ class Source:
     when: str = ""
     undecided: str = ""
 
-    def newer_than(self, other: Source) -> bool | None:
+    def newer_than(self, other: FileOrigin) -> bool | None:
         """Whether it was handed in after another; None where nothing tells."""
         mine, others = (self.order, self.moment), (other.order, other.moment)
         if not (self.order and other.order):
@@ -67,7 +67,7 @@ class Record:
 
     Attributes
     ----------
-    files : dict of str to Source
+    files : dict of str to FileOrigin
         By the name under which each lies there.
     undecided : str
         Why nobody knows when the work was handed in; empty where somebody does, or was not asked.
@@ -77,7 +77,7 @@ class Record:
         What collecting wrote last into ``timestamp.txt``, in ISO 8601: another time is a person's.
     """
 
-    files: dict[str, Source] = field(default_factory=dict)
+    files: dict[str, FileOrigin] = field(default_factory=dict)
     undecided: str = ""
     others: str = ""
     written: str = ""
@@ -99,7 +99,7 @@ def read_record(folder: Path) -> Record:
     """What was collected into a folder; nothing where that is not known."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
         content = json.loads((folder / NAME).read_text("utf-8"))
-        files = {name: Source(**source) for name, source in content["files"].items()}
+        files = {name: FileOrigin(**source) for name, source in content["files"].items()}
         return Record(**(content | {"files": files}))
     return Record()
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader.classroom.collect.inspection import Piece
 from grader.classroom.collect.protocol import Handed
-from grader.classroom.collect.record import Source
+from grader.classroom.collect.record import FileOrigin
 from grader.classroom.collect.storage import digest_of
 from grader.classroom.contents import copy_number
 
@@ -48,10 +48,10 @@ class File:
         return digest_of(self.piece.data)
 
     @property
-    def source(self) -> Source:
+    def source(self) -> FileOrigin:
         """What is remembered of it where it is placed."""
         handed = self.handed
-        return Source(
+        return FileOrigin(
             self.digest,
             f"{self.archive.name}: {self.name}",
             handed.entry.moment.isoformat(),

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect.protocol import Archive, CollectTrouble, Entry, Unreadable
+from grader.classroom.collect.protocol import Archive, ArchiveEntry, CollectTrouble, Unreadable
 from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
@@ -41,7 +41,7 @@ def open_archive(path: Path) -> Archive:
     return Archive(path, entries, frozenset(checkouts))
 
 
-def _below(root: Path) -> Iterator[tuple[tuple[str, ...], Entry]]:
+def _below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
     """The files of a folder; a link to a folder is not followed, and of git's own one is shown."""
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
@@ -52,12 +52,12 @@ def _below(root: Path) -> Iterator[tuple[tuple[str, ...], Entry]]:
         if ".git" in folders:
             folders.remove(".git")
             parts = (*clean_path(Path(folder).relative_to(root).as_posix()), ".git")
-            yield parts, Entry(parts, datetime.min, bytes)
+            yield parts, ArchiveEntry(parts, datetime.min, bytes)
 
 
-def _entry(path: Path, parts: tuple[str, ...]) -> Entry:
+def _entry(path: Path, parts: tuple[str, ...]) -> ArchiveEntry:
     moment = datetime.fromtimestamp(path.lstat().st_mtime)
-    return Entry(parts, moment, _reader(path))
+    return ArchiveEntry(parts, moment, _reader(path))
 
 
 def _reader(path: Path) -> Callable[[], bytes]:

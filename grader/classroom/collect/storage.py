@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
-from grader.classroom.collect.record import Record, Source, read_record, write_record
+from grader.classroom.collect.record import FileOrigin, Record, read_record, write_record
 from grader.classroom.collect.worksheet import read_time
 from grader.classroom.collect.zips import is_hidden
 from grader.classroom.submissions import Submission
@@ -60,14 +60,16 @@ class StageFolder:
         self._when, self._undecided = when.astimezone(UTC).isoformat() if when else "", undecided
         self._placed: dict[str, str] = {}
 
-    def place(self, name: str, data: bytes, source: Source, there: Submission | None = None) -> str:
+    def place(
+        self, name: str, data: bytes, source: FileOrigin, there: Submission | None = None
+    ) -> str:
         """Place a file, or leave what lies there.
 
         Parameters
         ----------
         name : str
         data : bytes
-        source : Source
+        source : FileOrigin
         there : Submission, optional
             What counts for the same lesson by now, under whatever name.
 
@@ -143,7 +145,7 @@ class StageFolder:
         """Whether something that was collected is marked late."""
         return any(source.late for source in self._record.files.values())
 
-    def _write(self, name: str, data: bytes, source: Source, older: Path | None = None) -> None:
+    def _write(self, name: str, data: bytes, source: FileOrigin, older: Path | None = None) -> None:
         """Write a file, of which nobody takes the time of another one for its own."""
         was_timed = (self.path / TIME).is_file() or any(
             one.when for one in self._record.files.values()
@@ -155,7 +157,7 @@ class StageFolder:
         write_atomically(data, self.path / name)
         self._note(name, dataclasses.replace(source, when=self._when, undecided=undecided))
 
-    def _note_same(self, name: str, source: Source, before: Source | None) -> None:
+    def _note_same(self, name: str, source: FileOrigin, before: FileOrigin | None) -> None:
         """Note a file that lies here already, with the time that it came with, or comes with."""
         known = before if before and before.digest == source.digest else None
         if (self.path / TIME).is_file() or (known and known.when):
@@ -200,7 +202,7 @@ class StageFolder:
         others = max(record.others, when) if not_ours else record.others
         return dataclasses.replace(record, files=files, others=others)
 
-    def _note(self, name: str, source: Source) -> None:
+    def _note(self, name: str, source: FileOrigin) -> None:
         files = {**self._record.files, name: source}
         self._keep(dataclasses.replace(self._record, files=files))
 

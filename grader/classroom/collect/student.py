@@ -22,18 +22,18 @@ from grader.classroom.collect.inspection import (
     TOO_MUCH_OF_A_STUDENT,
     look_at,
 )
-from grader.classroom.collect.outcome import ASKED, Outcome, Question
+from grader.classroom.collect.outcome import ASKED, CollectionReport, Question
 from grader.classroom.collect.protocol import Handed
 from grader.classroom.collect.selection import File, newest
 from grader.classroom.collect.storage import KEPT, StageFolder, Unsure
-from grader.classroom.collect.worksheet import Row
+from grader.classroom.collect.worksheet import SubmissionRow
 from grader.classroom.contents import lesson_by_name
 from grader.classroom.submissions import Submission
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 
 
-class Student:
+class StudentCollector:
     """Places what one student handed in.
 
     Parameters
@@ -43,7 +43,7 @@ class Student:
     there : dict of Lesson to Submission
         What they have in ``submitted/`` by now.
     answers : Answers
-    outcome : Outcome
+    outcome : CollectionReport
         What becomes of it is noted here.
     """
 
@@ -53,14 +53,16 @@ class Student:
         id: str,
         there: dict[Lesson, Submission],
         answers: Answers,
-        outcome: Outcome,
+        outcome: CollectionReport,
     ) -> None:
         self._course, self._id, self._there = course, id, there
         self._answers, self._outcome = answers, outcome
         self._states = outcome.states.setdefault(id, {})
         self._doubts: list[tuple[Question, Lesson | None]] = []
 
-    def collect(self, handed: Sequence[tuple[Path, Handed]], rows: Sequence[Row] | None) -> None:
+    def collect(
+        self, handed: Sequence[tuple[Path, Handed]], rows: Sequence[SubmissionRow] | None
+    ) -> None:
         """Place all that is theirs.
 
         Parameters
@@ -224,7 +226,7 @@ class Student:
 
 
 def _time(
-    handed: Sequence[tuple[Path, Handed]], rows: Sequence[Row] | None
+    handed: Sequence[tuple[Path, Handed]], rows: Sequence[SubmissionRow] | None
 ) -> tuple[datetime | None, str]:
     """When a student handed in, and why nobody knows where nobody does."""
     times = [row.when for row in rows or () if row.when]

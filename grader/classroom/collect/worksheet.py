@@ -42,7 +42,7 @@ _CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
 
 
 @dataclass(frozen=True)
-class Row:
+class SubmissionRow:
     """What a table says about one person.
 
     Attributes
@@ -67,7 +67,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Worksheet:
+class SubmissionTable:
     """A table of who handed in when.
 
     In Moodle's own each person has one line and a number. Texts of students stand in it, too, and
@@ -75,28 +75,28 @@ class Worksheet:
     lines about somebody else.
     """
 
-    rows: tuple[Row, ...] = ()
+    rows: tuple[SubmissionRow, ...] = ()
 
     @functools.cached_property
     def is_moodles(self) -> bool:
         """Whether its lines have the numbers of Moodle's participants."""
         return any(row.participant for row in self.rows)
 
-    def participant(self, number: str) -> Row | None:
+    def participant(self, number: str) -> SubmissionRow | None:
         """The row of one of Moodle's participants."""
         return self._by_number.get(number) if number else None
 
-    def naming(self, text: str) -> list[Row]:
+    def naming(self, text: str) -> list[SubmissionRow]:
         """The rows in which a text stands."""
         return [row for row in self.rows if text in row.identifying]
 
     @functools.cached_property
-    def _by_number(self) -> dict[str, Row]:
+    def _by_number(self) -> dict[str, SubmissionRow]:
         times = Counter(row.participant for row in self.rows)
         return {row.participant: row for row in self.rows if times[row.participant] == 1}
 
 
-def read_worksheet(path: Path, zone: tzinfo | None) -> Worksheet:
+def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     """Read a table.
 
     Parameters
@@ -129,12 +129,14 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> Worksheet:
         )
     language = TITLES[titles[column]]
     status = next((place for place, title in enumerate(titles) if title in STATUS), 1)
-    return Worksheet(
+    return SubmissionTable(
         tuple(_row(cells, column, status, language, zone) for cells in rows[1:] if any(cells))
     )
 
 
-def _row(cells: list[str], column: int, status: int, language: str, zone: tzinfo | None) -> Row:
+def _row(
+    cells: list[str], column: int, status: int, language: str, zone: tzinfo | None
+) -> SubmissionRow:
     """One line; behind the status stand marks, which may look like somebody's number."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
     said = cells[column] if column < len(cells) else ""
@@ -143,7 +145,7 @@ def _row(cells: list[str], column: int, status: int, language: str, zone: tzinfo
         cell for place, cell in enumerate(cells) if cell and (place < status or "@" in cell)
     ]
     identifying.sort(key=lambda cell: ("@" not in cell, not _has_digit(cell)))
-    return Row(
+    return SubmissionRow(
         tuple(identifying),
         tuple(cells[status:]),
         number[1] if number else "",

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from datetime import datetime
 from typing import IO
 
-from grader.classroom.collect.protocol import Entry, Unreadable
+from grader.classroom.collect.protocol import ArchiveEntry, Unreadable
 from grader.intake.notebook import LARGEST_FILE
 
 MOST_FILES = 200_000
@@ -53,7 +53,7 @@ def is_hidden(path: tuple[str, ...]) -> bool:
     return any(part.startswith(".") or part in _JUNK for part in path)
 
 
-def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], Entry]]:
+def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], ArchiveEntry]]:
     """The files of a zip, each with its path as it stands there.
 
     Raises
@@ -69,7 +69,7 @@ def open_zip(file: IO[bytes] | str, most: int) -> list[tuple[tuple[str, ...], En
     if len(infos) > most:
         raise Unreadable(f"holds {len(infos):,} files; more than {most:,} are not opened")
     return [
-        (path, Entry(path, _moment(info), _reader(archive, info)))
+        (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
         for info in infos
         if (path := clean_path(_name(info)))
     ]

@@ -28,7 +28,7 @@ from grader.judging.judge import program_for
 from grader.judging.key import key_of_files, with_all_they_run
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.student import Student
+from grader.sandbox.student import StudentProxy
 from utils.drive.clock import on_time
 from utils.drive.loop import Drive, drive
 from utils.drive.metrics import Report, measure
@@ -135,13 +135,13 @@ def drive_one(
     except ReadingFailed as error:
         return Driven(number, fault=str(error))
     program = program_for(find_lesson(lesson), to_judge.code, handed_in.modules)
-    with Student(program, SANDBOXES[sandbox], LIMITS) as student:
+    with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
         return drive_behind_walls(street, student, key)
 
 
 def drive_behind_walls(
     street: Street,
-    student: Student,
+    student: StudentProxy,
     key: str = "",
     *,
     seconds: float = SECONDS,
@@ -177,7 +177,7 @@ def _measured(done: Drive, key: str, eyes: _Eyes | None = None) -> Driven:
 class _Eyes:
     """A detector behind walls: whatever it answers, what comes out here are a few finite boxes."""
 
-    def __init__(self, student: Student) -> None:
+    def __init__(self, student: StudentProxy) -> None:
         self._student = student
         self.answers: list[np.ndarray] = []
         self.failed, self.failure = 0, ""

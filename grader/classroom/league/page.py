@@ -38,7 +38,7 @@ SIZE = (720, 404)
 
 
 @dataclass(frozen=True)
-class Shown:
+class LeagueFilm:
     """A film for the page: of whom and where, how others did there, in words, and as data."""
 
     who: str
@@ -123,7 +123,7 @@ def happened(driven: Driven) -> Iterator[str]:
         yield f"It had no boxes to give for {driven.failed} of the scans. {driven.failure}"
 
 
-def _film(season: Season, ranked: Sequence[Standing], called: object) -> Shown | None:
+def _film(season: Season, ranked: Sequence[Standing], called: object) -> LeagueFilm | None:
     """The best of the class, in the street in which most others got no metre."""
     class_ = [one for one in ranked if one.entrant.student]
     if not class_ or not class_[0].points:
@@ -144,7 +144,7 @@ def _film(season: Season, ranked: Sequence[Standing], called: object) -> Shown |
         path = Path(folder, f"best{suffix_of_films()}")
         words = film(drive, report, path, size=SIZE).seen
         data = base64.b64encode(path.read_bytes()).decode()
-    return Shown(called(best), street, said, words, data, path.suffix == ".mp4")
+    return LeagueFilm(called(best), street, said, words, data, path.suffix == ".mp4")
 
 
 def _table(ranked: Sequence[Standing], names: dict[str, str]) -> str:

@@ -14,11 +14,11 @@ import numpy as np
 
 from utils.drive.actors import Actor, adult, child, crossing_cyclist, slow_cyclist
 from utils.drive.streets import Street
-from utils.simulator.streets import EGO_LANE, Plan, placed
+from utils.simulator.streets import EGO_LANE, StreetPlan, placed
 from utils.simulator.traffic import car, truck
 
 SPEED = 30 / 3.6
-CROWDED = Plan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
+CROWDED = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
 
 NOTICED = 18.0
 """Metres to what waits, from our scanner, at which its time begins: we have to brake by then."""

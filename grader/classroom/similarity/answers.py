@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from grader.classroom.similarity.normal_form import Step, steps_of
+from grader.classroom.similarity.normal_form import NormalStatement, steps_of
 from grader.course.kept_answers import ANOTHER_CELL, answers_to
 from grader.course.lessons import Lesson, all_lessons
 from grader.intake.preflight import prepare
@@ -25,21 +25,21 @@ MOST_CHARACTERS = 50_000
 
 
 @dataclass(frozen=True)
-class Answer:
+class ComparedAnswer:
     """A function as somebody wrote it, with the functions of their own that it uses.
 
     Attributes
     ----------
     text : str
         The source; the statements that belong together, as they stand in the notebook.
-    steps : tuple of Step
+    steps : tuple of NormalStatement
         The same in words, with lines of `text`.
     code : str
         A digest of the same without comments and layout.
     """
 
     text: str
-    steps: tuple[Step, ...]
+    steps: tuple[NormalStatement, ...]
     code: str
 
 
@@ -49,7 +49,7 @@ class Work:
 
     Attributes
     ----------
-    answers : dict of str to Answer
+    answers : dict of str to ComparedAnswer
         By exercise; without those that nobody wrote.
     cells : str
         A digest of what stands in the cells, and of nothing else in the file; empty for a
@@ -60,7 +60,7 @@ class Work:
         Why an exercise cannot be compared, one sentence each.
     """
 
-    answers: dict[str, Answer] = dataclasses.field(hash=False)
+    answers: dict[str, ComparedAnswer] = dataclasses.field(hash=False)
     cells: str
     own: int
     all: int
@@ -97,16 +97,19 @@ def work_in(handed_in: HandedIn, lesson: Lesson) -> Work:
     return Work(**{**read, "answers": answers, "problems": tuple(read["problems"])})
 
 
-def _from_json(answer: dict) -> Answer:
-    steps = (Step(tuple(step["words"]), step["first"], step["last"]) for step in answer["steps"])
-    return Answer(answer["text"], tuple(steps), answer["code"])
+def _from_json(answer: dict) -> ComparedAnswer:
+    steps = (
+        NormalStatement(tuple(step["words"]), step["first"], step["last"])
+        for step in answer["steps"]
+    )
+    return ComparedAnswer(answer["text"], tuple(steps), answer["code"])
 
 
 def _digest(text: str) -> str:
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 
-def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, Answer], list[str]]:
+def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedAnswer], list[str]]:
     """The answers to a lesson's exercises in code cells, and why some cannot be compared."""
     given = {source for _, source in released_cells(lesson)}
     code = [source for source in code if source.rstrip() not in given]
@@ -129,7 +132,7 @@ def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, Answer], 
 
 def _answer(
     name: str, own: list, code: list[str], known: Mapping[str, str], lesson: Lesson
-) -> Answer:
+) -> ComparedAnswer:
     # Who wrote a class of their own, in place of the one that is given, wrote the answer there.
     names = [name] if any(name in one.binds for one in own) else list(lesson.header.given)
     others = _exercises() - {name}
@@ -148,7 +151,7 @@ def _answer(
             for step in steps_of(node, known, parameters)
         ]
         nodes.append(ast.dump(node))
-    return Answer("\n".join(lines).rstrip(), tuple(steps), _digest("\n".join(nodes)))
+    return ComparedAnswer("\n".join(lines).rstrip(), tuple(steps), _digest("\n".join(nodes)))
 
 
 def _dump(node: ast.AST) -> str:
@@ -199,7 +202,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
 
 
 @functools.cache
-def kept_answers(lesson: Lesson) -> dict[str, tuple[Answer, ...]]:
+def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
     """By exercise, the right answers that are kept with the course, each of another author."""
     return {
         exercise.name: tuple(
@@ -214,7 +217,7 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[Answer, ...]]:
 
 
 @functools.cache
-def taught_answers(lesson: Lesson) -> dict[str, tuple[Answer, ...]]:
+def taught_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
     """By exercise, what the lesson itself leads to: its solution, and its hints to the letter."""
     solved, _ = answers_in([lesson.text], lesson)
     found = {}
@@ -228,6 +231,6 @@ def taught_answers(lesson: Lesson) -> dict[str, tuple[Answer, ...]]:
     return found
 
 
-def _kept(lesson: Lesson, exercise: str, source: str) -> Answer | None:
+def _kept(lesson: Lesson, exercise: str, source: str) -> ComparedAnswer | None:
     answers, _ = answers_in(source.split(ANOTHER_CELL), lesson)
     return answers.get(exercise)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from grader.classroom.similarity.answers import Answer
+from grader.classroom.similarity.answers import ComparedAnswer
 from grader.classroom.similarity.weights import Document, Weights
 
 # A pair is named if of all that is unusual in the two this much is in both,
@@ -76,21 +76,21 @@ class Comparison:
 
 def compare(
     exercise: str,
-    answers: Mapping[str, Answer],
-    kept: Sequence[Answer] = (),
-    taught: Iterable[Answer] = (),
+    answers: Mapping[str, ComparedAnswer],
+    kept: Sequence[ComparedAnswer] = (),
+    taught: Iterable[ComparedAnswer] = (),
 ) -> Comparison:
     """Compare all answers to an exercise with each other.
 
     Parameters
     ----------
     exercise : str
-    answers : dict of str to Answer
+    answers : dict of str to ComparedAnswer
         By student.
-    kept : sequence of Answer
+    kept : sequence of ComparedAnswer
         Right answers that are kept with the course. They stand beside the class, as others who
         wrote the same function.
-    taught : iterable of Answer
+    taught : iterable of ComparedAnswer
         What the lesson leads to.
     """
     mine = {student: Document(answer) for student, answer in answers.items()}

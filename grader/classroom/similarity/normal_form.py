@@ -25,7 +25,7 @@ _SILENT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 
 
 @dataclass(frozen=True)
-class Step:
+class NormalStatement:
     """One statement; of one that holds others, its head.
 
     Attributes
@@ -43,7 +43,7 @@ class Step:
 
 def steps_of(
     node: ast.stmt, known: Mapping[str, str], parameters: Sequence[str] = ()
-) -> Iterator[Step]:
+) -> Iterator[NormalStatement]:
     """The steps of a function or of another statement, from top to bottom.
 
     Parameters
@@ -64,12 +64,12 @@ class _Reader:
     def __init__(self, known: Mapping[str, str]) -> None:
         self.known = known
 
-    def steps(self, body: Iterable[ast.stmt]) -> Iterator[Step]:
+    def steps(self, body: Iterable[ast.stmt]) -> Iterator[NormalStatement]:
         for node in body:
             if not _says_nothing(node):
                 yield from self._steps(node)
 
-    def _steps(self, node: ast.stmt) -> Iterator[Step]:
+    def _steps(self, node: ast.stmt) -> Iterator[NormalStatement]:
         if isinstance(node, _FUNCTIONS):
             yield from self.steps(node.body)
         elif isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
@@ -84,7 +84,7 @@ class _Reader:
             yield self._step(node, node.items[-1].context_expr, "with", *node.items)
             yield from self.steps(node.body)
         elif isinstance(node, ast.ClassDef):
-            yield Step(("class",), node.lineno, node.lineno)
+            yield NormalStatement(("class",), node.lineno, node.lineno)
             yield from self.steps(node.body)
         elif isinstance(node, ast.Try):
             handled = [inner for handler in node.handlers for inner in handler.body]
@@ -94,11 +94,11 @@ class _Reader:
         else:
             yield self._step(node, node, type(node).__name__, *ast.iter_child_nodes(node))
 
-    def _step(self, node: ast.stmt, end: ast.AST, kind: str, *parts: ast.AST) -> Step:
+    def _step(self, node: ast.stmt, end: ast.AST, kind: str, *parts: ast.AST) -> NormalStatement:
         words = [kind, *(word for part in parts for word in self._words(part))]
-        return Step(tuple(words), node.lineno, end.end_lineno)
+        return NormalStatement(tuple(words), node.lineno, end.end_lineno)
 
-    def _loop(self, node: ast.For | ast.AsyncFor | ast.While) -> Iterator[Step]:
+    def _loop(self, node: ast.For | ast.AsyncFor | ast.While) -> Iterator[NormalStatement]:
         body, counted = node.body, None
         if isinstance(node, ast.While):
             end, head = node.test, [node.test]

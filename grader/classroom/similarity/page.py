@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.pages import render
-from grader.classroom.similarity.answers import Answer
+from grader.classroom.similarity.answers import ComparedAnswer
 from grader.classroom.similarity.comparison import Pair
 from grader.classroom.similarity.stage import StageComparison
 from grader.course.atomic_files import write_atomically
@@ -26,7 +26,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Shown:
+class SharedFunction:
     """A function of two students."""
 
     exercise: str
@@ -40,7 +40,7 @@ class ShownPair:
 
     students: tuple[str, str]
     pairs: tuple[Pair, ...]
-    shown: tuple[Shown, ...]
+    shown: tuple[SharedFunction, ...]
 
 
 def similarity_page(course: Course, stage: str) -> Path:
@@ -75,16 +75,16 @@ def percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
-def _shown(pair: Pair, compared: StageComparison) -> Shown:
+def _shown(pair: Pair, compared: StageComparison) -> SharedFunction:
     answers = [compared.answers[pair.exercise, student] for student in pair.students]
     sides = (
         Side(student, _lines(answer, alike))
         for student, answer, alike in zip(pair.students, answers, pair.alike, strict=True)
     )
-    return Shown(pair.exercise, tuple(_sentences(pair, *answers)), tuple(sides))
+    return SharedFunction(pair.exercise, tuple(_sentences(pair, *answers)), tuple(sides))
 
 
-def _lines(answer: Answer, alike: frozenset[int]) -> tuple[tuple[str, bool], ...]:
+def _lines(answer: ComparedAnswer, alike: frozenset[int]) -> tuple[tuple[str, bool], ...]:
     steps = (answer.steps[place] for place in alike)
     marked = {line for step in steps for line in range(step.first, step.last + 1)}
     return tuple(
@@ -92,7 +92,7 @@ def _lines(answer: Answer, alike: frozenset[int]) -> tuple[tuple[str, bool], ...
     )
 
 
-def _sentences(pair: Pair, one: Answer, other: Answer) -> Iterator[str]:
+def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterator[str]:
     """What is alike, and how unusual that is in this class."""
     counts = [
         f"{len(alike)} of {steps} steps of {student}"
@@ -109,7 +109,7 @@ def _sentences(pair: Pair, one: Answer, other: Answer) -> Iterator[str]:
     )
 
 
-def _how(one: Answer, other: Answer) -> str:
+def _how(one: ComparedAnswer, other: ComparedAnswer) -> str:
     """In what way two answers are the same; they are alike in any case."""
     if one.text == other.text:
         return "They are the same letter for letter, comments included."

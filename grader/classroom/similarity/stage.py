@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from grader.classroom.pages import printable
 from grader.classroom.similarity.answers import (
-    Answer,
+    ComparedAnswer,
     Work,
     kept_answers,
     taught_answers,
@@ -68,7 +68,7 @@ class StageComparison:
     notebooks : int
     comparisons : tuple of Comparison
         One for each exercise that somebody wrote.
-    answers : dict of (str, str) to Answer
+    answers : dict of (str, str) to ComparedAnswer
         By exercise and student.
     same_files : tuple of SameFile
     problems : tuple of (str, str, str)
@@ -79,7 +79,7 @@ class StageComparison:
     students: tuple[str, ...]
     notebooks: int
     comparisons: tuple[Comparison, ...]
-    answers: Mapping[tuple[str, str], Answer] = field(repr=False, hash=False)
+    answers: Mapping[tuple[str, str], ComparedAnswer] = field(repr=False, hash=False)
     same_files: tuple[SameFile, ...]
     problems: tuple[tuple[str, str, str], ...]
 
@@ -137,8 +137,10 @@ def compare_stage(
     )
 
 
-def _comparisons(stage: str, answers: Mapping[tuple[str, str], Answer]) -> Iterable[Comparison]:
-    written: dict[str, dict[str, Answer]] = {}
+def _comparisons(
+    stage: str, answers: Mapping[tuple[str, str], ComparedAnswer]
+) -> Iterable[Comparison]:
+    written: dict[str, dict[str, ComparedAnswer]] = {}
     for (exercise, student), answer in answers.items():
         written.setdefault(exercise, {})[student] = answer
     for lesson in (lesson for lesson in all_lessons() if lesson.stage == stage):

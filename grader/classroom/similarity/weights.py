@@ -16,7 +16,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from grader.classroom.similarity.answers import Answer
+from grader.classroom.similarity.answers import ComparedAnswer
 
 LENGTH = 6
 # What more than a quarter of the others have is not told apart from what everybody has.
@@ -36,7 +36,7 @@ class Document:
         Of all.
     """
 
-    def __init__(self, answer: Answer) -> None:
+    def __init__(self, answer: ComparedAnswer) -> None:
         self.steps = [_pieces_of(step.words) for step in answer.steps]
         self.pieces = frozenset().union(*self.steps)
 

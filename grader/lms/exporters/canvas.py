@@ -11,10 +11,10 @@ import re
 from collections.abc import Callable
 
 from grader.lms.exporters.assignment_marks import marks_of
-from grader.lms.exporters.column_writer import Column, Place, factor, fill, guess
+from grader.lms.exporters.column_writer import Column, RowPlace, factor, fill, guess
 from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
-from grader.lms.exporters.row_matching import Row
-from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet
+from grader.lms.exporters.row_matching import PersonRow
+from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 
 NAMES = (("Student",), ("LastName", "FirstName"))
 LAST = "Section"  # of the columns that say who somebody is
@@ -53,14 +53,14 @@ def canvas(order: Order) -> Exported:
     for row in sheet.rows:
         name = _name(row, people)
         if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
-            places.append(Place(row, _row(sheet, row, name)))
+            places.append(RowPlace(row, _row(sheet, row, name)))
     mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
     filled = fill(marks, places, Column(column, times, mark, EXCUSED), _refusal(column))
     text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
     return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
 
 
-def _people_columns(sheet: Worksheet) -> tuple[str, ...]:
+def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
     """The columns that say who somebody is."""
     if any(sheet.head[: len(names)] == names for names in NAMES) and LAST in sheet.head:
         return sheet.head[: sheet.head.index(LAST) + 1]
@@ -70,7 +70,7 @@ def _people_columns(sheet: Worksheet) -> tuple[str, ...]:
     )
 
 
-def _column(sheet: Worksheet, first: int, assignment: str, wanted: str | None) -> int:
+def _column(sheet: MarksTableFile, first: int, assignment: str, wanted: str | None) -> int:
     titles = {
         place: title
         for place, title in enumerate(sheet.head)
@@ -92,7 +92,7 @@ def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
     return ", ".join(cells[:2]).strip(", ") if people[0] == "LastName" else cells[0]
 
 
-def _row(sheet: Worksheet, row: tuple[str, ...], name: str) -> Row:
+def _row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> PersonRow:
     claims = tuple(
         tuple(
             (attribute, row[sheet.head.index(title)])
@@ -103,7 +103,7 @@ def _row(sheet: Worksheet, row: tuple[str, ...], name: str) -> Row:
         for rank in CLAIMS
     )
     number = row[sheet.head.index("ID")].strip() if "ID" in sheet.head else ""
-    return Row(name, claims, name, number)
+    return PersonRow(name, claims, name, number)
 
 
 def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:

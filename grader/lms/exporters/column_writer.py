@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from grader.course.roster import letters
 from grader.lms.exporters.assignment_marks import Marks, listed
 from grader.lms.exporters.protocol import ExportTrouble
-from grader.lms.exporters.row_matching import Row, join
+from grader.lms.exporters.row_matching import PersonRow, join
 from grader.lms.exporters.worksheet import read_number
 from grader.lms.results import EXCUSED, write_number
 
@@ -20,11 +20,11 @@ CLOSE = 0.005  # points are written with two digits
 
 
 @dataclass(frozen=True)
-class Place:
+class RowPlace:
     """A row of the file, and what it says about whose it is."""
 
     row: tuple[str, ...]
-    who: Row
+    who: PersonRow
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Column:
 
 def fill(
     marks: Marks,
-    places: Sequence[Place],
+    places: Sequence[RowPlace],
     column: Column,
     refusal: Callable[[tuple[str, ...], float], str],
 ) -> Filled:
@@ -69,7 +69,7 @@ def fill(
     Parameters
     ----------
     marks : Marks
-    places : list of Place
+    places : list of RowPlace
     column : Column
     refusal : callable
         Given a row and the points for it, why the platform would not take them; or empty.

@@ -11,10 +11,10 @@ import re
 from collections.abc import Callable
 
 from grader.lms.exporters.assignment_marks import marks_of
-from grader.lms.exporters.column_writer import CLOSE, Column, Place, factor, fill, guess
+from grader.lms.exporters.column_writer import CLOSE, Column, RowPlace, factor, fill, guess
 from grader.lms.exporters.protocol import Exported, ExportTrouble, Order
-from grader.lms.exporters.row_matching import Row
-from grader.lms.exporters.worksheet import Worksheet, read_number, read_worksheet
+from grader.lms.exporters.row_matching import PersonRow
+from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 from grader.lms.results import write_number
 
 PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
@@ -70,13 +70,13 @@ def moodle(order: Order) -> Exported:
     times = factor(marks, most, sheet.head[column], order.scale)
     mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
-    places = [Place(row, _row(row, column, hidden)) for row in sheet.rows]
+    places = [RowPlace(row, _row(row, column, hidden)) for row in sheet.rows]
     filled = fill(marks, places, Column(column, times, mark), _refusal(column, most))
     text = sheet.text(range(len(sheet.head)), filled.rows)
     return Exported(text.encode(), filled.placed, filled.lost, filled.notes)
 
 
-def _grade_column(sheet: Worksheet, wanted: str | None) -> int:
+def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
     """The column of the grade: before the one that has the same maximum in each row."""
     titles = {
         place: title for place, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, place)
@@ -92,7 +92,7 @@ def _grade_column(sheet: Worksheet, wanted: str | None) -> int:
     return guess(titles, "the grade", wanted, sheet.name, str)
 
 
-def _is_grade(sheet: Worksheet, place: int) -> bool:
+def _is_grade(sheet: MarksTableFile, place: int) -> bool:
     """Whether a column can be that of the grade, as the numbers in it and behind it say."""
     (most, *others) = {row[place + 1] for row in sheet.rows}
     highest = read_number(most)
@@ -103,12 +103,12 @@ def _is_grade(sheet: Worksheet, place: int) -> bool:
     return all(number is not None and number <= highest for number in numbers)
 
 
-def _hides_names(sheet: Worksheet) -> bool:
+def _hides_names(sheet: MarksTableFile) -> bool:
     """Whether the second column is not the name: an anonymous worksheet has the status there."""
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
 
-def _row(row: tuple[str, ...], column: int, hidden: bool) -> Row:
+def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
     """Who it is: the first cell is Moodle's number for them, in words; the second is the name.
 
     Behind them stand fields that the site has chosen, such as e-mail and ID number.
@@ -120,7 +120,7 @@ def _row(row: tuple[str, ...], column: int, hidden: bool) -> Row:
         (*surely, ("id", row[0]), ("lms_id", row[0])),
         tuple(("lms_id", cell) for cell in fields),
     )
-    return Row(f"{row[0]} ({name})" if name else row[0], claims, name)
+    return PersonRow(f"{row[0]} ({name})" if name else row[0], claims, name)
 
 
 def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:

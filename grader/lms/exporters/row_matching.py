@@ -15,7 +15,7 @@ Claim = tuple[str, str]  # (attribute of a person, text of the row)
 
 
 @dataclass(frozen=True)
-class Row:
+class PersonRow:
     """What a row says about whose it is.
 
     Attributes
@@ -63,7 +63,7 @@ class Joined:
     renamed: tuple[str, ...]
 
 
-def join(rows: Sequence[Row], people: Sequence[Person]) -> Joined:
+def join(rows: Sequence[PersonRow], people: Sequence[Person]) -> Joined:
     """Find the row of each person."""
     found: dict[str, int] = {}
     doubts: dict[str, str] = {}
@@ -105,7 +105,9 @@ def join(rows: Sequence[Row], people: Sequence[Person]) -> Joined:
     return Joined(found, strangers, doubts, tuple(by_name), renamed)
 
 
-def _passes(rows: Sequence[Row], people: Sequence[Person]) -> Iterator[Callable[[int], set[str]]]:
+def _passes(
+    rows: Sequence[PersonRow], people: Sequence[Person]
+) -> Iterator[Callable[[int], set[str]]]:
     """Whom the row at a place names: by each rank of its claims, and at last by its name."""
     roster = Roster(tuple(people))
     owners: dict[Claim, set[str]] = {}
@@ -129,7 +131,7 @@ def _passes(rows: Sequence[Row], people: Sequence[Person]) -> Iterator[Callable[
     }
 
 
-def _namesakes(row: Row, people: Sequence[Person]) -> Iterator[Person]:
+def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
     """Who is called as a row says, and has another number."""
     for person in Roster(tuple(people)).like(row.name):
         if has_another_number(person, row.lms_id):

@@ -17,7 +17,7 @@ FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")
 
 
 @dataclass(frozen=True)
-class Worksheet:
+class MarksTableFile:
     """A table, and how its file writes it.
 
     Attributes
@@ -60,7 +60,7 @@ class Worksheet:
         return ("\ufeff" if self.marked else "") + file.getvalue()
 
 
-def read_worksheet(path: Path) -> Worksheet:
+def read_worksheet(path: Path) -> MarksTableFile:
     """Read a file that was downloaded from a learning platform.
 
     Raises
@@ -97,7 +97,7 @@ def read_worksheet(path: Path) -> Worksheet:
             )
     head, *others = (tuple([*row, *[""] * width][:width]) for row in rows)
     line_end = "\r\n" if "\r\n" in text else "\n"
-    return Worksheet(path.name, head, tuple(others), separator, line_end, marked)
+    return MarksTableFile(path.name, head, tuple(others), separator, line_end, marked)
 
 
 def read_number(text: str) -> float | None:

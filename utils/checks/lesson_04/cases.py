@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from utils.checks.assertions import frozen
-from utils.geometry import Node, grown
+from utils.geometry import TreeNode, grown
 
 # The eleven points of the lesson.
 QUIZ = frozen(
@@ -30,16 +30,16 @@ QUIZ = frozen(
 BALANCED_ORDER = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
 
 
-def balanced_tree() -> Node:
+def balanced_tree() -> TreeNode:
     """Return the right tree of the eleven points, four levels deep."""
     return grown(QUIZ[list(BALANCED_ORDER)], BALANCED_ORDER)
 
 
-def chain_tree(count: int) -> Node:
+def chain_tree(count: int) -> TreeNode:
     """Return a tree of points that arrived in sorted order; no node has a left child."""
-    root = last = Node([0.0, 0.0], 0)
+    root = last = TreeNode([0.0, 0.0], 0)
     for row in range(1, count):
-        last.right = last = Node([float(row), float(row)], row)
+        last.right = last = TreeNode([float(row), float(row)], row)
     return root
 
 

@@ -27,7 +27,7 @@ from utils.checks.lesson_04.search_results import (
 )
 from utils.checks.lesson_04.trees import build_tree
 from utils.checks.run_cache import once
-from utils.geometry import SIDES, Node, grown, in_turn, places_of
+from utils.geometry import SIDES, TreeNode, grown, in_turn, places_of
 
 # Distances from the target at which nodes cut, from 8 times the radius of the circle to a tenth.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
@@ -299,7 +299,9 @@ def _visited(
     }
 
 
-def _split(node: Node, axis: int, is_left: bool, target: np.ndarray, tolerance: float) -> _Split:
+def _split(
+    node: TreeNode, axis: int, is_left: bool, target: np.ndarray, tolerance: float
+) -> _Split:
     at, is_near = target[axis], math.dist(node.point, target) <= tolerance
     return _Split(at - tolerance, at, at + tolerance, node.point[axis], is_near, is_left)
 

@@ -9,7 +9,7 @@ import numpy as np
 import utils
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief
 from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree_with, exact_text
-from utils.geometry import Node, table_of
+from utils.geometry import TreeNode, table_of
 
 
 def as_indices(answer: object) -> list[int]:
@@ -25,7 +25,7 @@ def as_indices(answer: object) -> list[int]:
 
 
 def assert_found(
-    tree: object, root: Node | None, target: Sequence[float], tolerance: float
+    tree: object, root: TreeNode | None, target: Sequence[float], tolerance: float
 ) -> None:
     """Assert that a search finds exactly the points of a right tree within the tolerance.
 
@@ -81,7 +81,7 @@ def _indices_text(found: set[int]) -> str:
 
 
 def _drawing(
-    root: Node | None, target: Sequence[float], tolerance: float, found: set[int], title: str
+    root: TreeNode | None, target: Sequence[float], tolerance: float, found: set[int], title: str
 ) -> Callable | None:
     """Return a function that draws a search in the plane; None in space or without points."""
     if root is None or len(target) != 2:
@@ -105,7 +105,7 @@ def _drawing(
 
 def assert_pruned(
     KdTree: Callable,
-    root: Node,
+    root: TreeNode,
     target: Sequence[float],
     tolerance: float,
     trap: int,

@@ -19,7 +19,7 @@ from utils.checks.assertions import (
 )
 from utils.checks.run_cache import once
 from utils.checks.size_limits import MOST_OF_A_POINT
-from utils.geometry import SIDES, Node, grown, places_of, table_of
+from utils.geometry import SIDES, TreeNode, grown, places_of, table_of
 from utils.remote_objects import Remote, RemoteError, RemoteStopped
 
 # Limit on the nodes of a wrong tree that are visited, because the tree may be endless.
@@ -33,7 +33,7 @@ _SAMPLES = frozen(
 )
 
 
-def build_tree(KdTree: Callable, root: Node | None, as_lists: bool = False) -> object:
+def build_tree(KdTree: Callable, root: TreeNode | None, as_lists: bool = False) -> object:
     """Return a tree of the student's class with the same nodes as a right one.
 
     The class of the lesson gets its nodes ready-made, so that a mistake in `insert` does not affect
@@ -64,7 +64,7 @@ def build_tree(KdTree: Callable, root: Node | None, as_lists: bool = False) -> o
     return tree
 
 
-def build_tree_with(KdTree: Callable, root: Node, places: dict[int, Sequence[float]]) -> object:
+def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence[float]]) -> object:
     """Return a tree of the student's class with some points where no right tree has them.
 
     Parameters
@@ -108,7 +108,7 @@ def build_tree_with(KdTree: Callable, root: Node, places: dict[int, Sequence[flo
     return tree
 
 
-def _move_points(tree: object, root: Node, places: dict[int, Sequence[float]]) -> bool:
+def _move_points(tree: object, root: TreeNode, places: dict[int, Sequence[float]]) -> bool:
     """Set the points of some nodes; return whether the nodes allow it."""
     for path, node in places_of(root).items():
         if node.index in places:
@@ -223,7 +223,7 @@ def assert_tree(
         )
 
 
-def _first_misplaced(tree: object, root: Node | None) -> tuple[str, str]:
+def _first_misplaced(tree: object, root: TreeNode | None) -> tuple[str, str]:
     """Return a message about the first misplaced point to arrive, and a hint; both may be empty."""
     expected = places_of(root)
     yours = _nodes_by_path(tree, expected)
@@ -258,7 +258,9 @@ def _is_number(value: object, expected: int) -> bool:
     return isinstance(value, (int, np.integer)) and bool(value == expected)
 
 
-def _nodes_by_path(tree: object, expected: dict[str, Node]) -> dict[str, tuple[np.ndarray, object]]:
+def _nodes_by_path(
+    tree: object, expected: dict[str, TreeNode]
+) -> dict[str, tuple[np.ndarray, object]]:
     """Return point and index of a student's nodes by path, to one level below the right tree."""
     found, pending = {}, [("", tree.root)]
     for path, node in pending:  # the list grows inside the loop
@@ -282,7 +284,7 @@ def _nodes_by_path(tree: object, expected: dict[str, Node]) -> dict[str, tuple[n
     return found
 
 
-def _attribute(node: object, name: str, path: str, expected: dict[str, Node]) -> object:
+def _attribute(node: object, name: str, path: str, expected: dict[str, TreeNode]) -> object:
     try:
         return getattr(node, name)
     except Exception as error:
@@ -295,7 +297,7 @@ def _attribute(node: object, name: str, path: str, expected: dict[str, Node]) ->
         ) from None
 
 
-def _same_point(point: np.ndarray, node: Node) -> bool:
+def _same_point(point: np.ndarray, node: TreeNode) -> bool:
     return point.shape == (len(node.point),) and all(
         abs(a - b) <= 1e-4 + 1e-5 * abs(b) for a, b in zip(point.tolist(), node.point, strict=True)
     )
@@ -343,7 +345,7 @@ def _missing(path: str, expected: dict, yours: dict) -> tuple[str, str]:
     return text, "A child that is there stays there: the walk goes on from it."
 
 
-def _path_to(tree: object, node: Node, expected: dict[str, Node]) -> str | None:
+def _path_to(tree: object, node: TreeNode, expected: dict[str, TreeNode]) -> str | None:
     """Return the path to a misplaced point in a student's tree; None if the tree lacks it."""
     pending = [("", tree.root)]
     for path, current in pending:  # the list grows inside the loop
@@ -375,13 +377,13 @@ def _extra_node(expected: dict, yours: dict) -> tuple[str, str]:
     return f"a node stands {_place(extra, expected)}, where the tree should end.", ""
 
 
-def _place(path: str, expected: dict[str, Node]) -> str:
+def _place(path: str, expected: dict[str, TreeNode]) -> str:
     if not path:
         return "at the root"
     return f"to the {SIDES[path[-1]]} of {_name(expected[path[:-1]])}"
 
 
-def _name(node: Node) -> str:
+def _name(node: TreeNode) -> str:
     return f"point {node.index} {exact_text(node.point)}"
 
 
@@ -399,7 +401,7 @@ def few_points_text(points: ArrayLike) -> str | None:
     return f"points {text} in this order" if is_plural else f"point {text}"
 
 
-def _draw_two_trees(tree: object, expected: Node | None) -> Callable:
+def _draw_two_trees(tree: object, expected: TreeNode | None) -> Callable:
     def draw() -> None:
         import matplotlib.pyplot as plt
 

@@ -6,17 +6,23 @@ from collections import Counter
 from collections.abc import Callable
 
 from utils.replays.clustering.faults import first_wrong
-from utils.replays.clustering.frames import Frame, frames_of, written
-from utils.replays.clustering.observer import Watch, as_labels, groups_in, labels_among, queue_among
+from utils.replays.clustering.frames import ReplayFrame, frames_of, written
+from utils.replays.clustering.observer import (
+    LabelObserver,
+    as_labels,
+    groups_in,
+    labels_among,
+    queue_among,
+)
 from utils.replays.clustering.points import GROUP_OF, POINTS, THRESHOLD
 from utils.replays.endings import how_it_ended
-from utils.replays.player import Run, Step, Wrong
+from utils.replays.player import Replay, ReplayStep, Wrong
 from utils.replays.tracer import Ending, record
 
 MOST_STEPS = 200
 
 
-def run_of(euclidean_clustering: Callable) -> Run:
+def run_of(euclidean_clustering: Callable) -> Replay:
     """What a function does with twelve points.
 
     Parameters
@@ -24,7 +30,7 @@ def run_of(euclidean_clustering: Callable) -> Run:
     euclidean_clustering : callable
         A student's.
     """
-    watch = Watch()
+    watch = LabelObserver()
     ending = record(euclidean_clustering, (POINTS.copy(), THRESHOLD), watch.see)
     answer = as_labels(ending.answer)
     labels = labels_among(watch.tracks, ending.answer, answer)
@@ -33,11 +39,13 @@ def run_of(euclidean_clustering: Callable) -> Run:
     frames = frames_of(labels, queue_among(watch.queues))
     wrong = first_wrong(euclidean_clustering, frames, answer, ending)
     count = max(MOST_STEPS, wrong.step + 1 if wrong else 0)
-    steps = [Step(frame.says, frame.draw) for frame in frames[:count]]
-    return Run(steps, wrong, _remark(ending, answer, frames, wrong))
+    steps = [ReplayStep(frame.says, frame.draw) for frame in frames[:count]]
+    return Replay(steps, wrong, _remark(ending, answer, frames, wrong))
 
 
-def _remark(ending: Ending, answer: list | None, frames: list[Frame], wrong: Wrong | None) -> str:
+def _remark(
+    ending: Ending, answer: list | None, frames: list[ReplayFrame], wrong: Wrong | None
+) -> str:
     about = f"Twelve points, threshold {THRESHOLD} m."
     if ending.stopped:
         return f"{about} Your function was stopped: it had no end in sight."
@@ -49,16 +57,16 @@ def _remark(ending: Ending, answer: list | None, frames: list[Frame], wrong: Wro
     return about
 
 
-def _of_the_answer_alone(function: Callable, ending: Ending, answer: list | None) -> Run:
+def _of_the_answer_alone(function: Callable, ending: Ending, answer: list | None) -> Replay:
     """Where no labels could be seen on the way: what came back."""
     if answer is None:
-        return Run(remark=how_it_ended(ending, function))
+        return Replay(remark=how_it_ended(ending, function))
     blank = object()
-    frame = Frame((blank,) * len(POINTS), tuple(answer), blank)
+    frame = ReplayFrame((blank,) * len(POINTS), tuple(answer), blank)
     remark = (
         "While your function runs, nothing in it has one label for each point, so its steps "
         "cannot be shown. This is its answer."
     )
     wrong = first_wrong(function, [frame], answer, ending)
     says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(written, answer))}."
-    return Run([Step(says, frame.draw)], wrong, remark)
+    return Replay([ReplayStep(says, frame.draw)], wrong, remark)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.replays.clustering.frames import Frame, named, written
+from utils.replays.clustering.frames import ReplayFrame, named, written
 from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
 from utils.replays.endings import how_it_ended
 from utils.replays.player import Wrong, first_of
@@ -14,7 +14,7 @@ from utils.replays.tracer import Ending
 
 
 def first_wrong(
-    function: Callable, frames: list[Frame], answer: list | None, ending: Ending
+    function: Callable, frames: list[ReplayFrame], answer: list | None, ending: Ending
 ) -> Wrong | None:
     """The first step that is wrong whatever was meant: the answer itself bears the mistake."""
     last = len(frames) - 1
@@ -28,7 +28,7 @@ def first_wrong(
     return first_of([wrong for wrong in wrongs if wrong])
 
 
-def _joined(frames: list[Frame], answer: list) -> Wrong | None:
+def _joined(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     """Points with one label that no chain of neighbours joins."""
     for position, frame in enumerate(frames):
         for row in frame.joined:
@@ -51,7 +51,7 @@ def _joined(frames: list[Frame], answer: list) -> Wrong | None:
     return None
 
 
-def _parted(frames: list[Frame], answer: list) -> Wrong | None:
+def _parted(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     """Neighbours that end with different labels, or without one."""
     pairs = [
         (row, other) for row, other in np.argwhere(NEAR).tolist() if answer[row] != answer[other]
@@ -75,7 +75,7 @@ def _parted(frames: list[Frame], answer: list) -> Wrong | None:
     return None
 
 
-def _numbered(frames: list[Frame], answer: list) -> Wrong | None:
+def _numbered(frames: list[ReplayFrame], answer: list) -> Wrong | None:
     """A label that is none of 1 to the number of clusters."""
     count = len(set(answer))
     for position, frame in enumerate(frames):
@@ -89,7 +89,7 @@ def _numbered(frames: list[Frame], answer: list) -> Wrong | None:
     return None
 
 
-def _asked_twice(frames: list[Frame]) -> Wrong | None:
+def _asked_twice(frames: list[ReplayFrame]) -> Wrong | None:
     """In a run without an end: the first point that is asked a second time."""
     seen = set()
     for position, frame in enumerate(frames):

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from utils.replays.clustering.observer import Track, groups_in
+from utils.replays.clustering.observer import VariableTrack, groups_in
 from utils.replays.clustering.points import ABOVE, NEAR, POINTS, ROWS, THRESHOLD
 
 
 @dataclass
-class Frame:
+class ReplayFrame:
     """One step: who was asked, who got labels, and who waits then."""
 
     before: tuple
@@ -74,14 +74,14 @@ class Frame:
         axes.set_title(title, loc="left", fontsize=12, fontweight="bold")
 
 
-def frames_of(labels: Track, queue: Track | None) -> list[Frame]:
+def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[ReplayFrame]:
     """The steps of a run: each ends when the next point is asked, or the next cluster begins."""
     moments = [(time, "labels", state, new) for time, state, new in labels.states]
     moments += [(time, "queue", state, new) for time, state, new in (queue.states if queue else ())]
     moments.sort(key=lambda moment: moment[0])
     first = labels.states[0][1]
     blank = first[0] if len(set(first)) == 1 else object()
-    frames = [Frame(first, first, blank, is_first=True)]
+    frames = [ReplayFrame(first, first, blank, is_first=True)]
     waiting = () if queue else None
     for _, kind, state, new in moments:
         now = frames[-1]
@@ -89,17 +89,17 @@ def frames_of(labels: Track, queue: Track | None) -> list[Frame]:
             gone = Counter(waiting) - Counter(state)
             asked = next(iter(gone)) if gone.total() == 1 and not new else None
             if asked is not None or (new and now.asked is not None):
-                frames.append(Frame(now.labels, now.labels, blank, asked))
+                frames.append(ReplayFrame(now.labels, now.labels, blank, asked))
             waiting = state
         elif state != now.labels:
             if now.is_first or not queue or (not waiting and _begins(now, state)):
-                frames.append(Frame(now.labels, state, blank))
+                frames.append(ReplayFrame(now.labels, state, blank))
             frames[-1].labels = state
         frames[-1].waiting = waiting
     return frames
 
 
-def _begins(now: Frame, state: tuple) -> bool:
+def _begins(now: ReplayFrame, state: tuple) -> bool:
     """Whether labels that change begin a new cluster: they are none of who was asked."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
     if now.asked is None or now.asked in changed:

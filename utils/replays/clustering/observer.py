@@ -20,20 +20,20 @@ MOST_MOMENTS, MOST_WAITING = 5_000, 300
 
 
 @dataclass
-class Track:
+class VariableTrack:
     """What one variable held, wherever it was handed to: when, and whether it was another one."""
 
     last: object
     states: list[tuple[int, tuple, bool]] = field(default_factory=list)
 
 
-class Watch:
+class LabelObserver:
     """Looks for whatever may be labels or a queue, at every line."""
 
     def __init__(self) -> None:
-        self.tracks: list[Track] = []
-        self.queues: list[Track] = []
-        self._known: dict[tuple[str, Hashable], Track] = {}
+        self.tracks: list[VariableTrack] = []
+        self.queues: list[VariableTrack] = []
+        self._known: dict[tuple[str, Hashable], VariableTrack] = {}
         self._time = self._moments = 0
 
     def see(self, frame: FrameType, event: str, _: object) -> None:
@@ -48,14 +48,14 @@ class Watch:
             raise Enough
 
     def _note(
-        self, tracks: list[Track], kind: str, name: Hashable, value: object, state: tuple
+        self, tracks: list[VariableTrack], kind: str, name: Hashable, value: object, state: tuple
     ) -> None:
         # The same object under another name, or another object under the same name.
         track = self._known.get((kind, id(value)))
         if track is None or track.last is not value:  # the number of an object is used again
             track = self._known.get((kind, name))
         if track is None:
-            track = Track(value)
+            track = VariableTrack(value)
             tracks.append(track)
         is_new = track.last is not value or not track.states
         track.last = value
@@ -99,7 +99,9 @@ def as_labels(answer: object) -> list | None:
     return None
 
 
-def labels_among(tracks: list[Track], returned: object, answer: list | None) -> Track | None:
+def labels_among(
+    tracks: list[VariableTrack], returned: object, answer: list | None
+) -> VariableTrack | None:
     """What held the labels: what came back, or what ends in the same groups."""
     changing = [track for track in tracks if len({state for _, state, _ in track.states}) > 1]
     for track in changing:
@@ -120,10 +122,10 @@ def groups_in(labels: Sequence) -> list[int]:
     return [order[label] for label in labels]
 
 
-def queue_among(queues: list[Track]) -> Track | None:
+def queue_among(queues: list[VariableTrack]) -> VariableTrack | None:
     """What points waited in: it gained some, and lost some one by one; None in doubt."""
 
-    def is_queue(track: Track) -> bool:
+    def is_queue(track: VariableTrack) -> bool:
         steps = list(zip(track.states, track.states[1:], strict=False))
         kept = [(before[1], after[1]) for before, after in steps if not after[2]]
         gained = any(Counter(after) - Counter(before) for before, after in kept)

@@ -8,24 +8,24 @@ import numpy as np
 
 from utils.lent import own
 from utils.replays.endings import how_it_ended
-from utils.replays.player import Run, Step, Wrong
-from utils.replays.ransac.faults import Answer, Outcome
-from utils.replays.ransac.observer import Round, Watch
+from utils.replays.player import Replay, ReplayStep, Wrong
+from utils.replays.ransac.faults import ModelAndMask, Rounds
+from utils.replays.ransac.observer import Round, SampleObserver
 from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS, Task
 from utils.replays.tracer import Ending, record
 
 
-def run_of_line(ransac_line: Callable) -> Run:
+def run_of_line(ransac_line: Callable) -> Replay:
     """What a student's `ransac_line` does with twenty points."""
     return run_of(LINE, ransac_line)
 
 
-def run_of_plane(ransac_plane: Callable) -> Run:
+def run_of_plane(ransac_plane: Callable) -> Replay:
     """What a student's `ransac_plane` does with a small street."""
     return run_of(PLANE, ransac_plane)
 
 
-def run_of(task: Task, search: Callable) -> Run:
+def run_of(task: Task, search: Callable) -> Replay:
     """What a search does in ten rounds.
 
     Parameters
@@ -35,21 +35,21 @@ def run_of(task: Task, search: Callable) -> Run:
         A student's `ransac_line` or `ransac_plane`.
     """
     through = own(getattr(search, "__globals__", {}).get(task.through))
-    watch, points = Watch(task, getattr(through, "__code__", None)), task.points.copy()
+    watch, points = SampleObserver(task, getattr(through, "__code__", None)), task.points.copy()
     ending = record(search, (points, ROUNDS, task.tolerance, task.seed), watch.see)
     if not np.array_equal(points, task.points):
-        return Run(remark="Your function changes the points that it gets: its run is not shown.")
-    answer = Answer.of(task, ending.answer) if ending.came_back else None
-    rounds, outcome = watch.rounds, Outcome(task, watch.rounds, answer)
+        return Replay(remark="Your function changes the points that it gets: its run is not shown.")
+    answer = ModelAndMask.of(task, ending.answer) if ending.came_back else None
+    rounds, outcome = watch.rounds, Rounds(task, watch.rounds, answer)
     if not rounds and answer is None:
-        return Run(remark=how_it_ended(ending, search))
+        return Replay(remark=how_it_ended(ending, search))
     steps = [_step(outcome, number) for number in range(1, len(rounds) + 1)]
     wrong = outcome.wrong
     if answer:
         steps.append(_last_step(outcome))
     elif not wrong and not ending.stopped:
         wrong = Wrong(len(steps) - 1, how_it_ended(ending, search) + _wanted(task, ending))
-    return Run(steps, wrong, _remark(task, ending, rounds, watch.was_called))
+    return Replay(steps, wrong, _remark(task, ending, rounds, watch.was_called))
 
 
 def _wanted(task: Task, ending: Ending) -> str:
@@ -73,7 +73,7 @@ def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -
     return about
 
 
-def _step(outcome: Outcome, number: int) -> Step:
+def _step(outcome: Rounds, number: int) -> ReplayStep:
     task, one = outcome.task, outcome.rounds[number - 1]
     says = [f"Round {number}:"]
     if one.rows is None:
@@ -91,10 +91,10 @@ def _step(outcome: Outcome, number: int) -> Step:
     mask = one.masks.get(outcome.name_of_mask)
     marked = one.near if mask is None else np.array(mask)
     model = None if one.rows is None else one.model
-    return Step(" ".join(says), lambda title: _draw(task, title, model, marked, one.rows))
+    return ReplayStep(" ".join(says), lambda title: _draw(task, title, model, marked, one.rows))
 
 
-def _last_step(outcome: Outcome) -> Step:
+def _last_step(outcome: Rounds) -> ReplayStep:
     task, answer, winner = outcome.task, outcome.answer, outcome.winner
     if answer.model is None:
         says = f"Your answer: no {task.model}."
@@ -102,7 +102,7 @@ def _last_step(outcome: Outcome) -> Step:
         whose = f", that of round {winner.number}" if winner else ""
         says = f"Your answer: a {task.model}{whose}, with {answer.mask.sum()} inliers."
     model, mask = answer.model, answer.mask
-    return Step(says, lambda title: _draw(task, f"{title}, the answer", model, mask, None))
+    return ReplayStep(says, lambda title: _draw(task, f"{title}, the answer", model, mask, None))
 
 
 def _listed(rows: list[int]) -> str:

@@ -14,7 +14,7 @@ from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
 
 
 @dataclass(frozen=True)
-class Answer:
+class ModelAndMask:
     """A model and a mask."""
 
     task: Task
@@ -22,7 +22,7 @@ class Answer:
     mask: np.ndarray
 
     @classmethod
-    def of(cls, task: Task, returned: object) -> Answer | None:
+    def of(cls, task: Task, returned: object) -> ModelAndMask | None:
         """What a search returned; None where it is no such pair."""
         if not isinstance(returned, tuple | list) or len(returned) != 2:
             return None
@@ -58,20 +58,20 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Rounds:
     """All rounds, and what came of them.
 
     Attributes
     ----------
     task : Task
     rounds : list of Round
-    answer : Answer or None
+    answer : ModelAndMask or None
         None where nothing came back, or no such pair.
     """
 
     task: Task
     rounds: list[Round]
-    answer: Answer | None
+    answer: ModelAndMask | None
 
     @cached_property
     def winner(self) -> Round | None:

@@ -55,7 +55,7 @@ class Round:
         return 0 if self.near is None else int(self.near.sum())
 
 
-class Watch:
+class SampleObserver:
     """Notes each sample with its model, and all masks that come up in its round."""
 
     def __init__(self, task: Task, code: CodeType | None) -> None:
