@@ -16,7 +16,7 @@ from utils.checks.core import noted, visible
 from utils.checks.diagnosis import Mistake, mistakes
 from utils.checks.run_cache import once
 
-# A cluster that surrounds the origin and whose first point is no extreme on any axis. Neither the
+# A cluster that surrounds the origin and whose first point is not extreme on any axis. Neither the
 # starting values of a search nor the order of the points change its box, because separate checks
 # cover these.
 _POINTS = frozen(
