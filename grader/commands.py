@@ -663,7 +663,11 @@ def _print_one(course: Course, student: str, judged: Judged) -> None:
         console.print_verdict(verdict)
     lessons = {submission.lesson.name for submission, _ in judged}
     console.print_history(
-        [one for one in read_changes(course) if one.student == student and one.lesson in lessons]
+        [
+            change
+            for change in read_changes(course)
+            if change.student == student and change.lesson in lessons
+        ]
     )
 
 

@@ -179,11 +179,13 @@ def print_history(changes: Sequence[Change]) -> None:
     for heading in ("From", "To"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("By")
-    for one in changes:
-        when = datetime.fromisoformat(one.when).astimezone()
-        marks = ("-" if mark is None else f"{mark:.4g}" for mark in (one.before, one.after))
-        by, _, key = one.by.partition(" ") if one.by.startswith("verdict") else (one.by, "", "")
-        about = (one.lesson, one.exercise, *marks, f"{by} {key[:8]}".strip())
+    for change in changes:
+        when = datetime.fromisoformat(change.when).astimezone()
+        marks = ("-" if mark is None else f"{mark:.4g}" for mark in (change.before, change.after))
+        by, _, key = (
+            change.by.partition(" ") if change.by.startswith("verdict") else (change.by, "", "")
+        )
+        about = (change.lesson, change.exercise, *marks, f"{by} {key[:8]}".strip())
         table.add_row(f"{when:%Y-%m-%d %H:%M}", *(escape(plain(cell)) for cell in about))
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
@@ -327,7 +329,7 @@ def _collected_sentences(outcome: CollectionReport) -> Iterator[str]:
             "who is on it is found by name or number."
         )
     else:
-        without = [one.id for one in outcome.roster.people if one.id not in outcome.states]
+        without = [person.id for person in outcome.roster.people if person.id not in outcome.states]
         excused = [one for one in without if one in outcome.excused]
         nobody = [one for one in without if one not in outcome.excused]
         if nobody:

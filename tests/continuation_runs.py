@@ -43,8 +43,10 @@ def right_answers(lesson):
     """An answer to each exercise of a lesson that earns everything."""
     found = {}
     for exercise in lesson.machine_graded:
-        rights = [one for one in answers_to(exercise.name) if one.right]
-        found[exercise.name] = next((one for one in rights if one.follows_hints), rights[0]).source
+        rights = [answer for answer in answers_to(exercise.name) if answer.right]
+        found[exercise.name] = next(
+            (right for right in rights if right.follows_hints), rights[0]
+        ).source
     return found
 
 
@@ -179,5 +181,5 @@ def _run(shell, cell):
     shell.display_pub.clear_output = clear
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
         cell.succeeded = shell.run_cell(cell.source, store_history=False).success
-    cell.said = [str(one["data"].get("text/plain", "")) for one in shell.display_pub.outputs]
+    cell.said = [str(output["data"].get("text/plain", "")) for output in shell.display_pub.outputs]
     cell.printed = printed.getvalue()

@@ -228,7 +228,7 @@ def submissions():
     """Files by name, of each kind of student."""
     lesson = find_lesson(SIX)
     right, wrong = (
-        next(one.source for one in answers_to("filter_ground") if one.right == is_right)
+        next(answer.source for answer in answers_to("filter_ground") if answer.right == is_right)
         for is_right in (True, False)
     )
     voxels = next(one.source for one in answers_to("voxel_grid") if one.right)

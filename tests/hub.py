@@ -275,7 +275,7 @@ class Seat:
         self.choose("File", "Save Notebook")
         file = Path(f"/home/{self.name}") / path
         saved = f"{words} in {path}"
-        self.wait(lambda: all(one in file.read_text("utf-8") for one in words), saved)
+        self.wait(lambda: all(word in file.read_text("utf-8") for word in words), saved)
 
 
 # ---- the play -----------------------------------------------------------------------------------

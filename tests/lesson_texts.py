@@ -19,7 +19,7 @@ FOLLOWED = "the hints followed to the letter"
 
 def source_of(exercise, variant=FOLLOWED):
     """The answer to an exercise that the course keeps under a name."""
-    return next(one.source for one in answers_to(exercise) if one.name == variant)
+    return next(answer.source for answer in answers_to(exercise) if answer.name == variant)
 
 
 def taught(exercise, variant=FOLLOWED):

@@ -254,7 +254,7 @@ def become(module: str, now: list[FunctionType], functions: dict[str, CodeType])
 
 def functions_of(module: str) -> list[FunctionType]:
     """All functions of a module that there are, the decorated ones, too."""
-    functions = (one for one in gc.get_objects() if isinstance(one, FunctionType))
+    functions = (object_ for object_ in gc.get_objects() if isinstance(object_, FunctionType))
     path = str(PROJECT / module)
     return [function for function in functions if function.__code__.co_filename == path]
 
@@ -365,7 +365,7 @@ class Trying:
         seconds = 3 + 3 * sum(self.runs[item.nodeid].seconds for item in items)
         wall = 60 + 6 * sum(self.runs[item.nodeid].wall for item in items)
         work = functools.partial(self._ask_anew, mutant)
-        if functions and {*functions} <= {one.__qualname__ for one in self.functions}:
+        if functions and {*functions} <= {function.__qualname__ for function in self.functions}:
             work = functools.partial(self._ask, items, functions)
         folder = f"{self.folder}/{mutant.digest}"
         return begin(work, patience * seconds, folder), patience * wall

@@ -122,7 +122,9 @@ class Canvas:
     def import_row(self, head, row, places):
         about = dict(zip(head, row, strict=True))
         found = [one for one in self.students if about["ID"] == str(one.id)]
-        found = found or [one for one in self.students if about["SIS Login ID"] == one.login]
+        found = found or [
+            student for student in self.students if about["SIS Login ID"] == student.login
+        ]
         assert found, f"a new student {row[0]!r}"
         if "Notes" in head:
             self.notes[found[0].id] = about["Notes"]

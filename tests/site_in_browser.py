@@ -92,10 +92,10 @@ def asked(driver):
 def elsewhere(addresses):
     """Those of another host."""
     return [
-        one
-        for one in addresses
-        if urlsplit(one).scheme in ("http", "https", "ws", "wss")
-        and urlsplit(one).hostname != "127.0.0.1"
+        address
+        for address in addresses
+        if urlsplit(address).scheme in ("http", "https", "ws", "wss")
+        and urlsplit(address).hostname != "127.0.0.1"
     ]
 
 

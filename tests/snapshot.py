@@ -49,7 +49,7 @@ def tell(lesson_name: str, exercise: str, number: int) -> dict:
     """What judge and `check` say about one answer, the other exercises being right."""
     lesson = next(lesson for lesson in all_lessons() if lesson.name == lesson_name)
     chosen = {
-        other.name: next(one.source for one in answers_to(other.name) if one.right)
+        other.name: next(answer.source for answer in answers_to(other.name) if answer.right)
         for other in lesson.machine_graded
     } | {exercise: answers_to(exercise)[number].source}
     notebook = fill_in(lesson, chosen)

@@ -129,7 +129,9 @@ def answers_in_notebooks(exercise):
 def right_functions(exercise):
     """Right answers that are functions: who writes a class is asked in the sandbox alone."""
     for variant in answers_to(exercise):
-        if variant.right and any(exercise in one.binds for one in statements_of(variant)):
+        if variant.right and any(
+            exercise in statement.binds for statement in statements_of(variant)
+        ):
             yield variant
 
 

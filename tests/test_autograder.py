@@ -37,7 +37,7 @@ WHOLE = {
 
 
 def verdict(exercises=(), status=JUDGED, problems=(), faults=()):
-    score = round(sum(one.score for one in exercises), 2)
+    score = round(sum(exercise.score for exercise in exercises), 2)
     return Verdict(SIX.name, "", status, score, 30.0, exercises, problems, 1.0, "k", faults)
 
 
@@ -148,7 +148,7 @@ def test_what_is_handed_in_is_found_wherever_it_lies(root, unjudged):
     below.write_bytes(SIX.released.read_bytes())
     found = judged(root)
     assert unjudged == [(below.name, SIX.name, "", SEED, "")]
-    assert [one.lesson.name[:2] for one in found.lessons if one.verdict] == ["06"]
+    assert [lesson.lesson.name[:2] for lesson in found.lessons if lesson.verdict] == ["06"]
     assert [one.lesson.name[:2] for one in found.lessons] == ["06", "07", "08", "09"]
     assert "was taken for 06_filter_ground.ipynb" in str(found.lessons[0].notes)
 
@@ -182,7 +182,7 @@ def test_a_link_to_the_solution_is_no_answer(root, unjudged, of):
 
 def test_an_assignment_may_be_one_lesson(root, unjudged):
     (root / "source" / "assignment").write_text(f"{SIX.name}\n")
-    assert [one.lesson for one in judged(root).lessons] == [SIX]
+    assert [lesson.lesson for lesson in judged(root).lessons] == [SIX]
 
 
 def test_who_had_no_processor_is_asked_again(root, monkeypatch):

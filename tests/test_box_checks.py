@@ -18,7 +18,7 @@ CORNERS = {
 
 def noted(exercise, function):
     """Names of the notes that a function gets."""
-    return {one.name for one in notes_of(exercise) if run_check(one, function).failure}
+    return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
 
 
 @pytest.mark.parametrize(

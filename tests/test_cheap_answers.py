@@ -476,7 +476,7 @@ def test_what_is_right_in_part_earns_its_part(exercise):
 
 def lost(variant_of, name, lesson_name):
     """Names of the tests that a variant fails, in a notebook of right answers."""
-    variant = next(one for one in answers_to(variant_of) if one.name == name)
+    variant = next(answer for answer in answers_to(variant_of) if answer.name == name)
     reference = load_reference(lesson_name)
     space = {**vars(reference), "np": np}
     exec(variant.source.replace(ANOTHER_CELL, ""), space)

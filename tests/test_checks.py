@@ -510,9 +510,9 @@ def test_a_function_that_ruins_its_arguments_loses_nothing_but_that(lesson):
         functions["KdTree"] = reference.KdTree
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     faults = {
-        one.check.name: f"{type(one.failure).__name__}: {one.failure}"
-        for one in run_tests(lesson, student, 3)
-        if one.failure and "changed its input" not in str(one.failure)
+        test.check.name: f"{type(test.failure).__name__}: {test.failure}"
+        for test in run_tests(lesson, student, 3)
+        if test.failure and "changed its input" not in str(test.failure)
     }
     assert faults == {}
     # Whoever writes into a copy for a good reason must not meet an array that forbids it.
@@ -583,7 +583,7 @@ def test_of_answers_far_too_large_a_few_are_looked_at():
     )
     lesson = next(one for one in all_lessons() if one.number == "09")
     outcomes = run_tests(lesson, student, 1)
-    not_tried = [one for one in outcomes if "Not tried: 5 answers" in str(one.failure)]
+    not_tried = [outcome for outcome in outcomes if "Not tried: 5 answers" in str(outcome.failure)]
     assert len(calls) == 5 and len(not_tried) == len(outcomes) - 5 > 5
 
 
@@ -723,5 +723,5 @@ def test_no_rows_of_any_length_are_nothing(source, exercise, shape):
         return found if found.size else np.empty(shape)
 
     answer.__name__ = exercise
-    outcomes = [run_check(one, answer) for one in checks_of(exercise)]
+    outcomes = [run_check(check, answer) for check in checks_of(exercise)]
     assert not [outcome.failure for outcome in outcomes if outcome.failure]

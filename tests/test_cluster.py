@@ -203,7 +203,7 @@ HOSTILE = {
 
 def hostile(body, before=""):
     text = f"{before}\ndef filter_ground(cloud, ground_level=-1.2):\n    {body}\n"
-    right = next(one.source for one in answers_to("voxel_grid") if one.right)
+    right = next(answer.source for answer in answers_to("voxel_grid") if answer.right)
     return fill_in(LESSON, {"filter_ground": text, "voxel_grid": right})
 
 

@@ -640,7 +640,7 @@ def test_what_is_handed_in_again_takes_the_place_and_the_older_is_kept(course):
     assert states(collect(course, second)) == {"ada": {"06": "newer"}}
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
     assert older(course, "ada") == [notebook(text="first")]
-    assert [one.path.name for one in find_submissions(course)] == [f"{SIX}.ipynb"]
+    assert [submission.path.name for submission in find_submissions(course)] == [f"{SIX}.ipynb"]
     assert find_submissions(course)[0].older == ()
     assert unaccounted_files(course) == []
 

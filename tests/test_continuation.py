@@ -215,7 +215,7 @@ def test_what_changes_a_kept_thing_finds_it_new():
 )
 def test_what_a_loop_makes_anew_each_time_it_does_not_find(loop, again):
     cells = ["axes = f(0)", "panels = [1]\ntop = 2", loop]
-    assert [one.cell for one in plan(cells, {"f": ["f"]}, set()).statements] == again
+    assert [statement.cell for statement in plan(cells, {"f": ["f"]}, set()).statements] == again
 
 
 def test_a_cell_that_uses_none_of_it_rests_on_nothing():
@@ -241,7 +241,7 @@ def test_every_cell_below_a_wrong_answer_comes_to_its_end(lesson):
     A fixed draw of them: each runs a whole notebook.
     """
     for exercise in lesson.machine_graded:
-        wrong = [one for one in answers_to(exercise.name) if not one.right]
+        wrong = [answer for answer in answers_to(exercise.name) if not answer.right]
         wrong = random.Random(exercise.name).sample(wrong, 2)
         for one, cells in zip(
             wrong, evenings(lesson, exercise.name, [one.source for one in wrong]), strict=True

@@ -502,7 +502,9 @@ def test_workers_end_with_whoever_started_them(tmp_path):
     workers = [int(word) for word in done.stdout.split()]
     assert workers
     deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline and any(os.path.exists(f"/proc/{one}") for one in workers):
+    while time.monotonic() < deadline and any(
+        os.path.exists(f"/proc/{worker}") for worker in workers
+    ):
         time.sleep(0.05)
     assert not any(os.path.exists(f"/proc/{one}") for one in workers)
 

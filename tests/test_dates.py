@@ -52,7 +52,7 @@ def grade_with(course, dates):
 
 def late(course):
     stages = class_results(course).stages
-    return {one.student: one.late for one in stages if one.late}
+    return {stage.student: stage.late for stage in stages if stage.late}
 
 
 def grant(course, student, **time):
@@ -202,7 +202,7 @@ def test_a_later_date_in_the_file_moves_who_has_their_own(course):
     section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
     grade_with(course, HEAD + section)
     grade_with(course, HEAD.replace("-01T", "-06T") + section)
-    due = {one.student: one.due for one in class_results(course).stages}
+    due = {stage.student: stage.due for stage in class_results(course).stages}
     assert due == {
         "ada": datetime(2026, 3, 6, 11, tzinfo=UTC),
         "bob": datetime(2026, 3, 8, 11, tzinfo=UTC),

@@ -212,7 +212,7 @@ def test_who_steps_off_the_kerb_unseen_is_braked_for_at_once():
         person = thing(2.6 + metres, -1.5, length=0.5, width=0.5)
         for before in (nobody, drops):
             decisions = decided(before, *[[*before, person]] * 3)
-            assert [one.cause for one in decisions] == [None, None, None, person]
+            assert [decision.cause for decision in decisions] == [None, None, None, person]
             assert decisions[-1].acceleration < -3
 
 
@@ -246,7 +246,7 @@ def test_speeds_over_the_ground_come_of_boxes_seen_from_a_moving_car():
         # We drive 6 m/s: a parked box comes nearer, and a walker crosses at 1.4 m/s.
         boxes = np.stack([box(30 - 6 * time, 5), box(25 - 6 * time, -4 + 1.4 * time)])
         things = motion.update(boxes, 0.6 if scan else 0.0, 0.1)
-    parked, walker = (np.array(one.velocity) for one in things)
+    parked, walker = (np.array(thing.velocity) for thing in things)
     assert np.allclose(parked, 0.0, atol=0.1)
     assert np.allclose(walker, (0.0, 1.4), atol=0.1)
 
@@ -834,7 +834,7 @@ WRONG = [
 @pytest.mark.proof
 @pytest.mark.parametrize(("name", "street", "words"), WRONG, ids=[row[0] for row in WRONG])
 def test_a_wrong_detector_does_worse_for_the_reason_it_should(name, street, words, tmp_path):
-    (variant,) = [one for one in answers_to("detect_obstacles") if one.name == name]
+    (variant,) = [answer for answer in answers_to("detect_obstacles") if answer.name == name]
     (lesson,) = [one for one in all_lessons() if one.number == "12"]
     notebook = tmp_path / "12_streaming_obstacles.ipynb"
     notebook.write_text(fill_in(lesson, {"detect_obstacles": variant.source}), "utf-8")

@@ -119,7 +119,10 @@ def function(body):
 
 def edits_in(*cells):
     statements, _ = slicing.parse_notebook(cells)
-    return edits_of(cells, [one for one in statements if isinstance(one.node, ast.FunctionDef)])
+    return edits_of(
+        cells,
+        [statement for statement in statements if isinstance(statement.node, ast.FunctionDef)],
+    )
 
 
 @pytest.mark.parametrize("slip", SLIPS)

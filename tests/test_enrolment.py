@@ -46,8 +46,8 @@ def course(tmp_path):
 def students(course):
     with gradebook.open_gradebook(course) as book:
         return {
-            one.id: (one.first_name, one.last_name, one.email, one.lms_user_id)
-            for one in book.students
+            student.id: (student.first_name, student.last_name, student.email, student.lms_user_id)
+            for student in book.students
         }
 
 
@@ -152,7 +152,9 @@ def test_of_one_lesson_in_two_folders_the_newest_counts_and_the_other_is_named(c
         hand_in(course, folder, GROUND, " " * age)
         path = course.submitted / folder / STAGE / f"{GROUND.name}.ipynb"
         os.utime(path, (1e9 - 1e6 * age,) * 2)
-    (found,) = [one for one in find_submissions(course) if one.student == "yan"]
+    (found,) = [
+        submission for submission in find_submissions(course) if submission.student == "yan"
+    ]
     assert found.path.parent.parent.name == "yan "
     (note,) = found.read(course).notes
     paths_named = [f"{folder}/{STAGE}/{GROUND.name}.ipynb" for folder in ("yan ", "yan")]
@@ -169,12 +171,16 @@ def test_whose_a_folder_may_be_is_asked_with_a_command_that_loses_nothing(course
     (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
     (sentence,) = strangers(course, read_roster(course)).values()
     commands = sentence.partition("Yip): ")[2].partition("; else")[0]
-    assert all(shlex.split(one)[:2] == ["mv", "-n"] for one in commands.split(" && "))
+    assert all(shlex.split(part)[:2] == ["mv", "-n"] for part in commands.split(" && "))
     before = {path.read_bytes() for path in course.submitted.rglob("*.ipynb")}
     subprocess.run(commands, shell=True, check=True, cwd=course.root)
     assert {path.read_bytes() for path in course.submitted.rglob("*.ipynb")} == before
     assert strangers(course, read_roster(course)) == {}
-    found = {one.lesson: one for one in find_submissions(course) if one.student == "yan"}
+    found = {
+        submission.lesson: submission
+        for submission in find_submissions(course)
+        if submission.student == "yan"
+    }
     assert len(found[GROUND].older) == 1 and found[DISTANCE].older == ()
 
 

@@ -18,8 +18,10 @@ def source_of(exercise, name=""):
     """The lesson's own solution of an exercise, or one of its variants."""
     if not name:
         statements, _ = slicing.parse_notebook([LESSON.source.read_text("utf-8")])
-        return next(ast.unparse(one.node) for one in statements if exercise in one.binds)
-    return next(one.source for one in answers_to(exercise) if one.name == name)
+        return next(
+            ast.unparse(statement.node) for statement in statements if exercise in statement.binds
+        )
+    return next(answer.source for answer in answers_to(exercise) if answer.name == name)
 
 
 def judged(answers, sandbox, tmp_path):
@@ -27,7 +29,7 @@ def judged(answers, sandbox, tmp_path):
     right = {one.name: source_of(one.name) for one in LESSON.machine_graded}
     path = tmp_path / f"{LESSON.name}.ipynb"
     path.write_text(fill_in(LESSON, right | answers), "utf-8")
-    return {one.name: one for one in judge(path, 7, sandbox).exercises}
+    return {exercise.name: exercise for exercise in judge(path, 7, sandbox).exercises}
 
 
 @pytest.mark.slow
@@ -109,7 +111,7 @@ def test_a_slip_in_a_source_that_was_not_built_has_no_say(moved, sandbox, tmp_pa
     shutil.copy(PLANE.solved, path)
     spoil(path)  # the student's own slip
     spoil(moved.source)
-    results = {one.name: one for one in judge(path, 7, sandbox, moved).exercises}
+    results = {exercise.name: exercise for exercise in judge(path, 7, sandbox, moved).exercises}
     assert results["plane_through"].score < results["plane_through"].max_score
     assert results["ransac_plane"].score == results["ransac_plane"].max_score
     assert "plane_through, which ransac_plane calls, is wrong." in results["ransac_plane"].cause

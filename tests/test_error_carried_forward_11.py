@@ -32,7 +32,7 @@ STUB = "def principal_axes(points):\n    raise NotImplementedError\n"
 
 
 def wrong_axes(name):
-    return next(one.source for one in answers_to("principal_axes") if one.name == name)
+    return next(answer.source for answer in answers_to("principal_axes") if answer.name == name)
 
 
 def results(axes, boxes, sandbox, folder):
@@ -40,7 +40,7 @@ def results(axes, boxes, sandbox, folder):
     path = folder / f"{LESSON.name}.ipynb"
     answers = {"principal_axes": axes, "get_oriented_boxes": boxes}
     path.write_text(fill_in(LESSON, answers), "utf-8")
-    return {one.name: one for one in judge(path, 7, sandbox).exercises}
+    return {exercise.name: exercise for exercise in judge(path, 7, sandbox).exercises}
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ def stands(person, scores, late=None, excused=(), penalty=0.0):
         notebooks.append(NotebookResult(person.id, stage, lesson, standing, score, most, off))
     stages = []
     for stage in (THREE, FOUR):
-        mine = [one for one in notebooks if one.stage == stage]
+        mine = [notebook for notebook in notebooks if notebook.stage == stage]
         known = [one.score for one in mine if one.score is not None]
         at = DUE + late if late is not None and known else None
         stages.append(
@@ -133,7 +133,7 @@ def test_a_lesson_is_marked_while_another_of_its_stage_waits():
 def test_names_shift_no_column_and_run_no_formula():
     names = ["O'Neil, Jr", 'the "quoted"', "=cmd|' /C calc'!A0", "+1", "-1", "@x", "zwei\nZeilen"]
     people = [Person(name, name, name, name, name) for name in names]
-    results = class_of(*(stands(one, {SIX: 1.0}) for one in people), people=people)
+    results = class_of(*(stands(person, {SIX: 1.0}) for person in people), people=people)
     rows = table(results)[1][2:]
     assert [row[5] for row in rows] == ["1"] * len(names)
     for row, name in zip(rows, names, strict=True):
@@ -199,7 +199,7 @@ def test_what_is_not_entered_yet_is_no_mark_even_where_it_is_provisional():
 def test_a_mark_that_may_still_be_late_is_named():
     notebooks, stages = stands(ADA, {SIX: 1.0})
     why = {THREE: "timestamp.txt is empty"}
-    stages = [dataclasses.replace(one, undecided=why.get(one.stage, "")) for one in stages]
+    stages = [dataclasses.replace(stage, undecided=why.get(stage.stage, "")) for stage in stages]
     results = ClassResults((ADA,), tuple(notebooks), tuple(stages))
     said = "Nothing taken off, as whether they were late is undecided: ada."
     assert said in marks(THREE, results)[0].notes and said in marks(SIX, results)[0].notes

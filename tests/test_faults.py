@@ -42,7 +42,9 @@ RIGHT = {
     exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
     for exercise in ("filter_ground", "voxel_grid")
 }
-WRONG = {"voxel_grid": next(one.source for one in answers_to("voxel_grid") if not one.right)}
+WRONG = {
+    "voxel_grid": next(answer.source for answer in answers_to("voxel_grid") if not answer.right)
+}
 
 
 WORK = """
@@ -164,7 +166,7 @@ def test_a_fault_of_a_test_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
     def spoiled(*question):
         outcomes = right(*question)
-        return [type(one)(one.check, ZeroDivisionError("oracle")) for one in outcomes]
+        return [type(outcome)(outcome.check, ZeroDivisionError("oracle")) for outcome in outcomes]
 
     rehearsed(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # what it remembers is from here
@@ -183,7 +185,7 @@ def shake_once(monkeypatch):
 
     def shaken(*question):
         outcomes = right(*question)
-        asked.append([one.check.name for one in outcomes])
+        asked.append([outcome.check.name for outcome in outcomes])
         if len(asked) > 1:
             return outcomes
         return [
@@ -378,13 +380,16 @@ def test_a_notebook_that_kills_is_tried_once_more_alone(seen, monkeypatch):
     fares = Fares(seen, poison={1: death})
     verdicts = fares.judged(monkeypatch)
     assert fares.asked == [("ada", False), ("poison", False), ("zoe", False), ("poison", True)]
-    assert {one.status for one in verdicts.values()} == {JUDGED}
+    assert {verdict.status for verdict in verdicts.values()} == {JUDGED}
     assert [news[:3] for news in fares.told[-2:]] == [(2, 3, "zoe"), (3, 3, "poison")]
     seen.verdicts.joinpath("poison", LESSON.stage, f"{LESSON.name}.json").unlink()
     verdicts = Fares(seen, poison={1: death, 2: death}).judged(monkeypatch)
     failed = verdicts["poison"]
     assert (failed.status, failed.score, failed.max_score) == (FAILED, 0.0, 30.0)
-    assert [(one.score, one.tests) for one in failed.exercises] == [(0.0, ()), (0.0, ())]
+    assert [(exercise.score, exercise.tests) for exercise in failed.exercises] == [
+        (0.0, ()),
+        (0.0, ()),
+    ]
     assert "died (signal 9)" in failed.faults[0] and failed.problems == (judging.UNFAIR,)
     assert (failed.lesson, failed.student, failed.key) == (LESSON.name, "poison", "")
     assert not failed.starved and failed.seconds == 0.0
@@ -401,7 +406,7 @@ def test_where_nothing_judges_any_more_nobody_has_failed(seen, monkeypatch, erro
 
 def test_one_notebook_that_fails_the_judge_stops_no_other(seen, monkeypatch):
     verdicts = Fares(seen, poison={1: ZeroDivisionError("oracle")}).judged(monkeypatch)
-    assert [one.status for one in verdicts.values()] == [JUDGED, FAILED, JUDGED]
+    assert [verdict.status for verdict in verdicts.values()] == [JUDGED, FAILED, JUDGED]
     assert "ZeroDivisionError: oracle" in verdicts["poison"].faults[0]
     again = Fares(seen)
     again.judged(monkeypatch)
@@ -832,7 +837,9 @@ def test_a_renamed_file_is_recognised_and_said_to_be(course, name):
     stage = course.submitted / "eve" / LESSON.stage
     (stage / name).parent.mkdir(parents=True)
     (stage / name).write_bytes(notebook(LESSON.name))
-    (found,) = [one for one in find_submissions(course) if one.student == "eve"]
+    (found,) = [
+        submission for submission in find_submissions(course) if submission.student == "eve"
+    ]
     notes = found.read(course).notes
     assert bool(notes) == (found.path.name != "06_filter_ground.ipynb")
     assert unaccounted_files(course) == []
@@ -846,7 +853,9 @@ def test_of_several_files_the_newest_counts(course):
     ):
         (stage / f"{name}.ipynb").write_text("{}")
         os.utime(stage / f"{name}.ipynb", (1000, 1000 + (age == 1)))
-    (found,) = [one for one in find_submissions(course) if one.student == "eve"]
+    (found,) = [
+        submission for submission in find_submissions(course) if submission.student == "eve"
+    ]
     assert found.path.name == "06_filter_ground.ipynb"
     assert "The newest, 06_filter_ground.ipynb, was judged" in found.read(course).notes[0]
     os.utime(stage / "06_filter_ground.ipynb", (1000, 1000))  # then the number of the copy says

@@ -206,7 +206,7 @@ def verdict(lesson, student, exercises):
         lesson=lesson.name,
         student=student,
         status=JUDGED,
-        score=sum(one.score for one in exercises),
+        score=sum(exercise.score for exercise in exercises),
         max_score=sum(one.max_score for one in exercises),
         exercises=exercises,
         problems=("The last cell <b>breaks</b> off.",) if student == "bjorn" else (),
@@ -220,8 +220,8 @@ def judged(lesson, student):
     if lesson == TEN:
         return verdict(lesson, student, (WRONG if student == "bjorn" else RIGHT,))
     exercises = tuple(
-        ExerciseResult(one.name, one.points, one.points, (check("runs"),))
-        for one in lesson.machine_graded
+        ExerciseResult(exercise.name, exercise.points, exercise.points, (check("runs"),))
+        for exercise in lesson.machine_graded
     )
     return verdict(lesson, student, exercises)
 

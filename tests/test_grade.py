@@ -290,7 +290,9 @@ def test_a_verdict_that_does_not_say_of_what_is_reached_again(judged_course, san
     verdict = json.loads(path.read_text("utf-8"))
     fingerprint = verdict.pop("fingerprint")
     path.write_text(json.dumps(verdict), "utf-8")
-    (half,) = [one for one in find_submissions(judged_course) if one.student == "half"]
+    (half,) = [
+        submission for submission in find_submissions(judged_course) if submission.student == "half"
+    ]
     assert grade.stored_verdict(judged_course, half, SEED) is None
     judged = {one.student: verdict for one, verdict in judge_it(judged_course, sandbox)}
     assert json.loads(path.read_text("utf-8"))["fingerprint"] == fingerprint

@@ -70,9 +70,12 @@ def verdict_on(course, submission, earned, **more):
 def verdicts(course, earned=EARNED, **more):
     """(submission, verdict) of everything that was handed in and is to be entered."""
     return [
-        (one, verdict_on(course, one, earned[one.student][one.lesson], **more))
-        for one in find_submissions(course)
-        if one.lesson in earned.get(one.student, {})
+        (
+            submission,
+            verdict_on(course, submission, earned[submission.student][submission.lesson], **more),
+        )
+        for submission in find_submissions(course)
+        if submission.lesson in earned.get(submission.student, {})
     ]
 
 
@@ -128,7 +131,7 @@ def marks(course):
 def penalties(course):
     """What is taken off for lateness, by student; only where something is."""
     stages = class_results(course).stages
-    return {one.student: one.penalty for one in stages if one.penalty}
+    return {stage.student: stage.penalty for stage in stages if stage.penalty}
 
 
 def expected_marks(earned=EARNED):
@@ -154,7 +157,9 @@ def test_what_is_entered_is_what_was_judged(course):
     assert marks(course) == expected_marks()
     assert told == [(1, 2, "ada"), (2, 2, "bob")]
     results = class_results(course)
-    assert [(one.student, one.lesson, one.score) for one in results.notebooks] == [
+    assert [
+        (notebook.student, notebook.lesson, notebook.score) for notebook in results.notebooks
+    ] == [
         ("ada", GROUND.name, 11.75),
         ("ada", DISTANCE.name, 18.25),
         ("bob", GROUND.name, None),  # not handed in
@@ -568,7 +573,7 @@ def test_whether_a_time_that_cannot_be_read_is_late_is_undecided(entered, text):
     def undecided():
         enter(entered, verdicts(entered), [STAGE], quiet)
         stages = class_results(entered).stages
-        return [one.student for one in stages if one.undecided]
+        return [stage.student for stage in stages if stage.undecided]
 
     assert undecided() == []  # nothing is due
     set_due(entered, "11")

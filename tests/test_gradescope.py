@@ -46,13 +46,14 @@ def judge(course):
         CheckResult("c", "Nothing changes", True, 10.0, 10.0, "", True),
     )
     exercise = ExerciseResult("filter_ground", 10.0, 30.0, checks)
-    for one in find_submissions(course):
-        fingerprint = one.read(course).fingerprint()
+    for submission in find_submissions(course):
+        fingerprint = submission.read(course).fingerprint()
         verdict = Verdict(
-            SIX, one.student, "judged", 10.0, 30.0, (exercise,), ("A cell moved.",), 1, "k"
+            SIX, submission.student, "judged", 10.0, 30.0, (exercise,), ("A cell moved.",), 1, "k"
         )
         write_verdict(
-            Verdict(**{**vars(verdict), "fingerprint": fingerprint}), one.verdict_path(course)
+            Verdict(**{**vars(verdict), "fingerprint": fingerprint}),
+            submission.verdict_path(course),
         )
 
 
@@ -83,7 +84,7 @@ def run(tmp_path, course):
         shutil.copytree(course.submitted / student / STAGE, root / "submission")
         (root / "submission" / "__MACOSX").mkdir()
         (root / "submission" / "__MACOSX" / f"._{SIX}.ipynb").write_bytes(b"\0")
-        users = [{"email": one, "id": 1, "name": "N"} for one in email.split()]
+        users = [{"email": part, "id": 1, "name": "N"} for part in email.split()]
         (root / "submission_metadata.json").write_text(json.dumps({"users": users}))
         script = (root / "source" / "run_autograder").read_text()
         assert script.startswith("#!/usr/bin/env python3\n")

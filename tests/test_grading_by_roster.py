@@ -117,7 +117,7 @@ def test_where_there_are_several_stages_each_lateness_names_its_own(capsys):
     results = ClassResults((Person("ada"),), tuple(marks), tuple(stages))
     judged = [
         (Submission("ada", lesson, Path("x")), Verdict(name, "ada", JUDGED, 1, 1, (), (), 0, ""))
-        for name in (one.lesson for one in marks)
+        for name in (mark.lesson for mark in marks)
         if (lesson := find_lesson(name))
     ]
     print_class(judged, results)
@@ -152,9 +152,9 @@ def test_one_student_is_graded_alone_and_told_how_the_marks_came_to_be(course, c
         ["-", "8.5", "verdict", "of"],
         ["8.5", "15", "a", "person"],
     ]
-    assert {one.student for one in read_changes(course)} == {"ada", "bob"}  # and no ghost yet
+    assert {change.student for change in read_changes(course)} == {"ada", "bob"}  # and no ghost yet
     with gradebook.open_gradebook(course) as book:
-        students = {one.student.id for one in book.find_assignment(STAGE).submissions}
+        students = {submission.student.id for submission in book.find_assignment(STAGE).submissions}
     assert students == {"ada", "bob"}
     assert "bob" in (course.report / "index.html").read_text()  # it is of the whole class
     assert grade(course, "ghost") == commands.GOOD

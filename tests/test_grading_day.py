@@ -65,7 +65,7 @@ def course(tmp_path, sandbox, monkeypatch):
 
 def half():
     """A notebook of lesson 06 in which the ground is right, and the voxels are not begun."""
-    (right, *_) = (one.source for one in answers_to("filter_ground") if one.right)
+    (right, *_) = (answer.source for answer in answers_to("filter_ground") if answer.right)
     return fill_in(SIX, {"filter_ground": right}).encode()
 
 

@@ -46,8 +46,8 @@ def enter_again(course, earned=EARNED, **more):
     before = len(list(read_changes(course)))
     enter(course, verdicts(course, earned, **more), [STAGE], quiet)
     return [
-        (one.student, one.exercise, one.before, one.after, one.by)
-        for one in list(read_changes(course))[before:]
+        (change.student, change.exercise, change.before, change.after, change.by)
+        for change in list(read_changes(course))[before:]
     ]
 
 
@@ -67,7 +67,9 @@ def test_the_first_marks_are_noted_with_the_verdict_they_come_from(course):
         for lesson, scores in lessons.items()  # nothing of what was not handed in
         for exercise, score in zip(lesson.machine_graded, scores, strict=True)
     }
-    assert {one.before for one in changes} == {None} and {one.stage for one in changes} == {STAGE}
+    assert {change.before for change in changes} == {None} and {one.stage for one in changes} == {
+        STAGE
+    }
     keys = {(one.student, one.lesson): one.by for one in changes}
     assert keys["ada", GROUND.name] == f"verdict of ada {EARNED['ada'][GROUND]}"
     assert all(one.when.endswith("+00:00") for one in changes)
@@ -177,7 +179,9 @@ def test_a_student_graded_alone_leaves_the_others(course):
     ]
     enter(course, changed, [STAGE], quiet, student="ada")
     with gradebook.open_gradebook(course) as book:
-        assert {one.student.id for one in book.find_assignment(STAGE).submissions} == {"ada", "bob"}
+        assert {
+            submission.student.id for submission in book.find_assignment(STAGE).submissions
+        } == {"ada", "bob"}
     shutil.rmtree(course.submitted / "ada")
     enter(course, [], [STAGE], quiet, student="ada")
     with gradebook.open_gradebook(course) as book:
@@ -185,5 +189,5 @@ def test_a_student_graded_alone_leaves_the_others(course):
 
 
 def test_lessons_of_the_stage_are_told_apart(course):
-    lessons = {one.lesson for one in read_changes(course)}
+    lessons = {change.lesson for change in read_changes(course)}
     assert lessons == {GROUND.name, DISTANCE.name}

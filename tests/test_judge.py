@@ -319,7 +319,7 @@ def test_an_answer_in_the_first_cell_counts_though_the_stubs_stand_below(sandbox
     lesson = find_lesson("09_filter_clusters")
     content = json.loads(lesson.released.read_text("utf-8"))
     first = next(cell for cell in content["cells"] if cell["cell_type"] == "code")
-    right = next(one.source for one in answers_to("filter_clusters") if one.right)
+    right = next(answer.source for answer in answers_to("filter_clusters") if answer.right)
     first["source"] = "".join(first["source"]) + "\n\n" + right
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(json.dumps(content), "utf-8")
@@ -361,7 +361,9 @@ def test_only_what_was_right_to_the_letter_is_not_asked_again(sandbox, tmp_path,
     assert judged(right + "\n# mine", student="eve")[1] == 1
     # What is remembered of one more is its key: the results are those of the first.
     assert all(
-        one is kept.exercises[0] for also in judging._RIGHT.values() for one in also.exercises
+        exercise is kept.exercises[0]
+        for also in judging._RIGHT.values()
+        for exercise in also.exercises
     )
     assert judged(right, seed=2)[1] == 1
     assert judged(right, module="x = 1")[1] == 1

@@ -353,7 +353,7 @@ def test_a_class_drives_once_and_whoever_hands_in_again_drives_again(course, job
     seen = []
     first = driven_class(course, sandbox, lambda *about: seen.append(about[:2]))
     assert len(jobs) == 4 * 6 and seen[0] == (0, 24) and seen[-1] == (24, 24)
-    assert [one.name for one in first.students] == ["ada", "ben"]
+    assert [student.name for student in first.students] == ["ada", "ben"]
     jobs.clear()
     assert driven_class(course, sandbox).drives.values() and jobs == []
     hand_in("ben", {DETECTOR: answering("[[]]")})
@@ -400,7 +400,7 @@ def test_what_kills_its_process_twice_is_no_fault_of_anybody(course, jobs, sandb
     assert len(tries) == 2
     assert found.faults == [f"eve, street 2: {season.GONE}"]
     assert not list(course.verdicts.glob("eve/*/.league/street_2.json"))
-    ranked = {one.entrant.name: one.points for one in standings(found)}
+    ranked = {standing.entrant.name: standing.points for standing in standings(found)}
     assert 0 < ranked["eve"] < ranked["ada"]
 
 
@@ -528,7 +528,7 @@ def test_the_film_is_of_the_best_in_the_street_that_stopped_most(monkeypatch):
 @pytest.mark.proof
 def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monkeypatch, capsys):
     """Real submissions, from the command line, in the first two streets."""
-    answers = {one.name: one.source for one in answers_to(DETECTOR)}
+    answers = {answer.name: answer.source for answer in answers_to(DETECTOR)}
     handed_in = {
         "right": answers["the functions of the lessons, pasted into cells of their own"],
         "blind": answers["nothing is ever in the way"],

@@ -30,11 +30,11 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 
 
 def answer_to(exercise, name):
-    return next(one.source for one in answers_to(exercise) if one.name == name)
+    return next(answer.source for answer in answers_to(exercise) if answer.name == name)
 
 
 def right_one(exercise):
-    return next(one.source for one in answers_to(exercise) if one.right)
+    return next(answer.source for answer in answers_to(exercise) if answer.right)
 
 
 @pytest.mark.slow
@@ -71,7 +71,7 @@ def test_a_wrong_loop_stays_wrong_with_right_helpers(sandbox, tmp_path):
     }
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, answers), "utf-8")
-    results = {one.name: one for one in judge(path, 7, sandbox).exercises}
+    results = {exercise.name: exercise for exercise in judge(path, 7, sandbox).exercises}
     ransac = results["ransac_plane"]
     assert 0.8 * ransac.max_score < ransac.score < ransac.max_score
     assert "plane_through, which ransac_plane calls, is wrong" in ransac.cause

@@ -313,7 +313,9 @@ def test_solved_lessons_give_their_exercises_in_silence(lesson, capfd):
 @pytest.mark.slow
 def test_exercises_of_solved_lessons_work(lesson):
     outcomes = run_tests(lesson, load_my_functions(lesson.solved), 1)
-    assert [(one.check.name, str(one.failure)) for one in outcomes if one.failure] == []
+    assert [
+        (outcome.check.name, str(outcome.failure)) for outcome in outcomes if outcome.failure
+    ] == []
 
 
 def test_a_function_is_printed_with_all_that_it_calls(here, capfd):

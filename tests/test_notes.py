@@ -14,8 +14,8 @@ def right_answer(exercise):
 def noted(exercise, function):
     """Names of the notes that a function gets, which passes all checks."""
     function.__name__ = exercise
-    assert not any(run_check(one, function).failure for one in checks_of(exercise))
-    return {one.name for one in notes_of(exercise) if run_check(one, function).failure}
+    assert not any(run_check(check, function).failure for check in checks_of(exercise))
+    return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from utils.notebooks import slicing
 
 LESSON = find_lesson("04_kd_tree")
 RIGHT = {
-    name: next(one.source for one in answers_to(name) if one.right)
+    name: next(answer.source for answer in answers_to(name) if answer.right)
     for name in ("insert", "search", "median_order")
 }
 GIVEN = "class KdTree:"  # a line of the cell that the lesson gives its classes in
@@ -370,7 +370,7 @@ def judged(text, sandbox, folder, **more):
     path = folder / f"{LESSON.name}.ipynb"
     path.write_text(text, "utf-8")
     verdict = judge(path, 7, sandbox, LESSON, **more)
-    return {one.name: one for one in verdict.exercises}, verdict
+    return {exercise.name: exercise for exercise in verdict.exercises}, verdict
 
 
 def class_in(text):
@@ -388,7 +388,10 @@ def class_in(text):
 def test_right_classes_earn_everything_in_the_judge(style, place, sandbox, tmp_path):
     results, verdict = judged(notebook(OWN[style], place), sandbox, tmp_path)
     assert [
-        (one.name, t.message) for one in results.values() for t in one.tests if not t.passed
+        (result.name, t.message)
+        for result in results.values()
+        for t in result.tests
+        if not t.passed
     ] == []
     assert verdict.score == verdict.max_score
 

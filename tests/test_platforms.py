@@ -152,7 +152,7 @@ def test_canvas_rows_are_found_by_whatever_the_roster_knows(fill, roster):
 def test_without_a_roster_canvas_rows_are_found_by_name_and_it_is_said(fill):
     course = canvas_course()
     people = [dataclasses.replace(one, lms_id="", email="", id=f"s{one.lms_id}") for one in PEOPLE]
-    points = dict(zip([one.id for one in people], POINTS.values(), strict=False))
+    points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
     exported = fill(course, marks(points, people, excused=()))
     course.import_(exported.content)
     assert (exported.lost, course.scores[9002, 42]) == ((), 31.25)
@@ -217,7 +217,7 @@ def test_another_name_under_the_same_number_is_said(fill):
 
 def test_a_namesake_with_another_number_gets_no_mark_of_anybodys(fill):
     course = canvas_course()
-    anna = next(one for one in course.students if one.id == 9001)
+    anna = next(student for student in course.students if student.id == 9001)
     anna.id, anna.sis_id, anna.login = 7777, "sis7", "a.schmidt"
     exported = fill(course, marks())
     course.import_(exported.content)
@@ -289,7 +289,7 @@ def test_canvas_does_not_take_a_mark_for_what_it_has_not_assigned(fill):
 
 def test_who_is_here_and_not_there_is_named_and_the_other_way_round(fill):
     course = canvas_course()
-    course.students = [one for one in course.students if one.id not in (9001, 9005)]
+    course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
     exported = fill(course, marks())
     assert exported.lost == ("anna (Anna Schmidt), 8.5 points: no row in the file is theirs.",)

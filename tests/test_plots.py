@@ -444,7 +444,7 @@ def test_what_a_search_has_not_reached_yet_is_not_pruned():
         told = legend(axes)
         for name, hatch in marks.items():
             assert (f"{name}: {expected.get(name)}" in told) == (name in expected)
-            assert (hatch in [one.get_hatch() for one in axes.patches]) == (name in expected)
+            assert (hatch in [patch.get_hatch() for patch in axes.patches]) == (name in expected)
         assert f"{steps} looked at" in told
         assert ("2 found" in told) == (steps == 6)
         tree = plots.kd_tree(root, visited=visited, found=[0, 1], steps=steps)

@@ -76,7 +76,7 @@ def test_who_is_deleted_is_nowhere_and_the_others_are_where_they_were(tmp_path):
         assert [student.id for student in book.students] == ["bob"]
     enter(course, verdicts(course), [STAGE], quiet)  # nothing brings her back
     assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
-    assert {one.student for one in class_results(course).notebooks} == {"bob"}
+    assert {notebook.student for notebook in class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()
     assert (course.autograded / "bob" / STAGE).is_dir()
     assert (course.submitted / ".whose.jsonl").read_text() == lines[1]

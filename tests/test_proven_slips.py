@@ -511,7 +511,7 @@ class Answering:
 
 
 QUESTIONS = (3, 4, -5)
-CHECKS = [Check(f"check {one}", "line_through", "a title", "a hint") for one in QUESTIONS]
+CHECKS = [Check(f"check {question}", "line_through", "a title", "a hint") for question in QUESTIONS]
 OTHERS = [Check("check", name, "a title", "a hint") for name in ("line", "ransac_line")]
 
 
@@ -526,7 +526,7 @@ def explains(monkeypatch):
             assert [check for check in CHECKS if wanted(check)] == CHECKS
             student.exercise = "line_through"
             for _ in range(100):  # as each check asks often
-                answers = [student.line_through(one, scale=1) for one in QUESTIONS]
+                answers = [student.line_through(question, scale=1) for question in QUESTIONS]
             student.close()
             return [
                 Outcome(check, None if answer == one else NO)

@@ -140,7 +140,7 @@ def test_what_works_apart_ends_as_it_is_told_to(monkeypatch):
     try:
         names = (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU)
         asked = reader_process.apart(
-            "file.ipynb", lambda: [int(signal.getsignal(one)) for one in names]
+            "file.ipynb", lambda: [int(signal.getsignal(name)) for name in names]
         )
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -64,7 +64,9 @@ def test_every_verb_of_the_grader_is_one_with_these_options(readme):
             word.split("=")[0].strip("[]") for word in words if word.strip("[").startswith("--")
         ]
         assert verb in VERBS, rest
-        assert [one for one in options if one not in VERBS[verb]._option_string_actions] == [], rest
+        assert [
+            option for option in options if option not in VERBS[verb]._option_string_actions
+        ] == [], rest
 
 
 @pytest.mark.parametrize("readme", READMES)
@@ -102,5 +104,5 @@ def test_every_link_points_to_something(readme):
 def test_addresses_of_gradebooks_name_their_driver():
     """Without, a traceback asks for one that nobody installs."""
     addresses = re.findall(r'"(\w[\w+]*://[^"]+)"', text_of("grader/README.md"))
-    databases = [one for one in addresses if not one.startswith("http")]
-    assert {one.partition(":")[0] for one in databases} == {"sqlite", "postgresql+pg8000"}
+    databases = [address for address in addresses if not address.startswith("http")]
+    assert {database.partition(":")[0] for database in databases} == {"sqlite", "postgresql+pg8000"}

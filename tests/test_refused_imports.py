@@ -187,7 +187,9 @@ def score_of(lesson_name, name, source, sandbox, tmp_path):
     path = tmp_path / f"{lesson_name}.ipynb"
     path.write_text(fill_in(lesson, {name: source.replace("NAME", name)}), "utf-8")
     verdict = judge(path, 1, sandbox)
-    return verdict.score, str(verdict.problems) + str([one.cause for one in verdict.exercises])
+    return verdict.score, str(verdict.problems) + str(
+        [exercise.cause for exercise in verdict.exercises]
+    )
 
 
 @pytest.mark.parametrize("way", DONE_BY_A_LIBRARY | BY_A_GRAPH)

@@ -53,7 +53,7 @@ def run_of(exercise, name="the hints followed to the letter", source=None):
 
 
 def named(exercise, right):
-    return [one.name for one in answers_to(exercise) if one.right is right]
+    return [answer.name for answer in answers_to(exercise) if answer.right is right]
 
 
 # ---- the scenes --------------------------------------------------------------------------------
@@ -62,7 +62,7 @@ def named(exercise, right):
 def test_the_groups_are_what_scipy_finds_and_no_distance_is_at_the_threshold():
     gaps = cdist(POINTS[:, :3], POINTS[:, :3])
     labels = connected_components(gaps < THRESHOLD)[1]
-    assert {frozenset(np.flatnonzero(labels == one).tolist()) for one in set(labels)} == {
+    assert {frozenset(np.flatnonzero(labels == label).tolist()) for label in set(labels)} == {
         frozenset(group) for group in GROUPS
     }
     assert np.abs(pdist(POINTS[:, :3]) - THRESHOLD).min() > 0.02
@@ -103,9 +103,9 @@ def test_nobody_who_is_right_is_accused(exercise, name):
 def test_the_answer_is_the_same_as_without_being_watched(exercise):
     task = {"ransac_line": LINE, "ransac_plane": PLANE}.get(exercise)
     asked = (POINTS, THRESHOLD) if task is None else (task.points, ROUNDS, task.tolerance, 3)
-    for one in answers_to(exercise):
-        if one.right:
-            function = function_of(exercise, one.source)
+    for answer in answers_to(exercise):
+        if answer.right:
+            function = function_of(exercise, answer.source)
             with contextlib.redirect_stdout(io.StringIO()):
                 alone = function(asked[0].copy(), *asked[1:])
                 seen = tracer.record(function, (asked[0].copy(), *asked[1:]), lambda *_: None)
@@ -387,9 +387,10 @@ def walked(search, points=FIFTEEN, goes_left=None):
 
 
 SEARCHES = [
-    one
-    for one in answers_to("search")
-    if not re.search("class KdTree|NotImplementedError", one.source) and "SciPy" not in one.name
+    answer
+    for answer in answers_to("search")
+    if not re.search("class KdTree|NotImplementedError", answer.source)
+    and "SciPy" not in answer.name
 ]
 
 

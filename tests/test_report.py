@@ -41,7 +41,7 @@ def check(passed, name="keeps", title="Keeps it", message="", points=1.0, visibl
 
 
 def verdict(student, checks, cause="", lesson=SIX, **more):
-    first = next((one.name for one in checks if not one.passed), "") if cause else ""
+    first = next((check.name for check in checks if not check.passed), "") if cause else ""
     score, most = sum(c.score for c in checks), sum(c.max_score for c in checks)
     exercise = ExerciseResult("filter_ground", score, most, tuple(checks), cause, first)
     return Verdict(lesson.name, student, JUDGED, score, most, (exercise,), (), 0.0, "", **more)
@@ -74,7 +74,7 @@ STANDINGS = {
 
 
 def class_of(results, stages=(), strangers=(), people=None):
-    people = people or tuple(dict.fromkeys(Person(one.student) for one in results))
+    people = people or tuple(dict.fromkeys(Person(result.student) for result in results))
     return ClassResults(people, tuple(results), tuple(stages), strangers)
 
 
@@ -134,7 +134,7 @@ def test_without_a_roster_the_page_says_who_stands_there(tmp_path):
 
 def test_two_of_one_name_are_told_apart(tmp_path):
     people = (Person("kim1", "Kim", "Lee"), Person("kim2", "Kim", "Lee"), Person("bo", "Bo", "Ek"))
-    results = class_of([result(one.id, MARKED, 1.0) for one in people], people=people)
+    results = class_of([result(person.id, MARKED, 1.0) for person in people], people=people)
     rows = re.findall(r'<th scope="row">(.*?)</th>', report(tmp_path, [], results))
     assert [re.sub("<.*?>", "", row) for row in rows] == ["Kim Lee kim1", "Kim Lee kim2", "Bo Ek"]
 

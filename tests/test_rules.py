@@ -118,7 +118,7 @@ STOP = StudentStopped("it did not answer")
     ],
 )
 def test_what_counts_of_three_tries(first, once_more, with_right, counts):
-    (check,) = (one.check for one in outcomes_of("ransac_line", True))
+    (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     tries = (Outcome(check, failure) for failure in (first, once_more, with_right))
     assert error_carried_forward.settled(*tries).failure is counts
 
@@ -127,7 +127,7 @@ def test_what_counts_of_three_tries(first, once_more, with_right, counts):
 @pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
 def test_a_coin_gains_nothing_by_a_wrong_helper(chance, stops):
     """Nor one that stops its process now and then, at whichever of the tries it likes."""
-    (check,) = (one.check for one in outcomes_of("ransac_line", True))
+    (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
         expected = 0.0
         for tries in itertools.product([None, NO, STOP], repeat=3):
@@ -159,7 +159,7 @@ def test_who_earns_everything_by_chance_has_to_do_it_again(monkeypatch):
         )
         assert asked == [program], "with nothing put right"
         found = better.get("ransac_line")
-        assert (found and [not one.failure for one in found.outcomes]) == held
+        assert (found and [not outcome.failure for outcome in found.outcomes]) == held
 
 
 def test_what_held_by_chance_is_taken_back(monkeypatch):
@@ -190,7 +190,7 @@ def test_of_a_second_time_that_failed_nothing_counts(monkeypatch, fault, starved
 def test_who_comes_after_one_that_is_not_followed_is(monkeypatch):
     """And of two who are, each is asked about itself alone."""
     plane = find_lesson("03_ransac_plane")
-    names = [one.name for one in plane.machine_graded]
+    names = [exercise.name for exercise in plane.machine_graded]
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
     hold = [outcome for name in names for outcome in outcomes_of(name, True, True)]
     given = Given(("KdTree",), "class KdTree: pass", ("KdTree",))

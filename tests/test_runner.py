@@ -74,7 +74,7 @@ def shown(name, exercise, run):
 
 
 def failures(outcomes):
-    return {one.check.name: type(one.failure) for one in outcomes if one.failure}
+    return {outcome.check.name: type(outcome.failure) for outcome in outcomes if outcome.failure}
 
 
 TWO = """
@@ -96,7 +96,12 @@ def test_what_is_shown_is_asked_first_and_each_about_its_own_exercise(made):
         shown("fails", "f", lambda function: 1 / 0),
     ]
     outcomes = run_tests(made(TWO, checks), student, SEED)
-    assert [one.check.name for one in outcomes] == ["fails", "holds", "test_second", "test_first"]
+    assert [outcome.check.name for outcome in outcomes] == [
+        "fails",
+        "holds",
+        "test_second",
+        "test_first",
+    ]
     assert [one.check.is_shown for one in outcomes] == [True, True, False, False]
     assert [one.check.weight for one in outcomes] == [1.0, 1.0, 1.0, 2.5]
     assert failures(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
@@ -122,7 +127,7 @@ def test_what_is_not_asked_for_is_left_out(made):
     student = Nobody()
     checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
     outcomes = run_tests(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
-    assert [one.check.name for one in outcomes] == ["one", "test_first"]
+    assert [outcome.check.name for outcome in outcomes] == ["one", "test_first"]
     assert [exercise for exercise, *_ in student.asked] == ["f", "f"]
     assert run_tests(made(TWO), student, SEED, lambda check: False) == []
 
@@ -137,7 +142,7 @@ def test_where_one_failure_decides_the_rest_is_not_asked(made):
     checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
     student.asked.clear()
     outcomes = run_tests(made(hidden, checks), student, SEED, to_the_end=False)
-    assert [one.check.name for one in outcomes if not one.failure] == []
+    assert [outcome.check.name for outcome in outcomes if not outcome.failure] == []
     assert student.asked == []
 
 
@@ -202,7 +207,10 @@ def test_other(student):
     pytest.skip("not today")
 """
     outcomes = run_tests(made(hidden), Nobody(), SEED)
-    assert [one.check.name for one in outcomes if one.failure] == ["test_one", "test_other"]
+    assert [outcome.check.name for outcome in outcomes if outcome.failure] == [
+        "test_one",
+        "test_other",
+    ]
 
 
 @pytest.mark.parametrize("where", ["shown", "hidden"])

@@ -219,7 +219,7 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
     run(notebook, PROJECT)
     assert not errors_of(notebook)
     outputs = notebook.cells[2].outputs
-    kinds = [max(one.get("data", {}).keys() - {"text/plain"}, default="") for one in outputs]
+    kinds = [max(output.get("data", {}).keys() - {"text/plain"}, default="") for output in outputs]
     question, *between, answer, _ = kinds
     assert (question, answer) == (widget_states.QUESTION, widget_states.ANSWER)
     assert between == [widget_states.POSITION, "image/png"] * 5
@@ -442,7 +442,7 @@ def test_every_lesson_has_a_page_on_which_it_runs(tmp_path):
         assert (pages / "files" / query).read_bytes() == live.notebook_of(lesson)
     settings = json.loads((pages / "jupyter-lite.json").read_text("utf-8"))
     extensions = settings["jupyter-config-data"]["federated_extensions"]
-    assert sorted(one["name"] for one in extensions) == sorted(live.EXTENSIONS)
+    assert sorted(extension["name"] for extension in extensions) == sorted(live.EXTENSIONS)
 
 
 @pytest.mark.proof

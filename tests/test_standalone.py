@@ -132,7 +132,7 @@ def test_a_damaged_cell_says_so(tmp_path):
 def test_handed_in_it_is_judged_like_any_other(sandbox):
     notebook = json.loads(standalone.standalone(LESSON.released.read_bytes()))
     answers = {
-        name: next(one.source for one in answers_to(name) if one.right)
+        name: next(answer.source for answer in answers_to(name) if answer.right)
         for name in ("filter_ground", "voxel_grid")
     }
     filled = json.loads(fill_in(LESSON, answers))

@@ -67,7 +67,10 @@ def course(entered_once, tmp_path):
 def standing(course):
     """(standing, score) by student and number of the lesson."""
     results = class_results(course)
-    return {(one.student, one.lesson[:2]): (one.standing, one.score) for one in results.notebooks}
+    return {
+        (notebook.student, notebook.lesson[:2]): (notebook.standing, notebook.score)
+        for notebook in results.notebooks
+    }
 
 
 def change(course, student, lesson, **values):
@@ -109,7 +112,9 @@ def test_with_a_roster_it_is_who_is_on_it_in_its_order(course):
         ("fay", "06"): (MISSING, None),
         ("fay", "07"): (MISSING, None),
     }
-    assert [(one.student, one.standing, one.score, one.max_score) for one in results.stages] == [
+    assert [
+        (stage.student, stage.standing, stage.score, stage.max_score) for stage in results.stages
+    ] == [
         ("bob", MARKED, 20.5, 60),
         ("ada", MARKED, 18.25, 60),
         ("eve", EXCUSED, None, 60),
@@ -124,7 +129,7 @@ def test_who_is_not_on_the_roster_is_named_apart(course):
     (course.root / "roster.csv").write_text("id\nbob\n")
     results = class_results(course)
     assert results.strangers == ("ada",)
-    assert {one.student for one in (*results.notebooks, *results.stages)} == {"bob"}
+    assert {notebook.student for notebook in (*results.notebooks, *results.stages)} == {"bob"}
 
 
 def test_what_a_person_has_still_to_grade_waits(course):
@@ -220,7 +225,7 @@ def test_who_handed_in_nothing_has_a_date_too(course):
     ],
 )
 def test_what_lessons_come_to(standings, stage):
-    lessons = (NotebookResult("a", STAGE, one, one, None, 1.0) for one in standings)
+    lessons = (NotebookResult("a", STAGE, standing, standing, None, 1.0) for standing in standings)
     assert standing_in_stage(lessons) == stage
 
 

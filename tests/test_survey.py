@@ -18,7 +18,7 @@ from tests.survey import (
 ANSWERS = {
     f"{exercise}: {name}": (exercise, name)
     for exercise in EXERCISES
-    for name in (SOLUTION, *(one.name for one in right_functions(exercise)))
+    for name in (SOLUTION, *(function.name for function in right_functions(exercise)))
 }
 # Edits that lose nothing though they answer otherwise, by exercise: a line, what it becomes, and
 # why that is let be.
@@ -133,7 +133,7 @@ SLOW = (
 @pytest.mark.parametrize("case", ANSWERS)
 def test_an_edit_of_a_right_answer_loses_points_or_is_right(case):
     exercise, name = ANSWERS[case]
-    answer = next(one for one in answers_in_notebooks(exercise) if one.name == name)
+    answer = next(notebook for notebook in answers_in_notebooks(exercise) if notebook.name == name)
     found = survey(exercise, [answer], 5 if exercise in SLOW and name != SOLUTION else 1)
     assert len(found.wrong) > 20
     escaped = [(one.before, one.after) for one, _ in found.escaped]

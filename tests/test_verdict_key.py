@@ -63,18 +63,18 @@ def solved(lesson):
 def mistaken(lesson):
     """A mistake in every answer, told by its name where there is one that is."""
     answers = {
-        one.name: max(
-            (variant for variant in answers_to(one.name) if not variant.right),
+        exercise.name: max(
+            (variant for variant in answers_to(exercise.name) if not variant.right),
             key=lambda variant: bool(variant.told),
         ).source
-        for one in lesson.machine_graded
+        for exercise in lesson.machine_graded
     }
     return fill_in(lesson, answers)
 
 
 def entangled(lesson):
     """Each answer uses all before it and is wrong: it is judged again with right ones."""
-    names = [one.name for one in lesson.machine_graded]
+    names = [exercise.name for exercise in lesson.machine_graded]
     answers = {
         name: f"def {name}(*arguments, **named):\n    return [{', '.join(names[:number])}]\n"
         for number, name in enumerate(names)

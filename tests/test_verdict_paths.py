@@ -62,7 +62,9 @@ def judge_made_of(monkeypatch):
                     setting=setting,
                     program=program,
                     explain=explain,
-                    names=[one.check.name for one in tries[0].outcomes if wanted(one.check)],
+                    names=[
+                        outcome.check.name for outcome in tries[0].outcomes if wanted(outcome.check)
+                    ],
                 )
             )
             again = waiting.pop(0)
@@ -83,14 +85,14 @@ def judge_made_of(monkeypatch):
 
 
 def scores(verdict):
-    return {one.name: one.score for one in verdict.exercises}
+    return {exercise.name: exercise.score for exercise in verdict.exercises}
 
 
 def test_what_is_right_is_asked_once_and_earns_everything(judge_made_of, monkeypatch):
     clock = iter([100.0, 103.25678])
     monkeypatch.setattr(judging.time, "perf_counter", lambda: next(clock))
     verdict, (asked,) = judge_made_of(ended(problems=("A cell is broken.",)))
-    assert scores(verdict) == {one.name: one.points for one in FILTER.machine_graded}
+    assert scores(verdict) == {exercise.name: exercise.points for exercise in FILTER.machine_graded}
     assert (verdict.score, verdict.max_score, verdict.status) == (30.0, 30.0, JUDGED)
     assert (verdict.lesson, verdict.student) == (FILTER.name, "ada")
     assert verdict.problems == ("A cell is broken.",)
@@ -129,7 +131,7 @@ def test_what_is_odd_is_asked_once_more_and_nothing_else(judge_made_of):
     assert [len(one.names) for one in asked] == [4, 2] and not asked[1].explain
     assert asked[1].names == ["filter_ground 1", "voxel_grid 1"]
     assert asked[0].program == asked[1].program
-    points = {one.name: one.points for one in FILTER.machine_graded}
+    points = {exercise.name: exercise.points for exercise in FILTER.machine_graded}
     assert scores(verdict) == points | {"filter_ground": points["filter_ground"] / 2}
     assert verdict.status == JUDGED and not verdict.starved
 
@@ -159,7 +161,7 @@ def test_what_stays_odd_is_a_wrong_answer_if_the_solution_passes(judge_made_of, 
     assert (verdict.status, verdict.score, verdict.max_score) == ("judge_failed", 0.0, 30.0)
     assert len(verdict.faults) == 2 and "OSError: once" in verdict.faults[0]
     assert verdict.problems == (judging.UNFAIR,)
-    assert [(one.score, one.tests) for one in verdict.exercises] == [(0.0, ())] * 2
+    assert [(exercise.score, exercise.tests) for exercise in verdict.exercises] == [(0.0, ())] * 2
 
 
 def test_where_not_every_check_could_be_asked_nobody_is_judged(judge_made_of):
@@ -227,7 +229,7 @@ def test_a_notebook_of_no_lesson_is_no_notebook_of_ours():
     verdict = judging.judge_handed_in(HandedIn("06_filter_ground.ipynb", b""), 7, None)
     assert (verdict.status, verdict.score, verdict.max_score) == (JUDGED, 0.0, 30.0)
     assert "is empty" in verdict.problems[0] and not verdict.starved
-    assert [one.tests for one in verdict.exercises] == [(), ()]
+    assert [exercise.tests for exercise in verdict.exercises] == [(), ()]
 
 
 def test_who_could_not_be_read_by_a_fault_of_ours_is_not_judged(monkeypatch):

@@ -130,7 +130,7 @@ def broken_claims(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     list of str
         A sentence for each claim that does not hold.
     """
-    (result,) = (one for one in verdict.exercises if one.name == answer.exercise)
+    (result,) = (exercise for exercise in verdict.exercises if exercise.name == answer.exercise)
     failed = {test.name: test.message for test in result.tests if not test.passed}
     if answer.right:
         return [] if result.score == result.max_score else [f"It loses {_names(failed)}."]
@@ -156,7 +156,9 @@ def _broken_words(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
         yield f"No message says {answer.says!r}."
-    shown = [one.says for one in known_mistakes(answer.exercise) if one.says in result.cause]
+    shown = [
+        mistake.says for mistake in known_mistakes(answer.exercise) if mistake.says in result.cause
+    ]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"
         yield f"It should be shown {wanted}; it is shown {shown or 'none'}."

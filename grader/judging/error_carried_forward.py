@@ -86,9 +86,9 @@ def follow_through(
         tries = [
             ask(setting, code, lambda check, e=exercise: check.exercise == e.name) for code in codes
         ]
-        if any(one.fault for one in tries):  # said of the first time, which counts
+        if any(attempt.fault for attempt in tries):  # said of the first time, which counts
             continue
-        starved |= any(one.starved for one in tries)
+        starved |= any(attempt.starved for attempt in tries)
         first = asked.about(exercise.name)
         by_check = [{one.check: one for one in again.outcomes} for again in tries]
         # Where all held there is nothing to put right; it holds again, or was luck.

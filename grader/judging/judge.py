@@ -152,7 +152,9 @@ def _reach_once(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) ->
     if key in _RIGHT:
         return _RIGHT[key]
     reached = _reach(setting, to_judge, modules)
-    if not reached.faults and all(one.score == one.max_score for one in reached.exercises):
+    if not reached.faults and all(
+        exercise.score == exercise.max_score for exercise in reached.exercises
+    ):
         # A class may be ten thousand, and what is right is alike for all of them.
         _RIGHT[key] = replace(reached, exercises=tuple(map(shared, reached.exercises)))
     return reached

@@ -71,7 +71,9 @@ class Folded:
     @property
     def in_words(self) -> str:
         """How many checks hold."""
-        failed = (self.first is not None) + len(self.others) + sum(one.count for one in self.folds)
+        failed = (
+            (self.first is not None) + len(self.others) + sum(fold.count for fold in self.folds)
+        )
         most = failed + len(self.passed)
         if not most:
             return "nothing could be checked"

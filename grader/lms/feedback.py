@@ -156,7 +156,7 @@ class FeedbackWriter:
 
     def _has_handed_in(self, student: str) -> bool:
         results = self._notebooks(student)
-        return any(one.score is not None or one.standing == WAITING for one in results)
+        return any(result.score is not None or result.standing == WAITING for result in results)
 
     def _notebooks(self, student: str) -> list[NotebookResult]:
         found = (self._results.notebook(student, lesson) for lesson in self._results.lessons)

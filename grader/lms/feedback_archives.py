@@ -80,7 +80,10 @@ def for_canvas(course: Course, stage: str, all_feedback: Sequence[Feedback]) -> 
     shared = _shared(sources)
     files, left = {}, []
     for feedback in all_feedback:
-        id, lessons = feedback.person.id, {one.lesson.name: one for one in feedback.lessons}
+        id, lessons = (
+            feedback.person.id,
+            {lesson.lesson.name: lesson for lesson in feedback.lessons},
+        )
         mine = {name: one for name, one in sources.get(id, {}).items() if one.attachment}
         team = {one.owner for one in mine.values()} & shared
         answers = {

@@ -21,10 +21,10 @@ def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
     """The notebook about one lesson, with what is to be known about the whole stage."""
     head = rendered("notebook.html", feedback=feedback, lesson=lesson, sentence=SENTENCE)
     cells = [_html(head)]
-    for one in lesson.exercises:
-        cells.append(_html(rendered("exercise.html", one=one)))
-        cells += [_markdown(one.answer)] if one.answer else []
-        cells += [_html("<b>Comment</b>"), _markdown(one.comment)] if one.comment else []
+    for exercise in lesson.exercises:
+        cells.append(_html(rendered("exercise.html", one=exercise)))
+        cells += [_markdown(exercise.answer)] if exercise.answer else []
+        cells += [_html("<b>Comment</b>"), _markdown(exercise.comment)] if exercise.comment else []
     for number, cell in enumerate(cells):
         cell.id = f"feedback-{number}"
     notebook = nbformat.v4.new_notebook(cells=cells)

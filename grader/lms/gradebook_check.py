@@ -23,7 +23,7 @@ def examine_gradebook(course: Course) -> Iterator[Finding]:
         return
     except (RosterTrouble, DeadlinesTrouble):
         return  # which is said already
-    marked = {one.student for one in results.notebooks if one.score is not None}
+    marked = {notebook.student for notebook in results.notebooks if notebook.score is not None}
     yield Finding("gradebook", True, f"{address(course)}, with marks of {len(marked)} students")
     for sentence in not_on_the_roster(results):
         yield Finding("gradebook", False, sentence)

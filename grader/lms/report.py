@@ -125,7 +125,7 @@ def write_report(
         namesakes=_namesakes(results),
         strangers=results.strangers,
         has_roster=read_roster(course) is not None,
-        undecided=[one for one in results.stages if one.undecided],
+        undecided=[stage for stage in results.stages if stage.undecided],
         mistakes=common_messages(counted),
         stopped=[(student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))],
         same=_same_files(pairs),

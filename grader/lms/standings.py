@@ -36,7 +36,10 @@ def class_results(course: Course) -> ClassResults:
     with open_gradebook(course) as book:
         rows, known = read_rows(book), people_in(book)
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
-    given = {(one.student, one.lesson.name): one for one in find_submissions(course)}
+    given = {
+        (submission.student, submission.lesson.name): submission
+        for submission in find_submissions(course)
+    }
     entered = {(row.student, row.lesson): row for row in rows}
     used = {pair for pair, row in entered.items() if _is_handed_in(course, row)}
     lessons = [find_lesson(name) for name in sorted({name for _, name in {*used, *given}})]
@@ -128,7 +131,7 @@ def _stage(
     handed_in, undecided = row and row.handed_in and row.handed_in.replace(tzinfo=UTC), ""
     if not handed_in:
         try:
-            handed_in = handed_in_at({one.place(course) for one in files})
+            handed_in = handed_in_at({file.place(course) for file in files})
         except Undecided as error:
             undecided = str(error) if due else ""
     return StageResult(

@@ -45,7 +45,7 @@ def shown(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[NotebookN
         Gets what they show.
     """
     first = next((n for n, one in enumerate(outputs) if POSITION in _data(one)), len(outputs))
-    found = [_plain(one, pictures) for one in outputs[:first]]
+    found = [_plain(output, pictures) for output in outputs[:first]]
     if first < len(outputs):
         found.append(_as_html(_positions(outputs[first:], pictures)))
     return found

@@ -162,8 +162,8 @@ def test_a_verdict_is_looked_at_once(letters, tmp_path):
         said = text(letters, size)
         tests = (CheckResult("a check", said, False, 0.0, 1.0, said, True),)
         exercises = tuple(
-            ExerciseResult(one.name, 0.0, one.points, tests, said, "a check")
-            for one in LESSON.machine_graded
+            ExerciseResult(exercise.name, 0.0, exercise.points, tests, said, "a check")
+            for exercise in LESSON.machine_graded
         )
         return dataclasses.replace(VERDICT, exercises=exercises, problems=(said,))
 
@@ -202,7 +202,10 @@ VERDICT = Verdict(
     JUDGED,
     0.0,
     25.0,
-    tuple(ExerciseResult(one.name, 0.0, one.points, ()) for one in LESSON.machine_graded),
+    tuple(
+        ExerciseResult(exercise.name, 0.0, exercise.points, ())
+        for exercise in LESSON.machine_graded
+    ),
     ("](" * 1000,),
     0.0,
     "",

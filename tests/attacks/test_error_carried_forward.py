@@ -44,7 +44,7 @@ def judged(lesson, tmp_path, **answers):
     path = tmp_path / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, answers), "utf-8")
     verdict = judge(path, 3, WALLS)
-    return {one.name: one for one in verdict.exercises}, verdict
+    return {exercise.name: exercise for exercise in verdict.exercises}, verdict
 
 
 def test_the_right_helper_cannot_be_read_in_the_feedback(tmp_path):
@@ -82,7 +82,7 @@ def test_a_stub_of_a_helper_gets_a_right_one_too(tmp_path):
     results, verdict = judged(LINE, tmp_path, **answers)
     assert results["line_through"].score == 0 == results["point_line_distance"].score
     assert results["ransac_line"].score == results["ransac_line"].max_score
-    assert any("Judged with right ones instead" in one for one in verdict.problems)
+    assert any("Judged with right ones instead" in problem for problem in verdict.problems)
 
 
 def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
@@ -95,7 +95,7 @@ def test_no_parser_of_the_judge_meets_the_code(tmp_path, monkeypatch):
     )
     marked = RANSAC + "    # a text of the student\n"
     results, verdict = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=marked)
-    assert any("which ransac_line calls" in one for one in verdict.problems)
+    assert any("which ransac_line calls" in problem for problem in verdict.problems)
     assert parsed, "the lesson's own source is read here"
     assert not [text for text in parsed if "a text of the student" in text]
 
@@ -110,7 +110,7 @@ def test_whoever_answers_otherwise_the_second_time_gains_nothing(tmp_path):
     )
     two_throws = "ASKED, MINE = [], []\n" + RANSAC.replace("def ransac_line", "def honest") + turn
     answers = {"line_through": counts, "ransac_line": two_throws}
-    right = next(one.source for one in answers_to("point_line_distance") if one.right)
+    right = next(answer.source for answer in answers_to("point_line_distance") if answer.right)
     results, _ = judged(LINE, tmp_path, point_line_distance=right, **answers)
     assert results["line_through"].score < results["line_through"].max_score
     mine = results["ransac_line"]

@@ -334,7 +334,7 @@ def course(tmp_path, filtering):
 def test_earns_another_students_marks_by_a_link(link, course, filtering):
     good, mine = course.submitted / "good", course.submitted / "mallory"
     link(mine, good, filtering.stage, f"{filtering.name}.ipynb")
-    by_student = {one.student: one for one in find_submissions(course)}
+    by_student = {submission.student: submission for submission in find_submissions(course)}
     assert "good" in by_student
     if "mallory" in by_student:  # a folder that is a link may also be passed over
         handed_in = by_student["mallory"].read(course)
@@ -381,7 +381,7 @@ def test_calls_itself_something_strange(name, course, filtering, capsys):
     folder = course.submitted / student / filtering.stage
     folder.mkdir(parents=True)
     (folder / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
-    found = {one.student: one for one in find_submissions(course)}
+    found = {submission.student: submission for submission in find_submissions(course)}
     assert set(found) == {"good", student}
     judged = [
         (one, judge_and_store(course, one, SEED, WALLS, alone=True)) for one in found.values()
@@ -400,7 +400,7 @@ def test_calls_itself_a_path(course, filtering):
     outside = course.root / "x" / filtering.stage
     outside.mkdir(parents=True)
     (outside / f"{filtering.name}.ipynb").write_bytes(filtering.released.read_bytes())
-    assert [one.student for one in find_submissions(course)] == ["good"]
+    assert [submission.student for submission in find_submissions(course)] == ["good"]
     handed_in = Submission("../x", filtering, outside / f"{filtering.name}.ipynb").read(course)
     assert not handed_in.data and "another folder" in handed_in.complaint
 

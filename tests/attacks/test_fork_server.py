@@ -195,8 +195,8 @@ def test_many_are_forked_at_a_time():
         seen.append(outcome_of(function("return arguments[0]"), number))
 
     threads = [threading.Thread(target=ask, args=(number,)) for number in range(6)]
-    for one in threads:
-        one.start()
+    for thread in threads:
+        thread.start()
     for one in threads:
         one.join()
     assert sorted(seen) == list(range(6))

@@ -393,7 +393,9 @@ def test_changes_what_the_lesson_gives(cell, hand_in):
     verdict = hand_in(text=text, lesson=lesson)
     assert share(verdict, "search") <= MOST
     verdict = hand_in({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
-    told = [test.message for one in verdict.exercises for test in one.tests if test.message]
+    told = [
+        test.message for exercise in verdict.exercises for test in exercise.tests if test.message
+    ]
     assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1, told
 
 

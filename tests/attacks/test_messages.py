@@ -186,7 +186,7 @@ def test_tells_a_neighbours_secret_by_an_answer(name, body, hand_in):
     """Whoever wrote it sees it at home, where nobody else's is near."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
     verdict = hand_in({name: source})
-    said = [test.message for one in verdict.exercises for test in one.tests]
+    said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = "\n".join(re.sub("Hint: .*", "", words) for words in said)
     assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
 
@@ -195,7 +195,7 @@ def test_tells_by_its_exit_code(hand_in):
     """256 values for each test, if it were shown."""
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
     verdict = hand_in({"filter_ground": TELLS.format(name="filter_ground", body=body)})
-    messages = [test.message for one in verdict.exercises for test in one.tests]
+    messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
     said = {words for words in messages if "ended" in words}
     assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
 
@@ -302,7 +302,7 @@ def test_tells_a_hidden_question_by_the_line_that_fails(where, hand_in):
 def test_tells_a_hidden_question_by_a_line_of_a_notebook_that_has_too_many(hand_in):
     source = LINE_THAT_TELLS.format(name="filter_ground", where="__file__") + "\n" * 5000
     verdict = hand_in({"filter_ground": source.replace("__file__", "'code cell 9'")})
-    said = [test.message for one in verdict.exercises for test in one.tests]
+    said = [test.message for exercise in verdict.exercises for test in exercise.tests]
     assert any("ZeroDivisionError" in words for words in said)
     assert not any(re.search(r"line \d", words) for words in said)
 

@@ -25,7 +25,7 @@ SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
 HOSTILE = "This holds the class up."
 RIGHT = {
-    exercise.name: next(one.source for one in answers_to(exercise.name) if one.right)
+    exercise.name: next(answer.source for answer in answers_to(exercise.name) if answer.right)
     for exercise in LESSON.machine_graded
 }
 

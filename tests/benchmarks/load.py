@@ -37,7 +37,7 @@ def hand_in(course, count):
     for number, lesson in zip(range(count), itertools.cycle(all_lessons()), strict=False):
         answers = {}
         for exercise in lesson.machine_graded:
-            right = [one for one in answers_to(exercise.name) if one.right]
+            right = [answer for answer in answers_to(exercise.name) if answer.right]
             answers[exercise.name] = right[number // len(all_lessons()) % len(right)].source
         path = course.submitted / f"student{number:03}" / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)
@@ -103,7 +103,9 @@ def try_loads(course, count):
         twice += [f"load {load}, {who.student}, {who.lesson.name}: judged again" for who in again]
     print(*twice, sep="\n", end="\n" * bool(twice))
     for load, who, verdict in lost:
-        for test in (test for one in verdict.exercises for test in one.tests if not test.passed):
+        for test in (
+            test for exercise in verdict.exercises for test in exercise.tests if not test.passed
+        ):
             print(f"load {load}, {who.student}, {verdict.lesson}, {test.name}: {test.message}")
     return int(bool(lost))
 

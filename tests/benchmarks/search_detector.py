@@ -155,7 +155,7 @@ def main() -> None:
     frames = first_frames(SEARCHED)
     searched = {setting: quality(asked(setting, frames).sum(axis=0)) for setting in settings}
     ranks = sorted(settings[2:], key=searched.get, reverse=True)
-    better = sum(searched[one] > searched[TODAY] for one in ranks)
+    better = sum(searched[rank] > searched[TODAY] for rank in ranks)
     print(f"{better} of {SETTINGS} settings do better than today's on {len(frames)} streets.")
     print(f"On {len(HELD_BACK)} streets held back:\n")
     names = [field.name.replace("_", " ") for field in fields(Setting)]

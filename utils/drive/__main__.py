@@ -75,7 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m utils.drive",
         description=__doc__.split("\n\n")[0],
-        epilog="Streets: " + " · ".join(f"{one.number} {one.title}" for one in STREETS),
+        epilog="Streets: " + " · ".join(f"{street.number} {street.title}" for street in STREETS),
     )
     parser.add_argument(
         "notebook", nargs="?", metavar="NOTEBOOK", help="with detect_obstacles(cloud)"

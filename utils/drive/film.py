@@ -104,7 +104,7 @@ def known(drive: Drive, moment: Moment) -> np.ndarray:
 def caption(report: Report, moment: Moment) -> str:
     """Where in the drive, how fast, and what the car brakes for."""
     words = [f"frame {moment.number}", f"{moment.time:.1f} s", f"{3.6 * moment.speed:.0f} km/h"]
-    now = [one for one in report.brakings if one.first <= moment.number <= one.last]
+    now = [braking for braking in report.brakings if braking.first <= moment.number <= braking.last]
     words += [f"{'needless: ' if one.needless else ''}{one.reason}" for one in now]
     return " · ".join(words)
 

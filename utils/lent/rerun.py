@@ -150,4 +150,4 @@ def _given(statements: Sequence[Statement], functions: Collection[str]) -> Itera
         for node in ast.walk(statement.node):
             if isinstance(node, ast.Call) and getattr(node.func, "id", None) in functions:
                 arguments = [*node.args, *(keyword.value for keyword in node.keywords)]
-                yield from (one.id for one in arguments if isinstance(one, ast.Name))
+                yield from (argument.id for argument in arguments if isinstance(argument, ast.Name))

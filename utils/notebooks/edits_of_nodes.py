@@ -398,7 +398,11 @@ def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, i
 def _with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
     """Where a keyword argument stands, with the comma before it, or behind it."""
     begin, end = source.span(node)
-    before = [source.span(one)[1] for one in (*call.args, *call.keywords) if one is not node]
+    before = [
+        source.span(argument)[1]
+        for argument in (*call.args, *call.keywords)
+        if argument is not node
+    ]
     earlier = [place for place in before if place <= begin]
     return (max(earlier), end) if earlier else (begin, end)
 

@@ -127,7 +127,7 @@ def _by_owner(
             for (place, other), theirs in found.items()
             if place == archive and set(ids) & set(theirs)
         ]
-        question = owners.doubt(owner, ids, [one for one in rivals if one != owner])
+        question = owners.doubt(owner, ids, [rival for rival in rivals if rival != owner])
         if question:
             outcome.ask(owner.label, question)
         if len(rivals) == 1 or all(map(owners.is_answered, rivals)):

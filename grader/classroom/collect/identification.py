@@ -51,7 +51,7 @@ def lesson_of(
             (named, inside),
         )
     found = named or inside
-    found = found or next((one for one in all_lessons() if is_placed(one, file)), None)
+    found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
         complaint = file.piece.complaint
         reason = f"{complaint}. " if complaint else "names no lesson, and holds none. "

@@ -200,7 +200,9 @@ class Owners:
         names = {letters(name) for name in owner.names}
         rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
         members = [self._people_of(row) for row in rows]
-        return [found[0] for found in members] if all(len(one) == 1 for one in members) else []
+        return (
+            [found[0] for found in members] if all(len(member) == 1 for member in members) else []
+        )
 
     def _question(self, owner: Owner) -> str:
         if owner.label.startswith("anon_"):

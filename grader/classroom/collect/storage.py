@@ -148,7 +148,7 @@ class StageFolder:
     def _write(self, name: str, data: bytes, source: FileOrigin, older: Path | None = None) -> None:
         """Write a file, of which nobody takes the time of another one for its own."""
         was_timed = (self.path / TIME).is_file() or any(
-            one.when for one in self._record.files.values()
+            file.when for file in self._record.files.values()
         )
         self._forget_time()
         undecided = self._undecided or (_AGAIN if was_timed and not self._when else "")

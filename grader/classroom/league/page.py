@@ -71,7 +71,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
     warning : str, optional
         A sentence for the head of the page.
     """
-    students, stage = [one.name for one in season.students], season.lesson.stage
+    students, stage = [student.name for student in season.students], season.lesson.stage
     names = pseudonyms(students, seed)
 
     def called(one: Standing) -> str:

@@ -69,7 +69,7 @@ class Season:
     @property
     def students(self) -> list[Entrant]:
         """Those of the class."""
-        return [one for one in self.drives if one.student]
+        return [drive for drive in self.drives if drive.student]
 
     @property
     def faults(self) -> list[str]:
@@ -88,7 +88,8 @@ def lesson_of_league(stage: str) -> Lesson | None:
         (
             lesson
             for lesson in all_lessons()
-            if lesson.stage == stage and DETECTOR in (one.name for one in lesson.machine_graded)
+            if lesson.stage == stage
+            and DETECTOR in (exercise.name for exercise in lesson.machine_graded)
         ),
         None,
     )
@@ -123,7 +124,7 @@ def drive_class(
     """
     streets = streets_of(seed)
     entrants = list(_entrants(course, lesson))
-    if not any(one.student for one in entrants):
+    if not any(entrant.student for entrant in entrants):
         return Season(lesson, streets, (), {})
     drives = {one: _kept(one, streets, lesson) for one in entrants}
     missing = [
@@ -203,10 +204,15 @@ def _entrants(course: Course, lesson: Lesson) -> Iterator[Entrant]:
     ours = course.verdicts / ".league" / lesson.stage
     yield Entrant(TRUE_BOXES, False, lambda: None, ours / "true")
     yield Entrant(OUR_OWN, False, lambda: read_handed_in(lesson.solved), ours / "own")
-    for one in find_submissions(course, [lesson.stage]):
-        if one.lesson == lesson:
-            beside = one.verdict_path(course).parent / ".league"
-            yield Entrant(one.student, True, lambda one=one: one.read(course), beside)
+    for submission in find_submissions(course, [lesson.stage]):
+        if submission.lesson == lesson:
+            beside = submission.verdict_path(course).parent / ".league"
+            yield Entrant(
+                submission.student,
+                True,
+                lambda submission=submission: submission.read(course),
+                beside,
+            )
 
 
 def _file(one: Entrant, street: Street) -> Path:

@@ -145,7 +145,9 @@ def _answer(
         moved = len(lines) + 1 - first
         lines += [*code[statement.cell - 1].split("\n")[first - 1 : node.end_lineno], ""]
         is_it = getattr(node, "name", "") == name and hasattr(node, "args")
-        parameters = [one.arg for one in node.args.posonlyargs + node.args.args] if is_it else []
+        parameters = (
+            [argument.arg for argument in node.args.posonlyargs + node.args.args] if is_it else []
+        )
         steps += [
             dataclasses.replace(step, first=step.first + moved, last=step.last + moved)
             for step in steps_of(node, known, parameters)
@@ -178,7 +180,7 @@ def _imported(statements: Iterable[slicing.Statement]) -> dict[str, str]:
 
 @functools.cache
 def _exercises() -> frozenset[str]:
-    return frozenset(one.name for lesson in all_lessons() for one in lesson.exercises)
+    return frozenset(exercise.name for lesson in all_lessons() for exercise in lesson.exercises)
 
 
 def _given_names(lesson: Lesson) -> dict[str, str]:
@@ -198,7 +200,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
     """The statements that were given out, and what names stand for that these import."""
     code = [source for kind, source in released_cells(lesson) if kind == "code"]
     statements, _ = slicing.parse_notebook(code)
-    return frozenset(_dump(one.node) for one in statements), _imported(statements)
+    return frozenset(_dump(statement.node) for statement in statements), _imported(statements)
 
 
 @functools.cache

@@ -120,7 +120,9 @@ class _Reader:
             dotted = self._dotted(node)
             return [dotted] if dotted else [*self._words(node.value), f".{node.attr}"]
         if isinstance(node, ast.Call):
-            named = sorted([f"{one.arg}=", *self._words(one.value)] for one in node.keywords)
+            named = sorted(
+                [f"{keyword.arg}=", *self._words(keyword.value)] for keyword in node.keywords
+            )
             return ["call", *self._all([node.func, *node.args]), *chain(*named), "end"]
         if isinstance(node, ast.BinOp):
             sides = [self._words(node.left), self._words(node.right)]

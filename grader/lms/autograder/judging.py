@@ -58,7 +58,7 @@ class Judged:
 
 def lessons_of(assignment: str) -> tuple[Lesson, ...]:
     """The lessons of a stage, or the one that is named; none where there is no such name."""
-    return tuple(one for one in all_lessons() if assignment in (one.stage, one.name))
+    return tuple(lesson for lesson in all_lessons() if assignment in (lesson.stage, lesson.name))
 
 
 def assigned(source: Path) -> tuple[Lesson, ...]:
@@ -87,8 +87,13 @@ def judge_submission(handed_in: Path, source: Path, sandbox: Sandbox) -> Judged:
         course = Course(Path(folder))
         place = course.submitted / WHOSE / lessons[0].stage
         shutil.copytree(handed_in, place, symlinks=True, ignore=_no_files)
-        found = {one.lesson: one for one in find_submissions(course, [lessons[0].stage])}
-        judged = tuple(_judge(course, one, found.get(one), seed, sandbox) for one in lessons)
+        found = {
+            submission.lesson: submission
+            for submission in find_submissions(course, [lessons[0].stage])
+        }
+        judged = tuple(
+            _judge(course, lesson, found.get(lesson), seed, sandbox) for lesson in lessons
+        )
         return Judged(judged, tuple(_left(place, lessons)))
 
 

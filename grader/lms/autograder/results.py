@@ -20,7 +20,7 @@ MISSING = "Nothing was handed in for this lesson."
 def results_of(judged: Judged) -> dict:
     """The content of ``results.json``."""
     tests = [test for one in judged.lessons for test in _tests(one)]
-    score = total([one.verdict.score for one in judged.lessons if one.verdict])
+    score = total([lesson.verdict.score for lesson in judged.lessons if lesson.verdict])
     if total([test.get("score", 0.0) for test in tests]) != score:
         raise ArithmeticError("What is shown does not add up to what was earned.")
     return {

@@ -80,7 +80,9 @@ def marks_of(order: Order) -> Marks:
     results, assignment = order.results, order.assignment
     notebooks = [one for one in results.notebooks if assignment in (one.stage, one.lesson)]
     if not notebooks:
-        names = dict.fromkeys(name for one in results.notebooks for name in (one.stage, one.lesson))
+        names = dict.fromkeys(
+            name for notebook in results.notebooks for name in (notebook.stage, notebook.lesson)
+        )
         raise ExportTrouble(
             f"Say with --assignment which stage or lesson these marks are of. Handed in was: "
             f"{', '.join(sorted(names))}."
@@ -117,7 +119,7 @@ def _notes(
 ) -> Iterator[str]:
     """What these marks are made of, and who has none; empty where there is nothing to say."""
     ids = {mark.person.id for mark in marks}
-    mine = [one for one in notebooks if one.student in ids]
+    mine = [notebook for notebook in notebooks if notebook.student in ids]
     waiting = [one for one in mine if one.standing == WAITING]
     zeros = [one for one in mine if one.standing == MISSING]
     stage = notebooks[0].stage
@@ -146,6 +148,6 @@ def _standing(results: ClassResults, person: Person, assignment: str) -> tuple[s
 
 def _by_lesson(notebooks: Iterable[NotebookResult]) -> list[str]:
     students: dict[str, list[str]] = {}
-    for one in sorted(notebooks, key=lambda one: one.lesson):
-        students.setdefault(one.lesson, []).append(one.student)
+    for notebook in sorted(notebooks, key=lambda one: one.lesson):
+        students.setdefault(notebook.lesson, []).append(notebook.student)
     return [f"{lesson} of {', '.join(names)}" for lesson, names in students.items()]

@@ -91,9 +91,10 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
     folders = {submission.place(course) for submission in submissions}
     known = [digest(path) for folder in folders for path in files_of(folder)]
     results = [
-        one
-        for one in order.results.notebooks
-        if one.student == mark.person.id and order.assignment in (one.stage, one.lesson)
+        notebook
+        for notebook in order.results.notebooks
+        if notebook.student == mark.person.id
+        and order.assignment in (notebook.stage, notebook.lesson)
     ]
     return {
         "judged": sorted(judged),
@@ -102,7 +103,7 @@ def _entry(order: Order, mark: Mark, submissions: Sequence[Submission]) -> dict:
             "score": round(mark.points, 2),
             "output": _summary(results),
             "visibility": "visible",
-            "tests": [_test(one, reports.get(one.lesson)) for one in results],
+            "tests": [_test(result, reports.get(result.lesson)) for result in results],
         },
     }
 
@@ -112,7 +113,7 @@ def _summary(results: Sequence[NotebookResult]) -> str:
         f"{one.lesson}: {write_number(one.score or 0.0)} of {write_number(one.max_score)} points"
         for one in results
     ]
-    penalty = sum(one.penalty for one in results)
+    penalty = sum(result.penalty for result in results)
     if penalty:
         lines.append(f"Taken off for lateness: {write_number(penalty)} points")
     return "\n".join(lines)

@@ -81,7 +81,7 @@ def join(rows: Sequence[PersonRow], people: Sequence[Person]) -> Joined:
                 rows_of.setdefault(one, []).append(place)
         by_name = []
         for place, ids in new.items():
-            rivals = sorted({other for one in ids for other in rows_of[one]})
+            rivals = sorted({other for id_ in ids for other in rows_of[id_]})
             if len(ids) > 1 or len(rivals) > 1:
                 reason = f"{_or(rows[other].label for other in rivals)} may be {_or(sorted(ids))}"
                 doubts |= dict.fromkeys(ids - found.keys(), reason)

@@ -46,7 +46,7 @@ def scores_csv(order: Order) -> Exported:
     table.writerow(_head(stages))
     table.writerow(_out_of(stages))
     for person in order.results.people:
-        mine = [one for one in notebooks if one.student == person.id]
+        mine = [notebook for notebook in notebooks if notebook.student == person.id]
         table.writerow(_row(order, person, mine, stages))
     content = file.getvalue().encode("utf-8", "replace")
     marked = {one.student for one in notebooks if one.standing != EXCUSED and one.score is not None}
@@ -96,7 +96,7 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
     return [
         handed_in.strftime("%Y-%m-%d %H:%M:%S UTC") if handed_in else "",
         _days_late(stage),
-        write_number(sum(one.penalty for one in lessons if one.standing != EXCUSED)),
+        write_number(sum(lesson.penalty for lesson in lessons if lesson.standing != EXCUSED)),
         _standing(lessons),
     ]
 
@@ -115,6 +115,6 @@ def _standing(lessons: Sequence[NotebookResult]) -> str:
     words = [] if whole == WAITING else [whole]
     if whole not in (EXCUSED, MISSING):
         for standing in (WAITING, MISSING):
-            names = [one.lesson for one in lessons if one.standing == standing]
+            names = [lesson.lesson for lesson in lessons if lesson.standing == standing]
             words += [f"{standing}: {', '.join(names)}"] if names else []
     return "; ".join(words)

@@ -266,7 +266,7 @@ def missing_from(namespace: dict, names: list[str], own: frozenset[str]) -> list
     return [
         name
         for name in names
-        if name not in namespace and not any(name in dir(one) for one in classes)
+        if name not in namespace and not any(name in dir(class_) for class_ in classes)
     ]
 
 

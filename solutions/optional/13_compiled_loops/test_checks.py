@@ -22,14 +22,14 @@ RIGHT = [(name, variant) for name, variant in ANSWERS if variant.right]
 
 
 def named(answers):
-    return [pytest.param(*one, id=f"{one[0]}: {one[1].name}") for one in answers]
+    return [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in answers]
 
 
 def namespace_of(decorator=lambda function: function):
     """What a cell of the lesson finds; `decorator` stands for `njit`."""
     turns = np.radians(np.arange(90))
     names = {"np": np, "njit": decorator, "cosines": np.cos(turns), "sines": np.sin(turns)}
-    (taught,) = (one for one in answers_to("root_of") if one.follows_hints)
+    (taught,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
     exec(f"@njit\n{taught.source}", names)
     return names
 
@@ -41,7 +41,7 @@ def function_of(name, variant, decorator=lambda function: function):
 
 
 def failures_of(name, function):
-    outcomes = [run_check(one, as_python(function)) for one in checks_of(name)]
+    outcomes = [run_check(check, as_python(function)) for check in checks_of(name)]
     return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
 
 
@@ -50,7 +50,7 @@ def test_each_function_that_is_written_has_checks_and_none_gives_points():
     assert len(LESSON.steps) == 5 and LESSON.exercises == ()
     for name in LESSON.steps:
         assert text.count(f"\ncheck({name})\n") == 1 and len(notes_of(name)) == 1
-        assert {one.lesson for one in checks_of(name)} == {"lesson_13"}
+        assert {check.lesson for check in checks_of(name)} == {"lesson_13"}
         right = [variant.right for variant in answers_to(f"{name}")]
         assert sum(right) >= 5 and len(right) - sum(right) >= 8
 
@@ -116,7 +116,7 @@ def endless(*arguments):
 
 def test_what_is_compiled_is_asked_as_python(numba, monkeypatch, capsys):
     monkeypatch.setattr(core, "SECONDS", 0.2)
-    (hangs,) = (one for one in answers_to("root_of") if "did not come back" in one.says)
+    (hangs,) = (answer for answer in answers_to("root_of") if "did not come back" in answer.says)
     function = function_of("root_of", hangs, lambda made: Compiled(made, endless))
     with pytest.raises(ChecksFailed):
         check(function)
@@ -126,7 +126,7 @@ def test_what_is_compiled_is_asked_as_python(numba, monkeypatch, capsys):
 
 
 def test_what_it_calls_is_asked_as_python_too(numba):
-    (right,) = (one for one in answers_to("unite") if one.follows_hints)
+    (right,) = (answer for answer in answers_to("unite") if answer.follows_hints)
     function = function_of("unite", right, lambda made: Compiled(made, endless))
     assert not failures_of("unite", function)
 
@@ -134,7 +134,7 @@ def test_what_it_calls_is_asked_as_python_too(numba):
 def test_a_wrong_helper_is_named(numba, capsys):
     names = namespace_of(Compiled)
     for name, which in (("root_of", "the parent"), ("unite", "the hints followed to the letter")):
-        (variant,) = (one for one in answers_to(f"{name}") if one.name == which)
+        (variant,) = (answer for answer in answers_to(f"{name}") if answer.name == which)
         exec(f"@njit\n{variant.source}", names)
     with pytest.raises(ChecksFailed):
         check(names["unite"])
@@ -170,7 +170,7 @@ def test_a_note_tells_what_the_compiler_makes_of_it(numba, capsys, answer, words
 
 
 def test_who_forgets_to_compile_is_told_where_there_is_numba(numba, capsys):
-    (right,) = (one for one in answers_to("any_close") if one.follows_hints)
+    (right,) = (answer for answer in answers_to("any_close") if answer.follows_hints)
     function = function_of("any_close", right)
     check(function)
     assert "`@njit` above its first line" in capsys.readouterr().out
@@ -200,7 +200,7 @@ def test_a_cell_waits_for_what_is_not_written_not_passed_or_written_anew(capsys)
         check(function)
         capsys.readouterr()
         assert ready(function) and not capsys.readouterr().out
-    wrong = next(one for one in answers_to("snuggest_turn") if not one.right)
+    wrong = next(answer for answer in answers_to("snuggest_turn") if not answer.right)
     with contextlib.suppress(ChecksFailed):
         check(function_of("snuggest_turn", wrong))
     assert not ready(function), "a wrong one came after it"

@@ -82,7 +82,9 @@ def test_a_list_is_noted(shown):
         return shown.filter_clusters(cluster_labels, min_num_points).tolist()
 
     failed = [
-        one.name for one in notes_of("filter_clusters") if run_check(one, filter_clusters).failure
+        note.name
+        for note in notes_of("filter_clusters")
+        if run_check(note, filter_clusters).failure
     ]
     assert failed == ["returns_an_array"]
 

@@ -13,7 +13,7 @@ ANSWERS = [(name, variant) for name in STEPS for variant in answers_to(f"{name}"
 
 
 def failures_of(name, function):
-    outcomes = [run_check(one, function) for one in checks_of(name)]
+    outcomes = [run_check(check, function) for check in checks_of(name)]
     return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
 
 
@@ -24,7 +24,7 @@ def test_the_lessons_own_answer_passes(name):
 
 @pytest.mark.parametrize(
     ("name", "variant"),
-    [pytest.param(*one, id=f"{one[0]}: {one[1].name}") for one in ANSWERS],
+    [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
 def test_answers_pass_or_lose_what_they_say(name, variant):
     space = dict(getattr(LESSON, name).__globals__)  # with all that the lesson gives

@@ -229,7 +229,7 @@ def test_an_order_taken_for_ranks_is_noted():
         return np.argsort(start)[which] + 1
 
     notes = notes_of("euclidean_clustering_accelerated")
-    failed = {one.name for one in notes if run_check(one, clustering).failure}
+    failed = {note.name for note in notes if run_check(note, clustering).failure}
     assert failed == {"numbers_by_appearance"}
 
 

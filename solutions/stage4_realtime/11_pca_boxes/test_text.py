@@ -80,7 +80,9 @@ def errors(street, find):
 
 def hinted(name):
     """An answer as the hints spell it out, with what the lesson gives."""
-    source = next(one.source for one in answers_to("get_oriented_boxes") if one.name == name)
+    source = next(
+        answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
+    )
     given = ("turned", "floor_area_at", "closeness_at")
     space = {"np": np} | {name: getattr(LESSON, name) for name in given}
     exec(source, space)

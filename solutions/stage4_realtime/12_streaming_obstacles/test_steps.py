@@ -22,7 +22,7 @@ def function_of(name, variant):
 
 
 def failures_of(name, function):
-    outcomes = [run_check(one, function) for one in checks_of(name)]
+    outcomes = [run_check(check, function) for check in checks_of(name)]
     return {outcome.check.name: outcome for outcome in outcomes if outcome.failure}
 
 
@@ -34,7 +34,7 @@ def test_the_lessons_own_answer_passes(name):
 
 @pytest.mark.parametrize(
     ("name", "variant"),
-    [pytest.param(*one, id=f"{one[0]}: {one[1].name}") for one in ANSWERS],
+    [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
 def test_answers_pass_or_lose_what_they_say(name, variant):
     function = function_of(name, variant)

@@ -486,7 +486,7 @@ def test_the_minutes_are_those_of_four_sittings():
 
 
 def test_no_row_waits_for_one_that_is_green():
-    (lucky,) = (one for one in answers_to("detect_obstacles") if "one round" in one.name)
+    (lucky,) = (answer for answer in answers_to("detect_obstacles") if "one round" in answer.name)
     for seed in range(4):  # in some, a road is found at once
         namespace = {"np": np}
         exec(lucky.source.replace("(low, 1, 0.2, 0)", f"(low, 1, 0.2, {seed})"), namespace)
@@ -495,7 +495,7 @@ def test_no_row_waits_for_one_that_is_green():
                 run_check(check, namespace["detect_obstacles"])
                 for check in checks_of("detect_obstacles")
             ]
-        failed = {one.check.name: one.failure for one in outcomes if one.failure}
+        failed = {outcome.check.name: outcome.failure for outcome in outcomes if outcome.failure}
         waiting = [name for name, failure in failed.items() if isinstance(failure, NotYet)]
         assert bool(waiting) == ("finds_cars" in failed) == (seed < 2), failed
         if waiting:

@@ -78,7 +78,7 @@ class Rounds:
         """The round whose model came back."""
         if self.answer is None:
             return None
-        return next((one for one in self.rounds if self.answer.is_of(one)), None)
+        return next((round_ for round_ in self.rounds if self.answer.is_of(round_)), None)
 
     @cached_property
     def name_of_mask(self) -> Hashable:
@@ -91,7 +91,7 @@ class Rounds:
     @property
     def wrong(self) -> Wrong | None:
         """The first round that is wrong."""
-        found = [_by_itself(one) for one in self.rounds]
+        found = [_by_itself(round_) for round_ in self.rounds]
         if self.answer is not None:
             found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
         found.append(self._one_too_many())
@@ -121,13 +121,13 @@ class Rounds:
         if self.winner is None:
             what = f"within {task.tolerance} m of the {task.model} that you return"
             return Wrong(self._last, f"Your mask has {both} {what}: they are not the same.")
-        for one in self.rounds:  # the same variable, which came back in the end
-            held = one.masks.get(self.name_of_mask)
-            if held is not None and one.near is not None and tuple(one.near.tolist()) != held:
+        for round_ in self.rounds:  # the same variable, which came back in the end
+            held = round_.masks.get(self.name_of_mask)
+            if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
                 return Wrong(
-                    one.number - 1,
-                    f"Your mask has {sum(held)} points in this round, and {one.count} are within "
-                    f"{task.tolerance} m of the {task.model}: they are not the same.",
+                    round_.number - 1,
+                    f"Your mask has {sum(held)} points in this round, and {round_.count} are "
+                    f"within {task.tolerance} m of the {task.model}: they are not the same.",
                 )
         why = f"Your answer is the {task.model} of round {self.winner.number}, whose mask has "
         why += f"{self.answer.expected.sum()} points; but yours has {sum(mask)}"
@@ -154,22 +154,22 @@ class Rounds:
     def _was_closest(self) -> bool:
         """Whether closeness chose it, and not the count: that is MSAC, which the lesson names."""
         costs = {
-            one.number: np.sum(
-                np.minimum(gaps_from(self.task.xyz, one.model), self.task.tolerance) ** 2
+            round_.number: np.sum(
+                np.minimum(gaps_from(self.task.xyz, round_.model), self.task.tolerance) ** 2
             )
-            for one in self.rounds
-            if one.near is not None
+            for round_ in self.rounds
+            if round_.near is not None
         }
         return self.winner.number == min(costs, key=costs.get)
 
     def _one_too_many(self) -> Wrong | None:
         samples = set()
-        for one in self.rounds:
-            if one.rows is not None:
-                samples.add(frozenset(one.rows))
+        for round_ in self.rounds:
+            if round_.rows is not None:
+                samples.add(frozenset(round_.rows))
             if len(samples) > ROUNDS:
                 return Wrong(
-                    one.number - 1,
+                    round_.number - 1,
                     f"This is one sample more than the {ROUNDS} that were asked for.",
                 )
         return None

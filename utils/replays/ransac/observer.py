@@ -105,7 +105,7 @@ class SampleObserver:
 
     def _see_sample(self, frame: FrameType) -> None:
         size = self._task.size
-        held = [one for one in frame.f_locals.values() if self._is_point(one)]
+        held = [local for local in frame.f_locals.values() if self._is_point(local)]
         if len(held) == size and not any(one is old for one in held for old in self._points):
             self._points = held
             self._begin(self._met, np.array([one[:size] for one in held], dtype=float))
@@ -135,7 +135,7 @@ def _sample_in(frame: FrameType, size: int) -> np.ndarray | None:
     if code.co_flags & inspect.CO_VARARGS:
         values = [*values[:-1], *values[-1]]
     try:
-        sample = np.array([np.asarray(one, dtype=float)[:size] for one in values])
+        sample = np.array([np.asarray(value, dtype=float)[:size] for value in values])
     except (TypeError, ValueError, IndexError):
         return None
     return sample if sample.shape == (size, size) else None
