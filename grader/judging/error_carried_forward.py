@@ -1,13 +1,14 @@
-"""An exercise that calls a wrong one is judged a second time, with a right one in its place.
+"""Judge an exercise that calls a wrong helper again, with the lesson's right helper in its place.
 
-Its own work still earns points. That second time it has a process of its own, in which nothing
-else is asked: what is right in there is no answer to any question. And nothing that is said
-there is told, so that nobody reads in the feedback what the right one looks like.
+The exercise's own work then still earns points. The second run has a process of its own in which
+no other exercise runs, so the right helper does not answer another question. Messages of that
+run are not shown, so that the feedback does not reveal the right helper.
 
-Two tries are not better than one. Beside that, it is asked once more with its own helpers: what
-fails both times, fails for their sake, and has the second judging; what holds has to hold again.
-So who answers alike each time loses nothing, and a coin that shows heads with probability p earns
-p² + (1 - p)² p, which is never more than p.
+Two tries must not be better than one. The exercise is therefore also run once more with its own
+helpers. A check that fails both times fails because of the helpers, and the run with right
+helpers decides. A check that passes has to pass again. A deterministic answer loses nothing by
+this, and a coin that shows heads with probability p earns p² + (1 - p)² p, which is never more
+than p.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ _FICKLE = (
 
 @dataclass(frozen=True)
 class Followed:
-    """How an exercise fared with right helpers.
+    """The result of an exercise with right helpers.
 
     Attributes
     ----------
     outcomes : tuple of Outcome
     sentence : str
-        Which function is at fault.
+        A sentence that names the function at fault.
     program : grader.sandbox.program.Program
-        The notebook, with right helpers where these made it better.
+        The notebook, with right helpers if these improved the result.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -52,7 +53,7 @@ class Followed:
 def follow_through(
     setting: Setting, program: Program, asked: Asked
 ) -> tuple[dict[str, Followed], bool]:
-    """Judge again what calls a wrong exercise.
+    """Judge again the exercises that call a wrong helper.
 
     Parameters
     ----------
@@ -60,21 +61,21 @@ def follow_through(
     program : grader.sandbox.program.Program
         The notebook.
     asked : grader.judging.program_run.Asked
-        What came of judging it; also what calls what, read behind the wall: nobody parses a
-        stranger's code here.
+        The results of the first run. They include which function calls which, read in the
+        sandbox, because untrusted code is not parsed here.
 
     Returns
     -------
     followed : dict of str to Followed
-        By exercise; only those that fare otherwise so.
+        By exercise; only those whose result changes.
     starved : bool
-        Whether a time limit was reached by code that hardly had a processor.
+        Whether code reached a time limit because it hardly got a processor.
     """
     exercises = setting.lesson.machine_graded
     lost = {outcome.check.exercise for outcome in asked.outcomes if outcome.failure}
     better, starved = {}, False
     for number, exercise in enumerate(exercises):
-        # What comes after it may be made of it, and a right one might tell it the answer.
+        # Later functions may be derived from this one, so a right one could give them the answer.
         earlier = [before.name for before in exercises[:number]]
         called = lost.intersection(asked.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
@@ -86,12 +87,12 @@ def follow_through(
         tries = [
             ask(setting, code, lambda check, e=exercise: check.exercise == e.name) for code in codes
         ]
-        if any(attempt.fault for attempt in tries):  # said of the first time, which counts
+        if any(attempt.fault for attempt in tries):  # the first run reported it, and counts
             continue
         starved |= any(attempt.starved for attempt in tries)
         first = asked.about(exercise.name)
         by_check = [{one.check: one for one in again.outcomes} for again in tries]
-        # Where all held there is nothing to put right; it holds again, or was luck.
+        # If every check passed, there is nothing to correct: they pass again, or it was luck.
         outcomes = tuple(
             settled(one, by_check[0][one.check], by_check[-1][one.check]) for one in first
         )
@@ -106,10 +107,10 @@ def follow_through(
 
 
 def settled(first: Outcome, once_more: Outcome, with_right: Outcome) -> Outcome:
-    """How a check counts that was asked twice with a student's helpers, and then with right ones.
+    """Decide how a check counts that ran twice with the student's helpers and once with right ones.
 
-    A process that had to be stopped has not answered: it takes nothing from an answer that held,
-    and repeats no wrong one.
+    A process that had to be stopped did not answer. It neither spoils an answer that was right
+    nor confirms one that was wrong.
     """
     if not first.failure:
         wrong = once_more.failure and not _is_stop(once_more)
@@ -125,9 +126,10 @@ def _is_stop(outcome: Outcome) -> bool:
 def _with_right(
     lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
 ) -> Program:
-    """The notebook, with the lesson's own helpers in the place of the student's.
+    """Return the notebook with the lesson's own helpers in place of the student's.
 
-    They are what the lesson's rehearsal has judged, and not what an author has written since.
+    The helpers come from the built solution, which the rehearsal has judged, and not from a
+    source that an author has changed since.
     """
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     right = [

@@ -1,4 +1,4 @@
-"""Judge one notebook: read it once, ask the student's functions, decide here."""
+"""Judge one notebook: read it once, call the student's functions, decide in this process."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from utils.checks import CheckFailed
 from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook
 
-# What a wrong answer makes a test raise; anything else may be a fault of the test.
+# Exceptions that a wrong answer causes in a test. Any other may be a fault of the test.
 _FINE = (type(None), CheckFailed, StudentError, StudentStopped, JudgeTimeout)
 UNFAIR = (
     "The judge failed on this notebook; this is not the student's fault, and no points were "
@@ -39,7 +39,7 @@ UNFAIR = (
 
 
 class UnknownLesson(Exception):
-    """A notebook does not say which lesson it is; `str()` is the sentence to show."""
+    """The lesson of a notebook is unknown; `str()` is the sentence to show."""
 
 
 def judge(
@@ -56,18 +56,18 @@ def judge(
     ----------
     path : pathlib.Path
     seed : int
-        The course's secret; the hidden scenes are drawn from it.
+        The course's secret, from which the input of hidden tests is drawn.
     sandbox : grader.sandbox.Sandbox
     lesson : grader.course.lessons.Lesson, optional
         By default taken from the notebook's name or its metadata.
     student : str, optional
-        Identity to note in the verdict.
+        Identity that the verdict records.
     limits : grader.sandbox.Limits, optional
 
     Returns
     -------
     grader.judging.verdict.Verdict
-        Whatever the student's code did.
+        Reached in every case, whatever the student's code does.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def judge_handed_in(
     student: str = "",
     limits: Limits | None = None,
 ) -> Verdict:
-    """Judge what has been read; see `judge`."""
+    """Judge a submission that has been read; see `judge`."""
     begin = time.perf_counter()
     lesson = lesson or find_lesson(Path(handed_in.name).stem) or _lesson_in(handed_in)
     try:
@@ -114,7 +114,7 @@ def judge_handed_in(
 
 
 def _lesson_in(handed_in: HandedIn) -> Lesson:
-    """The lesson that a notebook says it is."""
+    """Return the lesson that the notebook's name or metadata states."""
     try:
         lesson = find_lesson(lesson_name_in(handed_in))
     except (UnreadableNotebook, ReadingFailed) as error:
@@ -129,7 +129,7 @@ def _lesson_in(handed_in: HandedIn) -> Lesson:
 
 @dataclass(frozen=True)
 class _Reached:
-    """What a verdict says, beside what it is about."""
+    """The part of a verdict that judging decides."""
 
     exercises: tuple[ExerciseResult, ...]
     problems: tuple[str, ...]
@@ -137,14 +137,15 @@ class _Reached:
     starved: bool = False
 
 
-# What was reached for notebooks that lost nothing, by all that it depends on.
+# Results of notebooks with full marks, by everything that such a result depends on.
 _RIGHT: dict[tuple, _Reached] = {}
 
 
 def _reach_once(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Reached:
-    """The same as `_reach`; code that was right, letter by letter, is right again.
+    """Call `_reach`, or return the cached result of identical code with full marks.
 
-    What lost something is asked each time: what befell one shall not befall whoever wrote alike.
+    Only full marks are cached: a failure may be the machine's fault, and must not spread to an
+    identical notebook.
     """
     text = json.dumps([to_judge.code, to_judge.notes, modules], sort_keys=True).encode()
     about = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
@@ -155,13 +156,13 @@ def _reach_once(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) ->
     if not reached.faults and all(
         exercise.score == exercise.max_score for exercise in reached.exercises
     ):
-        # A class may be ten thousand, and what is right is alike for all of them.
+        # A class may have ten thousand students, and the results of right notebooks are identical.
         _RIGHT[key] = replace(reached, exercises=tuple(map(shared, reached.exercises)))
     return reached
 
 
 def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Reached:
-    """Ask, once more where that is just, and say what came of it."""
+    """Run the checks, retry suspicious failures, and build the result."""
     lesson = setting.lesson
     program = program_for(lesson, to_judge.code, modules)
     if to_judge.is_as_released and not modules:
@@ -183,14 +184,14 @@ def _reach(setting: Setting, to_judge: ToJudge, modules: dict[str, str]) -> _Rea
         *(better.sentence for better in followed.values()),
         *(to_judge.versions[name] for name in lost if name in to_judge.versions),
     )
-    # Who has lost nothing has nothing to gain by another try.
+    # With full marks there is nothing to gain by another try.
     return _Reached(exercises, problems, (), bool(lost) and (asked.starved or starved))
 
 
 def _odd_ones_again(setting: Setting, program: Program, asked: Asked) -> Asked:
-    """The same, with another outcome for each that was odd.
+    """Run suspicious checks again and return all outcomes, with the new ones in their place.
 
-    What befell the judge only once takes no point from anybody.
+    A failure that does not recur costs no points.
     """
     odd = {outcome.check for outcome in _odd(asked)}
     if not odd:
@@ -204,12 +205,12 @@ def _odd_ones_again(setting: Setting, program: Program, asked: Asked) -> Asked:
 
 
 def _odd(asked: Asked) -> list[Outcome]:
-    """Those that ended as no wrong answer makes a check end."""
+    """Return the outcomes with an exception that a wrong answer does not cause."""
     return [outcome for outcome in asked.outcomes if not isinstance(outcome.failure, _FINE)]
 
 
 def _faults(setting: Setting, asked: Asked) -> tuple[str, ...]:
-    """What went wrong in the judge, so that nothing can be said about the student."""
+    """Return what went wrong in the judge itself, so that the student cannot be judged."""
     if asked.fault:
         return (asked.fault,)
     odd = _odd(asked)
@@ -219,7 +220,7 @@ def _faults(setting: Setting, asked: Asked) -> tuple[str, ...]:
 
 
 def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str]) -> Program:
-    """What runs behind the wall for a notebook of a lesson."""
+    """Return the program that runs in the sandbox for a notebook of a lesson."""
     return Program(
         cells,
         lesson.names,
@@ -233,16 +234,16 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
 
 @functools.cache
 def given_code(lesson: Lesson) -> str:
-    """Source of what a lesson gives, as it was released."""
+    """Return the source of the code that a lesson gives, as it was released."""
     return lesson.source_of(lesson.header.given)
 
 
 @functools.cache
 def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    """What the tests of a lesson find wrong with its own solution: faults of the tests.
+    """Return what the tests of a lesson find wrong with its own solution: faults of the tests.
 
-    Empty when the solution earns everything, as it must before anybody is judged. A fault is there
-    each time; what befalls a busy machine once is none.
+    The list is empty if the solution earns everything, as it must before a class is judged. A
+    fault recurs; a failure that a busy machine causes once is not a fault.
     """
     return _complaints(lesson, seed, sandbox) and _complaints(lesson, seed, sandbox)
 

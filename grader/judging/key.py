@@ -1,8 +1,8 @@
-"""The key of a verdict: a fingerprint of all that it depends on, and of nothing else.
+"""The key of a verdict: a fingerprint of everything that it depends on, and of nothing else.
 
-So a verdict on disk holds as long as its key does, and a comment in a plotting module judges
-nobody again. No list says which code decides: statements that import are followed, from the judge,
-what runs a student's code, and the lesson's own tests and checks.
+A verdict on disk is valid as long as its key is the same, so a comment in a plotting module does
+not cause a submission to be judged again. The code that decides is not listed by hand: import
+statements are followed from the judge, the sandbox's server, and the lesson's tests and checks.
 """
 
 from __future__ import annotations
@@ -20,43 +20,43 @@ from grader.course.paths import PROJECT
 from grader.intake.submission import HandedIn
 from grader.sandbox.boundary import SHOWN
 
-# Where judging begins: here, and in the process that students' code is forked from.
+# Modules in which judging begins: the judge, and the process that student code is forked from.
 ENTRIES = (
     PROJECT / "grader" / "judging" / "judge.py",
     PROJECT / "grader" / "sandbox" / "fork_server.py",
 )
-# What only shows a result, and is imported when somebody looks. Judging does not even read it.
+# Modules that only display results and are imported on demand; judging never reads them.
 SHOWS = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
-# Of what students see; checks ask about single objects of it.
+# The objects in the course's scan, which checks ask about one by one.
 TRUTH = PROJECT / "data" / "cloud_truth.npz"
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
 
-# Text instead of a syntax tree, which takes ten times as long; what it finds in a docstring
-# does no harm.
+# A pattern instead of a syntax tree, which takes ten times as long. An import that it finds in a
+# docstring does no harm.
 _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|.*)|import (.*))$", re.M)
 
 
 def versions() -> dict[str, str]:
-    """Version of Python and of each library that decides, by name."""
-    # A release that only mends Python changes no answer.
+    """Return the versions of Python and of each library that decides, by name."""
+    # A patch release of Python does not change answers.
     python = ".".join(map(str, sys.version_info[:2]))
     return {"Python": python} | {name: metadata.version(name) for name in LIBRARIES}
 
 
 def verdict_key(handed_in: HandedIn, lesson: Lesson, seed: int, student: str = "") -> str:
-    """Fingerprint of a submission and of the rules that it is judged by."""
+    """Return the fingerprint of a submission and of the rules that it is judged by."""
     about = (str(seed), student, rules_key(lesson), handed_in.fingerprint())
     return hashlib.sha256("\0".join(about).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
 def rules_key(lesson: Lesson) -> str:
-    """Fingerprint of what decides in one lesson."""
+    """Return the fingerprint of everything that decides in one lesson."""
     return key_of_files(lesson.name, files_that_decide(lesson))
 
 
 def key_of_files(about: str, files: Iterable[Path]) -> str:
-    """Fingerprint of what some files and the libraries decide about something."""
+    """Return the fingerprint of some files, the libraries, and the name of their subject."""
     digest = hashlib.sha256(about.encode())
     for name, version in versions().items():
         digest.update(f"{name} {version}\0".encode())
@@ -66,15 +66,15 @@ def key_of_files(about: str, files: Iterable[Path]) -> str:
 
 
 def files_that_decide(lesson: Lesson) -> frozenset[Path]:
-    """The files of this project that a verdict on a lesson depends on."""
+    """Return the files of this project that a verdict on a lesson depends on."""
     entries = {*ENTRIES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
-    # The source says what is forbidden; the solution holds right helpers, borrowed ones as well.
+    # The source says what is forbidden; the solution contains the right helpers.
     notebooks = {lesson.source, lesson.solved, lesson.released}
     return frozenset(with_all_they_run(entries) | notebooks | {TRUTH})
 
 
 def with_all_they_run(files: Iterable[Path]) -> set[Path]:
-    """Some files, all of this project that they import, and what runs beside a student's code."""
+    """Return some files, all project files that they import, and the files in the sandbox."""
     found, waiting = set(), set(files)
     while waiting:
         file = waiting.pop()
@@ -86,12 +86,12 @@ def with_all_they_run(files: Iterable[Path]) -> set[Path]:
 
 @functools.cache
 def _imported_by(file: Path) -> set[Path]:
-    """The files of this project that one imports, at its head or within a function."""
+    """Return the project files that a file imports, at its head or inside a function."""
     modules = set()
     for package, names, whole in _IMPORT.findall(file.read_text("utf-8")):
         modules |= {f"{package}.{name}" for name in re.findall(r"\w+", names)}
         modules |= set(re.findall(r"[\w.]+", whole))
-    # With a module come the packages that it lies in.
+    # Importing a module also runs the packages that contain it.
     parts = [module.split(".") for module in modules]
     modules = {".".join(part[:end]) for part in parts for end in range(1, len(part) + 1)}
     modules = {module for module in modules if not f"{module}.".startswith(SHOWS)}
@@ -100,7 +100,7 @@ def _imported_by(file: Path) -> set[Path]:
 
 @functools.cache
 def _file_of(module: str) -> Path | None:
-    """Where a module of this project is written; None for any other."""
+    """Return the file of a module of this project, or None for any other module."""
     path = PROJECT.joinpath(*module.split("."))
     files = (path.with_suffix(".py"), path / "__init__.py")
     return next((file for file in files if file.is_file()), None)

@@ -1,4 +1,4 @@
-"""Points to the cent: what is shown for the checks of an exercise adds up to what it earns."""
+"""Divide and add points to the cent, so that the checks of an exercise add up to its points."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from utils.checks.outcomes import Outcome
 
 
 def shares(points: float, weights: Sequence[float]) -> list[float]:
-    """Divide points by weight, to the cent, so that nothing is lost.
+    """Divide points by weight, to the cent, so that the parts add up exactly.
 
-    The method of the largest remainder (Hamilton's): everybody gets their share without its
-    fraction of a cent, and the cents that are left go to the largest fractions, the first of equals
-    first.
+    This is the method of the largest remainder (Hamilton's). Each part is rounded down to a cent,
+    and the cents that are left go to the largest fractions; of equal fractions the first wins.
 
     Parameters
     ----------
@@ -36,19 +35,19 @@ def shares(points: float, weights: Sequence[float]) -> list[float]:
 
 
 def total(points: Sequence[float]) -> float:
-    """Sum of points, to the cent."""
+    """Return the sum of some points, to the cent."""
     return sum(round(100 * share) for share in points) / 100
 
 
 def points_of(points: float, outcomes: Sequence[Outcome]) -> float:
-    """What an exercise earns: the shares of the checks that hold.
+    """Return the points that an exercise earns: the shares of the checks that passed.
 
     Parameters
     ----------
     points : float
-        Of the exercise.
+        Points of the whole exercise.
     outcomes : sequence of Outcome
-        All of its checks.
+        Outcomes of all its checks.
     """
     most = shares(points, [outcome.check.weight for outcome in outcomes])
     return total([share for share, one in zip(most, outcomes, strict=True) if not one.failure])

@@ -1,4 +1,4 @@
-"""A notebook's program is asked, in a process of its own that ends with it."""
+"""Run the checks on a notebook's program, in a worker process of its own."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from utils.checks.outcomes import Outcome
 
 @dataclass(frozen=True)
 class Setting:
-    """By what a notebook is judged, and where.
+    """The rules that a notebook is judged by, and the place where it runs.
 
     Attributes
     ----------
@@ -28,8 +28,7 @@ class Setting:
     sandbox : grader.sandbox.Sandbox
     limits : grader.sandbox.Limits, optional
     budget : grader.sandbox.time_budget.Budget, optional
-        What is left of the notebook's time, however often it is asked; by default each asking has
-        one of its own.
+        Time that is left for the notebook over all runs; by default each run has its own.
     """
 
     lesson: Lesson
@@ -41,22 +40,22 @@ class Setting:
 
 @dataclass(frozen=True)
 class Asked:
-    """What came of asking.
+    """The results of one run of the checks.
 
     Attributes
     ----------
     outcomes : tuple of Outcome
-        One for each check that was asked; none where there is a fault.
+        One for each check that was run; empty if there is a fault.
     problems : tuple of str
-        What was wrong with the notebook's own cells, one sentence each.
+        One sentence for each thing that is wrong with the notebook's own cells.
     uses : dict of str to tuple of str
-        Which exercises call which functions.
+        The functions that each exercise calls.
     starved : bool
-        Whether a time limit was reached by code that hardly had a processor.
+        Whether code reached a time limit because it hardly got a processor.
     mistakes : dict of str to utils.checks.diagnosis.Mistake
-        What explains the answers to an exercise, by its name.
+        The mistake that explains the answers to an exercise, by the exercise's name.
     fault : str
-        Why not every check could be asked; then nothing can be said about the student.
+        Why some check could not be run, so that the student cannot be judged.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -67,7 +66,7 @@ class Asked:
     fault: str = ""
 
     def about(self, exercise: str) -> list[Outcome]:
-        """The outcomes of the checks of one exercise."""
+        """Return the outcomes of one exercise's checks."""
         return [outcome for outcome in self.outcomes if outcome.check.exercise == exercise]
 
 
@@ -78,18 +77,18 @@ def ask(
     explain: bool = False,
     to_the_end: bool = True,
 ) -> Asked:
-    """Ask the checks of a lesson of one program.
+    """Run the checks of a lesson on one program.
 
     Parameters
     ----------
     setting : Setting
     program : grader.sandbox.program.Program
     asked : callable
-        Takes a check: whether to ask it.
+        Takes a check and returns whether to run it.
     explain : bool
-        Whether to look for what explains wrong answers.
+        Whether to look for mistakes that explain wrong answers.
     to_the_end : bool
-        Whether to go on once a check has failed; else those after it fail untried.
+        Whether to go on after a failure; if not, all later checks fail without being run.
 
     Raises
     ------
@@ -108,7 +107,7 @@ def ask(
 
 
 def nothing_written(lesson: Lesson) -> Asked:
-    """What comes of asking a notebook that stands as it was handed out, without asking it."""
+    """Return the results of an untouched notebook, without running it."""
     try:
         return Asked(tests_of_nothing(lesson))
     except JudgeFault as error:
@@ -116,7 +115,7 @@ def nothing_written(lesson: Lesson) -> Asked:
 
 
 def _mistakes(outcomes: Iterable[Outcome], student: StudentProxy) -> dict[str, Mistake]:
-    """What explains the answers to each exercise, by its name."""
+    """Return the mistake that explains the answers to each exercise, by the exercise's name."""
     found = {}
     for outcome in outcomes:
         exercise = outcome.check.exercise

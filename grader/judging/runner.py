@@ -1,7 +1,7 @@
-"""Ask the checks of a lesson here, in a process that no student's code enters.
+"""Run the checks of a lesson in this process, which never executes student code.
 
-What students see runs as in their notebook; what they do not see are tests of pytest. Nothing from
-outside has a say: no setting in the environment, no plugin, no ``conftest.py``.
+Visible checks run as in the notebook; hidden tests are tests of pytest. Settings in the
+environment, plugins and ``conftest.py`` files have no influence.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from utils.checks.failures import FarTooMuch
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# Processor seconds that one test may take here, beside what the student's code takes there.
+# Processor seconds that one test may take in this process, without the student's code.
 SECONDS_OF_A_TEST = 30.0
-# Answers far larger than any right one that an exercise may give: reading each takes seconds.
+# An exercise may return this many answers that are far too large: reading each takes seconds.
 MOST_TOO_LARGE = 5
-# Plugins of pytest's that no hidden test needs. Each takes a quarter of a millisecond.
+# Plugins of pytest that hidden tests do not need. Each costs a quarter of a millisecond.
 _NOT_NEEDED = (
     *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
     *("legacypath", "logging", "pastebin", "recwarn", "reports", "setuponly", "setupplan"),
@@ -59,14 +59,11 @@ class JudgeTimeout(Exception):
 
 
 class JudgeFault(Exception):
-    """The tests themselves could not be run; the fault is ours."""
+    """The tests themselves could not be run, which is a fault of the course."""
 
 
 class _Asking:
-    """Asks a student one check after another, and notes how each ended.
-
-    Also a pytest plugin, for the checks that students do not see.
-    """
+    """Runs one check after another and records the outcomes; also a pytest plugin."""
 
     def __init__(
         self,
@@ -84,7 +81,7 @@ class _Asking:
         self.said: list[str] = []
 
     def show(self, check: Check) -> None:
-        """Ask a check that students see."""
+        """Run a visible check."""
         error = None
         try:
             with self.about(check):
@@ -95,7 +92,7 @@ class _Asking:
 
     @contextlib.contextmanager
     def about(self, check: Check) -> Iterator[None]:
-        """Say which exercise is asked about, and let the judge's own work end in time."""
+        """Set the exercise that is under test, and limit the time of the judge's own work."""
         self.proxy.exercise = exercise = check.exercise
         if not self.goes_on:
             raise StudentStopped("Not tried: another check has failed.")
@@ -108,36 +105,36 @@ class _Asking:
             yield
 
     def note(self, check: Check, error: Exception | None) -> None:
-        """Note how a check ended."""
+        """Record how a check ended."""
         self.too_large[check.exercise] += isinstance(error, FarTooMuch)
         self.goes_on &= self.to_the_end or error is None
         if isinstance(error, SandboxUnavailable):
             self.broken = error
         if isinstance(error, JudgeTimeout):
-            self.proxy.close()  # it may have been in the middle of a sentence
+            self.proxy.close()  # the conversation may have been interrupted half-way
         self.outcomes[check] = Outcome(check, error)
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        """Leave out what was not asked for; note all there is to earn, whatever happens to it."""
+        """Deselect the tests that were not asked for; record the others as not run yet."""
         self.tests = len(items)
         items[:] = [item for item in items if self.asked(check_of(item))]
         self.outcomes |= {check_of(item): None for item in items}
 
     @pytest.fixture
     def student(self) -> StudentProxy:
-        """The functions under test."""
+        """Return the functions under test."""
         return self.proxy
 
     @pytest.fixture
     def seed(self, request: pytest.FixtureRequest) -> int:
-        """A number that the course's secret decides, one for each lesson."""
-        # Verdicts of earlier releases rest on this very text.
+        """Return a number that depends on the course's secret and on the lesson."""
+        # Verdicts of earlier releases depend on this text, so it must not change.
         text = f"{self.course_seed} test_{request.path.parent.name}.py"
         return int.from_bytes(hashlib.sha256(text.encode()).digest()[:15], "big")
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item: pytest.Item) -> object:
-        """Ask a check that students do not see."""
+        """Run a hidden test."""
         with self.about(check_of(item)):
             return (yield)
 
@@ -145,7 +142,7 @@ class _Asking:
     def pytest_runtest_makereport(
         self, item: pytest.Item, call: pytest.CallInfo
     ) -> pytest.TestReport:
-        """Note how a test ended, and spare pytest its tracebacks: half of its time."""
+        """Record how a test ended, without a traceback, which takes half of pytest's time."""
         error = call.excinfo.value if call.excinfo else None
         if call.when == "call" or error:
             self.note(check_of(item), error)
@@ -153,32 +150,32 @@ class _Asking:
         return pytest.TestReport(item.nodeid, item.location, {}, outcome, None, call.when)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Note why a file could not be read."""
+        """Record why a file of tests could not be read."""
         if report.failed:
             self.said.append(str(report.longrepr))
 
     def pytest_keyboard_interrupt(self, excinfo: pytest.ExceptionInfo) -> None:
-        """Note whether a person stopped it, or pytest itself did."""
+        """Record whether a person interrupted the run, or pytest itself did."""
         self.interrupted = not isinstance(excinfo.value, pytest.Session.Interrupted)
 
 
 class _NotAsking(_Asking):
-    """Knows the answer to each check without asking: nobody has written anything yet."""
+    """Records each check as not started, without calling a function of the student."""
 
     def about(self, check: Check) -> NoReturn:
-        """Raise what a function raises that stands as it was handed out."""
+        """Raise what an untouched stub raises."""
         raise StudentError(check.exercise, "NotImplementedError")
 
 
 class _Collecting(_Asking):
-    """Keeps the checks that students do not see, to be asked later, as often as one likes."""
+    """Collects the hidden tests, so that they can be run later and several times."""
 
     def __init__(self, student: StudentProxy, seed: int, asked: Callable[[Check], bool]) -> None:
         super().__init__(student, seed, asked)
         self.questions: list[Callable[[], object]] = []
 
     def pytest_pyfunc_call(self, pyfuncitem: pytest.Function) -> bool:
-        """Keep a check, and say that it has been asked."""
+        """Keep a test, and report to pytest that it has run."""
         names = inspect.signature(pyfuncitem.obj).parameters
         arguments = {name: pyfuncitem.funcargs[name] for name in names}
         self.questions.append(functools.partial(pyfuncitem.obj, **arguments))
@@ -188,7 +185,7 @@ class _Collecting(_Asking):
 def shown_questions(
     student: StudentProxy, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Those of some checks that students see, each as something that raises at a wrong answer."""
+    """Return the visible ones of some checks as callables that raise for a wrong answer."""
     return tuple(
         functools.partial(check.run, getattr(student, asked_through(check.exercise)))
         for check in checks
@@ -199,7 +196,7 @@ def shown_questions(
 def hidden_questions(
     lesson: Lesson, student: StudentProxy, seed: int, checks: Iterable[Check]
 ) -> tuple[Callable[[], object], ...]:
-    """Those of some checks that students do not see, as `shown_questions`; see `run_tests`."""
+    """Return the hidden ones of some checks as `shown_questions` does; see `run_tests`."""
     wanted = {check.name for check in checks if not check.is_shown}
     if not wanted:
         return ()
@@ -209,7 +206,7 @@ def hidden_questions(
 
 
 def everything(check: Check) -> bool:
-    """Ask all there is to ask."""
+    """Select every check."""
     return True
 
 
@@ -220,10 +217,10 @@ def run_tests(
     asked: Callable[[Check], bool] = everything,
     to_the_end: bool = True,
 ) -> list[Outcome]:
-    """Ask the checks of a lesson.
+    """Run the checks of a lesson.
 
-    Those that students may see come first: more is told of them, and by then the student's code
-    has met no hidden question.
+    Visible checks come first, because students read more about them. Until they have run, the
+    student's code has not received any hidden input.
 
     Parameters
     ----------
@@ -232,29 +229,29 @@ def run_tests(
     seed : int
         The course's secret.
     asked : callable
-        Takes a check: whether to ask it.
+        Takes a check and returns whether to run it.
     to_the_end : bool
-        Whether to go on once a check has failed; else those after it fail untried.
+        Whether to go on after a failure; if not, all later checks fail without being run.
 
     Returns
     -------
     list of Outcome
-        One for each check that was asked.
+        One for each check that was run.
 
     Raises
     ------
     JudgeFault
-        If not every check could be asked.
+        If a check could not be run.
     grader.sandbox.SandboxUnavailable
     KeyboardInterrupt
-        pytest would keep it to itself.
+        Raised again here, because pytest catches it.
     """
     return _run(lesson, _Asking(student, seed, asked, to_the_end))
 
 
 @functools.cache
 def tests_of_nothing(lesson: Lesson) -> tuple[Outcome, ...]:
-    """What `run_tests` finds where nobody has written anything, without a scene or a process."""
+    """Return what `run_tests` finds for an untouched notebook, without running anything."""
     return tuple(_run(lesson, _NotAsking(None, 0, everything)))
 
 
@@ -280,8 +277,8 @@ def _run(lesson: Lesson, asking: _Asking) -> list[Outcome]:
 
 
 def _ask_hidden(lesson: Lesson, asking: _Asking) -> int:
-    """Have pytest ask what students do not see; its exit code."""
-    # Else pytest looks at all that lies in each folder above.
+    """Run the hidden tests with pytest and return its exit code."""
+    # Without this option pytest reads every folder above.
     alone = f"--confcutdir={lesson.tests.parent}"
     with _plain_environment():
         return int(pytest.main([str(lesson.tests), alone, *_OPTIONS], plugins=[asking]))
@@ -289,7 +286,7 @@ def _ask_hidden(lesson: Lesson, asking: _Asking) -> int:
 
 @contextlib.contextmanager
 def _plain_environment() -> Iterator[None]:
-    """No setting of pytest's from outside, while it lasts."""
+    """Hide settings of pytest in the environment, inside a with statement."""
     before = {name: text for name, text in os.environ.items() if name.startswith(("PYTEST", "PY_"))}
     for name in before:
         del os.environ[name]
@@ -303,9 +300,9 @@ def _plain_environment() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _own_time(seconds: float) -> Iterator[None]:
-    """Raise `JudgeTimeout` once this process has worked for so long; waiting does not count."""
+    """Raise `JudgeTimeout` once this process has used so many seconds; waiting does not count."""
     if threading.current_thread() is not threading.main_thread():
-        yield  # only there can Python be interrupted
+        yield  # Python can be interrupted only in the main thread
         return
 
     def stop(*signal_and_frame: object) -> None:
