@@ -1,4 +1,4 @@
-"""How a pytest test says which exercise it belongs to and what a student may read of it."""
+"""The decorator of hidden tests, and the check that such a test stands for."""
 
 import dataclasses
 
@@ -14,8 +14,8 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
     ----------
     exercise : str
     title, hint : str
-        Shown to students: they may say what is demanded, never how it is tested. In the title of a
-        test that is asked with several parameters, ``{}`` is the id of each.
+        Shown to students: they may say what is demanded, but not how it is tested. In the title of
+        a parametrized test, ``{}`` is replaced by the id of the parameters.
     weight : float
         Share of the exercise's points, relative to its other checks.
     """
@@ -23,7 +23,7 @@ def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pyte
 
 
 def check_of(item: pytest.Item) -> Check:
-    """The check that a test is."""
+    """Return the check that a test stands for."""
     check = item.get_closest_marker("judged").args[0]
     title = check.title.format(item.callspec.id) if hasattr(item, "callspec") else check.title
     return dataclasses.replace(check, name=item.name, title=title)

@@ -1,8 +1,9 @@
-"""What a person reads about a failed test, and about an exercise as a whole.
+"""Messages about failed checks and about an exercise as a whole.
 
-Nothing that holds a part of a question, or a word that student code chose: what kind of thing is
-wrong, where in the student's own code, and our hint. Of a visible test the question is in the
-notebook; but a neighbour's may be in the answer. There the student's own `check()` shows all.
+Messages never contain test input or text that student code controls. They say what kind of thing
+is wrong and where in the student's own code, and give the lesson's hint. Even for visible checks,
+whose input is in the notebook, the answer is not shown, because it might contain another check's
+input. The student's own `check()` shows everything.
 """
 
 import dataclasses
@@ -30,21 +31,21 @@ from utils.checks.summary import Story, hint_for
 from utils.checks.tips import tip_for
 from utils.remote_objects import ENDLESS
 
-# Counts, as "2 of 5 rows", are told of what students see: so many, and below a hundred.
+# Messages on visible checks show small counts, as in "2 of 5 rows": so many, and below a hundred.
 FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
 _EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
 def told(outcome: Outcome, open_to_all: bool) -> Outcome:
-    """What came of a check, in words that may be told.
+    """Return the outcome of a check with a failure whose message may be shown.
 
     Parameters
     ----------
     outcome : Outcome
-        As the judge saw it.
+        The original outcome.
     open_to_all : bool
-        False where the student's code had company that no line may be told of: then the checks
-        that students see are told like hidden ones.
+        False if the student's code ran together with code that messages must not reveal. Visible
+        checks are then treated like hidden ones.
     """
     if outcome.failure is None:
         return outcome
@@ -54,7 +55,7 @@ def told(outcome: Outcome, open_to_all: bool) -> Outcome:
 
 @dataclass(frozen=True)
 class Message:
-    """What to tell about a failed check; the attributes are those of `CheckResult`."""
+    """The message on a failed check; the attributes are those of `CheckResult`."""
 
     text: str
     kind: Kind = Kind.OWN
@@ -63,10 +64,10 @@ class Message:
 
 
 def messages_of(story: Story) -> dict[Outcome, Message]:
-    """What to tell about each failed test; one cause is told once.
+    """Return the message on each failed check; a shared cause is explained once.
 
-    A hint comes with the first failure alone, as in `check()`: what else failed may have another
-    cause than the one that its own hint is about.
+    Only the first failure has a hint, as in `check()`: the others may have a different cause than
+    the one that their own hint is about.
     """
     if story.first is None:
         return {}
@@ -84,7 +85,7 @@ def messages_of(story: Story) -> dict[Outcome, Message]:
 
 
 def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> Message:
-    """What to tell about a failure, line by line."""
+    """Return the message on a failure, with one line for each part."""
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if hinted else ""
     hint = hint and f"Hint: {hint}"
@@ -105,7 +106,7 @@ def _kind_and_subject(failure: CheckFailed) -> tuple[Kind, str]:
 
 
 def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
-    """Why a test failed, in words that may be told."""
+    """Return a failure whose message may be shown, in place of the original one."""
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
         question = outcome.check.slow or ENDLESS
@@ -135,10 +136,10 @@ def failure_of(outcome: Outcome, visible: bool) -> CheckFailed:
 
 
 def without_numbers(message: str, few: int = 0) -> str:
-    """A message without what differs from cloud to cloud: what is left is the kind of mistake.
+    """Return a message without numbers and examples, so that only the kind of mistake is left.
 
-    Numbers of the task itself stay (`utils.checks.failures.fixed`). Of small whole numbers a few
-    may stay: an answer that is a secret says little by these.
+    Numbers of the task itself stay (`utils.checks.failures.fixed`). A few small whole numbers may
+    stay as well, because they reveal little of a secret answer.
     """
     whole = iter(range(few))
 
@@ -149,16 +150,16 @@ def without_numbers(message: str, few: int = 0) -> str:
 
 
 def in_common(messages: Sequence[str]) -> str:
-    """What messages say that are alike without their numbers: those stay in which they agree."""
+    """Return the common text of messages that differ only in numbers; equal numbers stay."""
     bare, numbers = zip(*map(_apart, messages), strict=True)
-    if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # nobody knows which belong together
+    if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # the numbers cannot be matched
         return without_numbers(messages[0])
     agree = iter([len({*column}) == 1 for column in zip(*numbers, strict=True)])
     return _with_some_numbers(messages[0], lambda number: next(agree))
 
 
 def _apart(message: str) -> tuple[str, list[str]]:
-    """A message less its numbers, and these."""
+    """Return a message without its numbers, and the numbers."""
     numbers = []
 
     def take(number: str) -> str:
@@ -179,7 +180,7 @@ with_few_numbers = functools.partial(without_numbers, few=FEW_NUMBERS)
 
 
 def _where_to_see_more(outcome: Outcome) -> str:
-    """What a student's own notebook shows of a failure beside this; empty where nothing."""
+    """Return a sentence on what the notebook shows in addition; empty if nothing."""
     if outcome.check.is_shown and outcome.failure.is_about_an_answer:
         return "The check in the notebook shows your answer beside the right one."
     if outcome.check.is_shown and isinstance(outcome.failure, Raised):

@@ -1,8 +1,9 @@
-"""Whether a named mistake explains all that an exercise lost.
+"""Decide whether a named mistake explains everything that an exercise lost.
 
-Two proofs are wanted. A function that makes this mistake and no other, made of the lesson's own
-solution, loses the very same checks. And the student's function answers as that one does, whatever
-the checks ask, shown and hidden, on the course's own scenes and on those drawn from its seed.
+Two conditions must hold. A function that makes this mistake and no other, built from the lesson's
+own solution, fails exactly the same checks. And the student's function gives the same answers as
+that function in all checks, visible and hidden, on the course's own input and on input drawn from
+its seed.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from utils.notebooks import slicing
 
 @functools.cache
 def _solution(lesson: Lesson, exercise: str) -> Callable:
-    """The lesson's own function, as its rehearsal has judged it."""
+    """Return the lesson's own function, as its rehearsal has judged it."""
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     space = {"__name__": lesson.name}
     for statement in slicing.slice_for((exercise,), statements):
@@ -32,14 +33,14 @@ def _solution(lesson: Lesson, exercise: str) -> Callable:
 
 
 class _Beside:
-    """A student whose answers to one exercise are compared with others.
+    """A student proxy that compares the answers to one exercise with those of a function.
 
     Parameters
     ----------
     student : object
     exercise : str
     function : callable
-        Answers in the place of the student's.
+        Called with the same arguments as the student's function.
     """
 
     def __init__(self, student: object, exercise: str, function: Callable) -> None:
@@ -50,13 +51,13 @@ class _Beside:
         return self._function if name == self._exercise else getattr(self._student, name)
 
     def close(self) -> None:
-        """Nothing: whoever made the student ends it."""
+        """Do nothing: the owner of the student proxy closes it."""
 
 
 def explains(
     setting: Setting, program: Program, exercise: str, mistake: Mistake, lost: frozenset[Check]
 ) -> bool:
-    """Whether one mistake alone is what an exercise lost its checks for.
+    """Return whether one mistake alone explains the failed checks of an exercise.
 
     Parameters
     ----------
@@ -91,7 +92,7 @@ def explains(
 def _lost_by(
     setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
-    """The checks that a function loses in the place of a student's."""
+    """Return the checks that a function fails in place of the student's."""
     beside = _Beside(student, exercise, function)
     outcomes = run_tests(
         setting.lesson, beside, setting.seed, lambda check: check.exercise == exercise

@@ -1,14 +1,13 @@
 """Look for the one edit that makes a wrong answer right.
 
-Each edit of the student's own functions (`utils.notebooks.edits`) is asked the questions that the
-answer failed, all in one process. What passes these is handed in, so to speak: the notebook with
-that edit is judged as any other is, hidden questions and all, and only where it loses nothing is
-it proven that one thing alone is wrong. So a repair earns what its author nearly wrote, and who
-has written nothing has nothing that one edit could mend. Who throws a coin gains nothing by it: an
-edit that makes the coin right makes the side right, too, that it fell on.
+Each edit of the student's own functions (`utils.notebooks.edits`) runs the checks that the answer
+failed, all in one process. If an edit passes these, the notebook with the edit is judged like a
+submission, hidden tests included. Only if it then loses nothing is one slip proven. A repair
+therefore earns points for an answer that is nearly right, and an empty answer has nothing to
+repair. An answer that guesses gains nothing: the edit would have to make every guess right.
 
-Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) mend with the
-answers of other students. Here nobody's answer is needed, as the questions decide.
+Clara (Gulwani, Radiček and Zuleger, PLDI 2018) and Refactory (Hu et al., ASE 2019) repair with the
+answers of other students. Here other answers are not needed, because the checks decide.
 """
 
 from __future__ import annotations
@@ -34,25 +33,25 @@ from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import one_run
 
-# Of the processor, here and behind the walls, for the edits of one exercise.
+# Processor seconds for the edits of one exercise, in the judge and in the sandbox.
 SECONDS = 1.0
-# By the clock on the wall, for code that sleeps a little each time.
+# Seconds of wall-clock time, for code that sleeps a little in each call.
 MOST_SECONDS = 60.0
-# A right answer takes less for the first questions, and an edit may well make an endless loop.
+# A right answer needs less for the first checks, and an edit may create an endless loop.
 SECONDS_OF_A_CALL = 0.25
-SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # where some hang
-# Processes that end with an edit; the clock ends it sooner.
+SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # once an edit has hung
+# Processes that may end because of an edit; the time limit usually comes first.
 MOST_THAT_HANG = 100
-# Edits that pass what the answer failed, of which none passes everything: then there is none.
+# After so many edits that pass the failed checks but not everything, the search stops.
 MOST_JUDGED = 3
 NO_SLIPS = ("NotImplementedError", "ImportError", "ModuleNotFoundError")
-LOOK_AFTER = 16  # edits, as looking at the clock takes longer than most
-LOOK_SOON = 0.1  # seconds by whatever clock: one edit that hangs takes as much as many
+LOOK_AFTER = 16  # edits, because reading the processor's clock takes longer than most edits
+LOOK_SOON = 0.1  # seconds, because one edit that hangs takes as long as many others
 
 
 @dataclass(frozen=True)
 class Repair:
-    """One edit with which an answer is right.
+    """One edit that makes an answer right.
 
     Attributes
     ----------
@@ -73,10 +72,11 @@ class Repair:
 def slips_in(
     setting: Setting, program: Program, asked: Asked, followed: dict[str, Followed]
 ) -> dict[str, Repair | Mistake]:
-    """What alone is wrong in each exercise that lost something, by name, where it is proven.
+    """Return the proven slip of each exercise that lost points, by the exercise's name.
 
-    The edit that mends it; or the named mistake that explains all its answers. Of a notebook whose
-    own cells never end, nothing is tried: it would be waited for once more for each exercise.
+    A slip is the edit that repairs the exercise, or the named mistake that explains all its
+    answers. If the notebook's own cells never end, nothing is tried, because each exercise would
+    wait for them again.
     """
     found = {}
     if setting.budget and not setting.budget.begins:
@@ -103,16 +103,16 @@ def slips_in(
 
 
 def _is_no_slip(outcome: Outcome) -> bool:
-    """Whether a check met a function that nobody has written, or one that is not allowed.
+    """Return whether a check met an unwritten function, or one that the lesson forbids.
 
-    Of one that imports what the lesson forbids, no line is wrong that one could take away.
+    A forbidden import is not a slip: the function would not work without that line.
     """
     failure = outcome.failure
     return isinstance(failure, StudentError) and failure.type_name in NO_SLIPS
 
 
 def _raised_at(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
-    """Cells and lines at which the student's code raised, or called what raised."""
+    """Return the cells and lines at which the student's code raised, or called code that did."""
     errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
     places = [place for error in errors for place in (error.place, error.calling) if place]
     return frozenset(filter(None, map(cell_and_line, places)))
@@ -124,7 +124,7 @@ def repair_of(
     exercise: str,
     failed: tuple[Outcome, ...],
 ) -> Repair | None:
-    """The edit with which an exercise loses nothing; None where there is none, or none was found.
+    """Return the edit with which an exercise loses nothing, or None if none was found.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def repair_of(
         The notebook.
     exercise : str
     failed : tuple of utils.checks.outcomes.Outcome
-        Of the checks that it lost.
+        Outcomes of the checks that the exercise failed.
     """
     for cell, first, last, text in _passing(setting, program, exercise, failed):
         mended = program.edited(cell, first, last, text)
@@ -147,9 +147,10 @@ def repair_of(
 def _in_order(
     edits: Sequence[tuple[int, int, int, str]], failed: tuple[Outcome, ...]
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
-    """Numbers and edits: first those of lines that raised, and those that do what was not done.
+    """Return numbered edits in the order in which to try them.
 
-    That is to end, where it had to be stopped, and to return something, where nothing came.
+    Edits of lines that raised come first, and edits that supply what was missing: an end if the
+    function had to be stopped, a return value if it returned nothing.
     """
     raised_at = _raised_at(failed)
     hangs = any(_hangs(outcome.failure) for outcome in failed)
@@ -168,14 +169,14 @@ def _in_order(
 
 
 def _as_given(lesson: Lesson, program: Program) -> frozenset[int]:
-    """Numbers of the cells that stand as they were handed out: nobody made a slip there."""
+    """Return the numbers of the cells that are unchanged since the release."""
     given = {cell.source.strip() for cell in given_cells(lesson)}
     cells = enumerate(program.cells, start=1)
     return frozenset(number for number, cell in cells if cell.strip() in given)
 
 
 class _Questions:
-    """What an answer failed: those that students see, and, once they hold, those that they do not.
+    """The checks that an answer failed: visible ones first, then hidden ones.
 
     Parameters
     ----------
@@ -202,10 +203,10 @@ class _Questions:
         yield from self._hidden()
 
     def first_fails(self) -> bool:
-        """Whether the first of them fails.
+        """Return whether the first check fails.
 
-        Once an answer has hung there, the others have a part of the time, as most that hang do so
-        there.
+        Most edits that hang do so here. After the first one that hangs, all others get only a part
+        of the time.
         """
         self._student.interrupts_after = self._first_seconds
         with one_run():
@@ -215,16 +216,16 @@ class _Questions:
         return failure is not None
 
     def hold_with(self, number: int) -> bool:
-        """Whether all of them hold with an edit, which takes nothing of the time of another.
+        """Return whether an edit passes all checks, within a time of its own.
 
-        What students see are small clouds. Others are large, and a right answer may take longer
-        there than an edit is given: where one does not come to its end, the judge is to see.
+        Hidden tests use large input, on which a right answer may take longer than an edit is
+        allowed. An edit that does not finish there counts as passing, and the judge decides.
         """
         self._budget.lost.pop(self._student.exercise, None)
         if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
-        with one_run():  # what another edit answered is nothing to this one
+        with one_run():  # answers of another edit must not be reused
             for place, question in enumerate(self):
                 failure = _failure_of(question) if place else None
                 if failure is not None:
@@ -235,15 +236,15 @@ class _Questions:
 def _failure_of(question: Callable[[], object]) -> Exception | None:
     try:
         question()
-    except Exception as error:  # whatever a wrong answer makes a question raise
+    except Exception as error:  # a wrong answer may cause any exception in a check
         return error
     return None
 
 
 def _hangs(failure: Exception | None) -> bool:
-    """Whether a call came to no end, and had to be stopped or interrupted.
+    """Return whether a call did not end and had to be stopped or interrupted.
 
-    A check may say so in words of its own, of what it was told first.
+    A check may wrap the original exception in one of its own.
     """
     told_first = failure and failure.__context__
     return any(
@@ -259,13 +260,14 @@ def _passing(
     exercise: str,
     failed: tuple[Outcome, ...],
 ) -> Iterator[tuple[int, int, int, str]]:
-    """The first few edits that pass what the answer failed."""
+    """Yield the first few edits that pass the checks that the answer failed."""
     limits = setting.limits or Limits()
     seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
     limits = replace(limits, call_seconds=seconds, restarts=MOST_THAT_HANG)
     budget = setting.budget or Budget(limits)
     with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
-        student.exercise = f"an edit of {exercise}"  # what hangs with it, did not hang before
+        # A name of its own, because the student's own answer did not hang.
+        student.exercise = f"an edit of {exercise}"
         try:
             student.start()
         except StudentStopped:
@@ -273,7 +275,7 @@ def _passing(
         begin, slept, found, look_at = time.process_time(), 0.0, 0, 0.0
         until = time.monotonic() + MOST_SECONDS
         questions = _Questions(setting, student, budget, failed)
-        if not questions.first_fails():  # whoever throws a coin gets no more throws
+        if not questions.first_fails():  # an answer that guesses must not get another try
             return
         given = _as_given(setting.lesson, program)
         edits = [one for one in _in_order(student.edits, failed) if one[1][0] not in given]

@@ -1,4 +1,4 @@
-"""From how the checks of an exercise ended to what a verdict says about it."""
+"""Turn the outcomes of an exercise's checks into the result in the verdict."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from utils.checks.summary import resolve
 
 
 def untried(lesson: Lesson) -> tuple[ExerciseResult, ...]:
-    """The exercises of a lesson of which nothing was asked."""
+    """Return the results of a lesson whose checks did not run."""
     return tuple(
         ExerciseResult(exercise.name, 0.0, exercise.points, ())
         for exercise in lesson.machine_graded
@@ -29,17 +29,17 @@ def result_of(
     followed: Followed | None,
     proven: Repair | Mistake | None = None,
 ) -> ExerciseResult:
-    """What a verdict says about an exercise.
+    """Return the result of an exercise.
 
     Parameters
     ----------
     exercise : grader.course.lessons.Exercise
     asked : grader.judging.program_run.Asked
-        What came of asking the notebook.
+        The results of running the checks on the notebook.
     followed : grader.judging.error_carried_forward.Followed or None
-        How the exercise fared with right helpers, if better.
+        The result with right helpers, if that is better.
     proven : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
-        What alone is wrong.
+        The proven slip, if there is one.
     """
     said, mistake = [], asked.mistakes.get(exercise.name)
     outcomes = asked.about(exercise.name)
@@ -63,7 +63,7 @@ def result_of(
 
 
 def _slip(proven: Repair | Mistake, points: float, score: float) -> Slip:
-    """What a slip leaves, beside what the checks have earned."""
+    """Return the slip with the points that it adds to those of the checks."""
     kept = max(round(100 * ONE_SLIP_KEEPS * points) - round(100 * score), 0) / 100
     if isinstance(proven, Mistake):
         return Slip(0, 0, "", "", kept)

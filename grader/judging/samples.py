@@ -1,8 +1,8 @@
 """Clouds and right answers for the hidden tests.
 
-Fresh scenes are drawn from the course's secret seed; right answers come from plain brute force
-and from libraries that students may not use here, never from the reference solution. Both are
-kept, because a class meets the same ones two hundred times.
+Fresh scenes are drawn from the course's secret seed. Right answers come from plain brute force
+and from libraries that students may not use, never from the reference solution. Both are cached,
+because a class of two hundred uses the same ones two hundred times.
 """
 
 import functools
@@ -19,9 +19,9 @@ MOST_REMEMBERED = 256
 
 
 def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
-    """Decorate a slow oracle: for a cloud with the same content it answers from memory.
+    """Decorate a slow oracle, so that it caches its answers by the content of the cloud.
 
-    The answer is read-only. What follows the cloud must be hashable.
+    The answers are read-only. All arguments after the cloud must be hashable.
     """
     known = {}
 
@@ -39,17 +39,17 @@ def remembered(oracle: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
 
 
 def generator_for_students(seed: int, label: str) -> np.random.Generator:
-    """A generator that may be handed to a student.
+    """Return a generator that a student's function may receive.
 
-    NumPy's seeding can be run backwards: the state of a generator tells what it was made from.
-    This one is made from a digest, which leads no further back.
+    NumPy's seeding can be reversed: the state of a generator reveals its seed. This generator is
+    seeded with a digest, which does not reveal the secret.
 
     Parameters
     ----------
     seed : int
         A secret.
     label : str
-        Of what it is for: nothing else is drawn from the same digest.
+        Purpose of the generator, so that each purpose has a digest of its own.
     """
     digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))
@@ -57,13 +57,13 @@ def generator_for_students(seed: int, label: str) -> np.random.Generator:
 
 @functools.cache
 def course_cloud() -> np.ndarray:
-    """``data/cloud.txt``, read-only."""
+    """Return ``data/cloud.txt``, read-only."""
     return frozen(read_cloud(PROJECT / "data" / "cloud.txt"))
 
 
 @functools.lru_cache(maxsize=256)
 def patch_of_course_cloud(seed: int, n: int) -> np.ndarray:
-    """Rows of the course's cloud within 25 m, n of them in random order, read-only."""
+    """Return n random rows of the course's cloud within 25 m, read-only."""
     cloud = course_cloud()
     rng = np.random.default_rng(seed)
     rows = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 25)
@@ -72,7 +72,7 @@ def patch_of_course_cloud(seed: int, n: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=64)
 def fresh_street(seed: int) -> np.ndarray:
-    """A street nobody has seen: a full turn of a scanner, read-only, shape (n, 4)."""
+    """Return a scan of an unknown street: one full turn, read-only, shape (n, 4)."""
     from utils.scenes import random_street
 
     return frozen(random_street(seed).cloud)
@@ -80,7 +80,7 @@ def fresh_street(seed: int) -> np.ndarray:
 
 @functools.lru_cache(maxsize=256)
 def obstacles_of_street(seed: int, n: int) -> np.ndarray:
-    """Points that stand above the road of a fresh street within 20 m, n at most, read-only."""
+    """Return at most n points above the road of a fresh street within 20 m, read-only."""
     cloud = fresh_street(seed)
     near = np.hypot(cloud[:, 0], cloud[:, 1]) < 20
     rows = np.flatnonzero(near & (cloud[:, 2] > -1.0))
@@ -90,23 +90,23 @@ def obstacles_of_street(seed: int, n: int) -> np.ndarray:
 
 @remembered
 def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
-    """Right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
+    """Return right labels for `euclidean_clustering`, by scikit-learn; shape (n,)."""
     from sklearn.cluster import DBSCAN
 
     if not len(cloud):
         return np.empty(0, dtype=int)
-    # With one sample per core every point is a core: DBSCAN is then single linkage. Its radius
-    # is closed and ours is open; `without_ties` keeps clouds free of distances in between.
+    # With min_samples=1 every point is a core point, and DBSCAN is single linkage. It includes the
+    # radius and the exercise excludes it, so `without_ties` removes distances close to the radius.
     clusters = DBSCAN(eps=float(threshold), min_samples=1)
     return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
 @remembered
 def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
-    """Rows of a cloud of which no two are at the threshold, give or take `margin` metres.
+    """Return rows of a cloud so that no two are within `margin` metres of the threshold distance.
 
-    Whether a pair at the very threshold counts depends on ``<`` against ``<=`` and on the last
-    digit of a float; neither says whether an algorithm is right.
+    Whether a pair exactly at the threshold counts depends on ``<`` or ``<=`` and on rounding;
+    neither says whether an algorithm is right.
     """
     from scipy.spatial import cKDTree
 
@@ -119,7 +119,7 @@ def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> n
 
 @remembered
 def voxel_centroids(cloud: np.ndarray, voxel_size: float) -> np.ndarray:
-    """Right answer for `voxel_grid`, cell by cell in plain Python; shape (m, columns)."""
+    """Return the right answer for `voxel_grid`, by plain Python per cell; shape (m, columns)."""
     cells = {}
     for row in np.asarray(cloud, dtype=float).tolist():
         cells.setdefault(tuple(int(x // voxel_size) for x in row[:3]), []).append(row)

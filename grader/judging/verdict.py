@@ -1,4 +1,4 @@
-"""The outcome of judging one notebook, and how it is kept on disk."""
+"""The verdict on one notebook, and its file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Kind(enum.StrEnum):
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One check: what it demands, whether it holds, and what to tell the student.
+    """The result of one check, with the message for the student.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class CheckResult:
     passed : bool
     score, max_score : float
     message : str
-        All that there is to read, line by line.
+        The whole message, line by line; empty if the check passed.
     visible : bool
         Whether students see the check in the notebook.
     kind : Kind
@@ -61,16 +61,16 @@ class CheckResult:
 
 @dataclass(frozen=True)
 class Slip:
-    """What alone is wrong in an answer: the edit with which it is right, or a named mistake.
+    """The one thing that is wrong in an answer: an edit that makes it right, or a named mistake.
 
     Attributes
     ----------
     cell, line : int
-        Where the edit is in the notebook's code cells; 0 for a mistake.
+        Code cell and line of the edit in the notebook; 0 for a mistake.
     before, after : str
-        The lines that change, and what they become; empty for a mistake.
+        The lines that change, and their new text; empty for a mistake.
     score : float
-        Points that the answer keeps for it, beside those of its checks.
+        Points that the answer keeps in addition to those of its checks.
     """
 
     cell: int
@@ -81,7 +81,7 @@ class Slip:
 
     @property
     def sentence(self) -> str:
-        """What a student may read: where, and not what."""
+        """The sentence for the student, which says where the slip is but not what it is."""
         kept = (
             " An answer that is wrong in one thing keeps this for the rest." if self.score else ""
         )
@@ -94,7 +94,7 @@ class Slip:
 
 @dataclass(frozen=True)
 class ExerciseResult:
-    """One exercise with its tests.
+    """The result of one exercise, with its checks.
 
     Attributes
     ----------
@@ -102,11 +102,11 @@ class ExerciseResult:
     score, max_score : float
     tests : tuple of CheckResult
     cause : str
-        What to mend first, line by line; empty where nothing failed.
+        Message on the first thing to fix, line by line; empty if no check failed.
     first : str
-        Name of the check that this is about; empty where none failed or nothing was written.
+        Name of the check that it is about; empty if none failed or nothing was written.
     slip : Slip or None
-        What alone is wrong, where that is proven.
+        The proven slip, if there is one.
     """
 
     name: str
@@ -120,7 +120,7 @@ class ExerciseResult:
 
 @dataclass(frozen=True)
 class Verdict:
-    """One judged notebook.
+    """The verdict on one notebook.
 
     Attributes
     ----------
@@ -128,20 +128,20 @@ class Verdict:
     status : {"judged", "judge_failed"}
         Whether the score says anything about the student.
     score, max_score : float
-        Points of what a machine grades.
+        Points of the machine-graded exercises.
     exercises : tuple of ExerciseResult
     problems : tuple of str
-        What is wrong with the notebook as a whole, one sentence each.
+        One sentence for each thing that is wrong with the notebook as a whole.
     seconds : float
         Wall-clock time that judging took.
     key : str
-        Fingerprint of all that the verdict depends on.
+        Fingerprint of everything that the verdict depends on.
     faults : tuple of str
-        What went wrong in the judge, with tracebacks, for whoever grades.
+        Failures of the judge itself, with tracebacks, for the instructor.
     starved : bool
-        Whether points were lost, and a time limit reached by code that hardly had a processor.
+        Whether points were lost while code reached a time limit because it hardly got a processor.
     fingerprint : str
-        Of what was judged; empty where that is not known.
+        Fingerprint of the submission; empty if it is not known.
     """
 
     lesson: str
@@ -158,50 +158,50 @@ class Verdict:
     fingerprint: str = ""
 
     def as_dict(self) -> dict:
-        """The published form: one JSON object."""
+        """Return the published form: one JSON object."""
         content = dataclasses.asdict(self)
         for private in ("key", "faults", "starved", "fingerprint"):
             del content[private]
         for exercise in content["exercises"]:
-            # A summary for reports: the messages of the tests say it all.
+            # Both summarize the messages of the checks, for reports.
             del exercise["cause"], exercise["first"]
             for test in exercise["tests"]:
                 del test["kind"], test["subject"], test["hint"]
-            if exercise["slip"]:  # what to write there is for the student to find
+            if exercise["slip"]:  # students have to find the correction themselves
                 del exercise["slip"]["before"], exercise["slip"]["after"]
         return content
 
     def believed(self) -> Verdict:
-        """The same, after it was reached with the machine to itself."""
+        """Return the same verdict without the mark `starved`, after a run on an idle machine."""
         return dataclasses.replace(self, starved=False)
 
     def compact(self) -> Verdict:
-        """The same, in little memory: what a class has in common is there once.
+        """Return an equal verdict that shares equal parts with others, to save memory.
 
-        Most checks end alike for most students, and a class may be ten thousand.
+        Most checks end the same way for most students, and a class may have ten thousand.
         """
         return dataclasses.replace(self, exercises=tuple(map(shared, self.exercises)))
 
 
 def shared(exercise: ExerciseResult) -> ExerciseResult:
-    """The same, made of what is in memory already: most students' results are alike."""
+    """Return an equal result whose parts are shared with equal results of other students."""
     tests = tuple(map(_the_same, exercise.tests))
     return _the_same(dataclasses.replace(exercise, tests=tests))
 
 
 @functools.lru_cache(maxsize=2**14)
 def _the_same(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
-    """The first one that was equal to this."""
+    """Return the first object that was equal to this one."""
     return result
 
 
 def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
-    """Write a verdict so that a reader finds a whole one or none."""
+    """Write a verdict atomically, so that a reader finds a complete file or none."""
     write_atomically(json.dumps(dataclasses.asdict(verdict), indent=1), Path(path))
 
 
 def read_verdict(path: str | os.PathLike) -> Verdict | None:
-    """The verdict in a file; None where there is none or it is damaged."""
+    """Return the verdict in a file, or None if the file is missing or damaged."""
     try:
         content = json.loads(Path(path).read_text("utf-8"))
         exercises = tuple(
