@@ -15,6 +15,7 @@ PLAIN = (
     "grader/course/kept_answers.py",
     "grader/course/portable_files.py",
     "grader/course/previews.py",
+    "grader/intake",
     "grader/judging",
     "utils/checks/exercise.py",
     "utils/checks/lesson_*",

@@ -1,1 +1,1 @@
-"""What comes in: files that cannot be trusted."""
+"""Open and prepare submitted files, which cannot be trusted."""

@@ -1,4 +1,4 @@
-"""Open the files that strangers handed in."""
+"""Open submitted files, which cannot be trusted."""
 
 import errno
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
 LARGEST_FILE = 64 * 2**20
-# O_NONBLOCK: opening a pipe must not wait for whoever writes to it. Windows has neither.
+# O_NONBLOCK: opening a pipe must not wait for a writer. Windows has neither flag.
 _NOT_THROUGH_LINKS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
@@ -23,7 +23,7 @@ def read_notebook(path: Path) -> Notebook:
 
 
 def read_file(path: Path) -> bytes:
-    """Bytes of a file that somebody handed in.
+    """Read the bytes of a submitted file.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def read_file(path: Path) -> bytes:
     Raises
     ------
     UnreadableNotebook
-        If it is too large, or no file of its own: a link could lead to somebody else's work,
+        If it is too large or not an ordinary file: a link could lead to another student's work,
         and a pipe or a device never ends.
     """
     try:

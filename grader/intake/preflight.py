@@ -1,11 +1,11 @@
-"""Make of what was handed in what is judged and shown, and say what was mended.
+"""Turn a submission into the notebook that is judged and shown, and report every repair.
 
-Each step below looks for one way in which a notebook comes back other than it went out. It
-returns a sentence for each thing it changed or noticed: what happened, what was done, and what the
-student can do. Judge and gradebook use the same result, so nobody is shown other code than was
-judged.
+Each step below looks for one way in which a notebook can come back damaged. The step returns a
+sentence for each thing that it changed or noticed: what happened, what was done, and what the
+student can do. Judge and gradebook use the same result, so the code that is shown is the code
+that was judged.
 
-Nothing here parses code: that is a stranger's, and is parsed behind the wall.
+No code is parsed here: it is untrusted, and is parsed in the sandbox.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 @dataclass(frozen=True)
 class WrittenAnswer:
-    """What a student wrote where a person grades.
+    """A written answer, which a person grades.
 
     Attributes
     ----------
     text : str
-        Empty where nothing was written.
+        Empty if nothing was written.
     certain : bool
-        False where text was found that may belong here: then a person has to look.
+        False if text elsewhere may belong to the answer, so that a person has to look.
     attachments : dict
-        Pictures in it, as the file has them.
+        Pictures in the answer, in the form that the file has them.
     """
 
     text: str
@@ -47,22 +47,22 @@ class WrittenAnswer:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A notebook, ready to be judged and shown.
+    """A notebook that is ready to be judged and shown.
 
     Attributes
     ----------
     lesson : grader.course.lessons.Lesson
     cells : tuple of Cell
-        Without the cells that were moved into a written answer.
+        All cells except those that became part of a written answer.
     graded : dict of str to int
-        Place in `cells` of what stands for each graded cell that the student may write in, by
-        its ``grade_id``; what is missing was not found.
+        Index in `cells` of each graded cell that students may edit, by its ``grade_id``. Cells
+        that were not found are missing.
     answers : dict of str to WrittenAnswer
         Written answers by ``grade_id``.
     notes : tuple of str
-        What was mended or noticed, one sentence each.
+        One sentence for each thing that was repaired or noticed.
     versions : dict of str to str
-        A sentence on each exercise that is written more than once, for those that lose points.
+        A sentence on each exercise that is written more than once, shown if it loses points.
     """
 
     lesson: Lesson
@@ -74,20 +74,20 @@ class Prepared:
 
     @property
     def code(self) -> tuple[str, ...]:
-        """Source of each code cell."""
+        """The source of each code cell."""
         return tuple(cell.source for cell in self.cells if cell.kind == "code")
 
 
 @dataclass(frozen=True)
 class ToJudge:
-    """What the judge wants of a `Prepared` notebook: plain data, which come from another process.
+    """The part of a `Prepared` notebook that the judge needs: plain data from another process.
 
     Attributes
     ----------
     code, notes : tuple of str
     versions : dict of str to str
     is_as_released : bool
-        Whether all code but the first cell's is what was handed out: then it need not be asked.
+        Whether all code except the first cell is unchanged, so that judging can be skipped.
     """
 
     code: tuple[str, ...]
@@ -98,7 +98,7 @@ class ToJudge:
 
 @dataclass
 class _Draft:
-    """What the steps work on."""
+    """The notebook while the steps change it."""
 
     lesson: Lesson
     handed_in: HandedIn
@@ -109,7 +109,7 @@ class _Draft:
 
 
 def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
-    """Read a notebook of a lesson, whatever became of it.
+    """Read a notebook of a lesson, and repair it if it is damaged.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def prepare(handed_in: HandedIn, lesson: Lesson) -> Prepared:
 
 
 def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
-    """The same as `prepare`, in a process of its own.
+    """Prepare a notebook for the judge, in a process of its own; see `prepare`.
 
     Raises
     ------
@@ -136,28 +136,28 @@ def prepare_to_judge(handed_in: HandedIn, lesson: Lesson) -> ToJudge:
         prepared = prepare(handed_in, lesson)
         return prepared.code, prepared.notes, prepared.versions
 
-    given_cells(lesson)  # read here, and remembered for the next
+    given_cells(lesson)  # cached here, so that each child inherits it
     code, notes, versions = apart(handed_in.name, work)
     return ToJudge(tuple(code), tuple(notes), versions, _is_as_released(lesson, code))
 
 
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
-    """Whether code cells are those that were released, behind a first one of any kind.
+    """Return whether all code cells after the first are those of the release.
 
-    That one brings the tools, and is another in the form for Colab. Whatever it defines beside
-    them, the stubs below undo.
+    The first cell loads the tools, and differs in the standalone form. Anything else that it
+    defines is overwritten by the stubs below it.
     """
     given = [cell.source.strip() for cell in given_cells(lesson) if cell.kind == "code"]
     return [source.strip() for source in code if source.strip()][1:] == given[1:]
 
 
 def lesson_name_in(handed_in: HandedIn) -> str:
-    """What lesson a notebook says it is, read in a process of its own; see `prepare_to_judge`."""
+    """Return the lesson that a notebook states, read in a process of its own."""
     return apart(handed_in.name, lambda: handed_in.notebook().lesson_name)
 
 
 def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
-    """The same as `prepare`; of a file in which nothing can be read, a notebook without answers."""
+    """Prepare a notebook for display; an unreadable file becomes a notebook without answers."""
     try:
         return prepare(handed_in, lesson)
     except UnreadableNotebook as error:
@@ -165,8 +165,11 @@ def prepare_to_show(handed_in: HandedIn, lesson: Lesson) -> Prepared:
 
 
 def prepare_without(handed_in: HandedIn, lesson: Lesson, error: TooCostly) -> Prepared:
-    """A notebook that took too much: nothing of it is shown, and a person looks for answers."""
-    file = hashlib.sha256(handed_in.data).hexdigest()[:12]  # a mark is for what was read
+    """Return a notebook without answers, for one that took too much time or memory.
+
+    A person has to look for the written answers in the file.
+    """
+    file = hashlib.sha256(handed_in.data).hexdigest()[:12]  # a mark belongs to this content
     text = f"*This notebook is too much to show. Look for the answer in the file itself ({file}).*"
     return _with_answers(lesson, WrittenAnswer(text), error)
 
@@ -176,20 +179,23 @@ def _with_answers(lesson: Lesson, answer: WrittenAnswer, error: UnreadableNotebo
 
 
 def _reading(draft: _Draft) -> Iterator[str]:
-    """The file: its name, its encoding, what stands behind it, where it breaks off."""
+    """Report problems of the file: its name, its encoding, text after its end, a missing end."""
     yield from draft.handed_in.notes
     yield from draft.notebook.mended
 
 
 def _retyped(draft: _Draft) -> Iterator[str]:
-    """Solutions in cells that became Markdown or raw by a slip of the keyboard.
+    """Turn solutions back into code that became Markdown or raw cells by accident.
 
-    What stands as code ran in the student's notebook, so it counts further on: a text cell that
-    holds some of it, too, beside what stands nowhere else, is moved before it.
+    Code cells ran in the student's notebook, so they take precedence. A text cell that also
+    contains some of their functions, next to functions that are nowhere else, is moved before
+    them.
     """
     names, by_hand = _functions(draft.lesson), _by_hand(draft.lesson)
-    orders: list[float] = list(range(len(draft.cells)))  # by which the cells stand in the end
-    # The cell in which each function is written last, in that order.
+    orders: list[float] = list(
+        range(len(draft.cells))
+    )  # sort keys for the final order of the cells
+    # The last cell that defines each function, in the order of the functions.
     last = {name: all_of[-1] for name in names if (all_of := _answers_to(draft, name))}
     turned = []
     for place, cell in enumerate(draft.cells):
@@ -219,7 +225,7 @@ def _retyped(draft: _Draft) -> Iterator[str]:
 
 
 def _on_retyped(kind: str, judged: list[str], others: list[str]) -> str:
-    """What is said of a text cell with functions that were judged, and others that were not."""
+    """Return the sentence on a text cell of whose functions only some were judged."""
     cell = {"markdown": "a text cell", "raw": "a raw cell"}[kind]
     it, was = ("it", "It was") if len(judged) == 1 else ("them", "They were")
     are, those = ("was", "the one in another cell") if len(others) == 1 else ("were", "others")
@@ -233,7 +239,7 @@ def _on_retyped(kind: str, judged: list[str], others: list[str]) -> str:
 
 
 def _stubs_behind(draft: _Draft) -> Iterator[str]:
-    """The cell as it was given out, pasted again behind the answer: it would undo it."""
+    """Remove a released cell that was pasted again after the answer, which it would overwrite."""
     for name in _functions(draft.lesson):
         places, answers = _cells_that_define(draft, name), _answers_to(draft, name)
         if answers and places[-1] > answers[-1]:
@@ -246,7 +252,7 @@ def _stubs_behind(draft: _Draft) -> Iterator[str]:
 
 
 def _graded_cells(draft: _Draft) -> Iterator[str]:
-    """Which cell stands for each graded one: copied, moved, split, or without its metadata."""
+    """Find each graded cell, even if it was copied, moved, split or lost its metadata."""
     for name in _functions(draft.lesson):
         marked = {
             place: cell
@@ -262,7 +268,7 @@ def _graded_cells(draft: _Draft) -> Iterator[str]:
 
 
 def _another_lesson(draft: _Draft) -> Iterator[str]:
-    """The notebook of another lesson under this one's name, or one without any code."""
+    """Report a notebook of another lesson under this lesson's name, or one without any code."""
     lesson = draft.lesson
     if any(_cells_that_define(draft, name) for name in _functions(lesson)):
         return
@@ -280,7 +286,7 @@ def _another_lesson(draft: _Draft) -> Iterator[str]:
 
 
 def _modules(draft: _Draft) -> Iterator[str]:
-    """Modules handed in beside the notebook, of which it imports some."""
+    """Report submitted modules that the notebook imports."""
     text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
     used = [
         name
@@ -293,7 +299,7 @@ def _modules(draft: _Draft) -> Iterator[str]:
 
 
 def _written_answers(draft: _Draft) -> Iterator[str]:
-    """What was written for a person to read: in its cell, or in a new one below it."""
+    """Collect the written answers, from their cells or from new cells below these."""
     released = [cell.source.split() for cell in given_cells(draft.lesson)]
     moved = set()
     for name in _by_hand(draft.lesson):
@@ -301,7 +307,7 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
         own = [place for place, cell in enumerate(draft.cells) if cell.grade_id == name]
         before = _place_before(draft, name)
         if not own and before is not None and _is_like(draft, before + 1, stub):
-            own = [before + 1]  # as it was given out, but for its metadata
+            own = [before + 1]  # unchanged apart from its metadata
         filled = [
             place
             for place in own
@@ -345,7 +351,7 @@ def _written_answers(draft: _Draft) -> Iterator[str]:
 
 
 def _as_text(cell: Cell) -> Cell:
-    """What was written in a cell; comments of code would be headings in a text."""
+    """Return the text of a cell; comments in code would become headings."""
     lines = [line for line in cell.source.splitlines() if line.strip()]
     if cell.kind != "code" or not all(line.startswith("#") for line in lines):
         return cell
@@ -353,8 +359,7 @@ def _as_text(cell: Cell) -> Cell:
     return dataclasses.replace(cell, source=text)
 
 
-# What a notebook goes through. The order matters: what is code is known before answers are
-# looked for.
+# The steps, in order: code cells must be known before written answers are collected.
 STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _reading,
     _retyped,
@@ -367,7 +372,7 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
 
 
 def _versions(draft: _Draft) -> dict[str, str]:
-    """A sentence on each exercise of which there are several versions."""
+    """Return a sentence on each exercise that is written more than once."""
     found = {}
     numbers = list(itertools.accumulate(int(cell.kind == "code") for cell in draft.cells))
     for name in _functions(draft.lesson):
@@ -387,7 +392,7 @@ def _versions(draft: _Draft) -> dict[str, str]:
 
 
 def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
-    """Places of the text cells of the student's own from a place to the next released cell."""
+    """Return the indices of the student's own text cells up to the next released cell."""
     for place in range(begin + 1, len(draft.cells)):
         cell = draft.cells[place]
         if cell.grade_id or (cell.source.split() in released and cell.source.strip()):
@@ -397,7 +402,7 @@ def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[
 
 
 def _place_before(draft: _Draft, name: str) -> int | None:
-    """Where the released cell before a graded one stands in the student's notebook."""
+    """Return the index, in the student's notebook, of the released cell before a graded one."""
     given = given_cells(draft.lesson)
     at = next(place for place, cell in enumerate(given) if cell.grade_id == name)
     prompt = given[at - 1].source.split() if at else None
@@ -416,7 +421,7 @@ def _stray_text(draft: _Draft, released: list[list[str]]) -> bool:
 
 
 def _drop(draft: _Draft, places: set[int]) -> None:
-    """Take cells out, and keep count of where the others stand."""
+    """Remove cells, and update the indices of the others."""
     kept = [place for place in range(len(draft.cells)) if place not in places]
     draft.cells = [draft.cells[place] for place in kept]
     new = {old: place for place, old in enumerate(kept)}
@@ -424,7 +429,7 @@ def _drop(draft: _Draft, places: set[int]) -> None:
 
 
 def _defines(cell: Cell, name: str) -> bool:
-    """Whether a cell binds a name at its left margin."""
+    """Return whether a cell binds a name at its left margin."""
     if name not in cell.source:
         return False
     pattern = rf"^(?:def[ \t]+{name}[ \t]*\(|{name}[ \t]*=)"
@@ -440,7 +445,7 @@ def _cells_that_define(draft: _Draft, name: str) -> list[int]:
 
 
 def _answers_to(draft: _Draft, name: str) -> list[int]:
-    """Cells that define a function, but for those as they were given out."""
+    """Return the cells that define a function, without unchanged released cells."""
     given = _given(draft.lesson).get(name)
     stub = given.source.split() if given else None
     places = _cells_that_define(draft, name)
@@ -457,7 +462,7 @@ def _by_hand(lesson: Lesson) -> list[str]:
 
 @functools.cache
 def given_cells(lesson: Lesson) -> tuple[Cell, ...]:
-    """The cells of a lesson as it was released."""
+    """Return the cells of a lesson as it was released."""
     return tuple(
         Cell(
             cell["cell_type"],

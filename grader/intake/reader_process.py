@@ -1,10 +1,10 @@
-"""Read what a stranger handed in, in a process of its own, under a clock and a limit of memory.
+"""Read a submission in a process of its own, with limits on time and memory.
 
-What is done out here with a stranger's text takes a time that grows with its length. Should that
-not be true of something one day, it costs the student whose text it is, and nobody else.
+Reading takes a time that grows with the length of the text. If some text breaks this rule, only
+its own author loses by it.
 
-No code of students runs in that process, but a hole in a parser might be used: what comes back is
-JSON. It is forked, so that nothing is imported or read again.
+Student code does not run in that process, but it might exploit a bug in a parser, so the reply is
+JSON. The process is forked, so that nothing has to be imported or read again.
 """
 
 from __future__ import annotations
@@ -26,44 +26,45 @@ from utils.notebooks.reading import UnreadableNotebook
 with contextlib.suppress(ImportError):  # Windows has none
     import resource
 
-# Of the processor: five times what the largest honest file takes, full of numbers or pictures.
+# Processor seconds: five times what the largest honest file takes, full of numbers or pictures.
 SECONDS = 10
 MEGABYTES = 768
-# By the clock on the wall, for a machine that has much else to do: who works for so long has had
-# less than a sixtieth of a processor. Only who stands still is ended by it.
+# Seconds of wall-clock time, for a busy machine: a process that reaches it got less than a
+# sixtieth of a processor. In practice it ends only a process that waits.
 PATIENCE = 600
 LARGEST_REPLY = 2**28
 _OUT_OF_MEMORY = 77
 
 
 class TooCostly(UnreadableNotebook):
-    """It took more time or memory than any notebook needs; `str()` is the sentence to show."""
+    """Reading took more time or memory than any notebook needs; `str()` is the sentence to show."""
 
 
 class ReadingFailed(Exception):
-    """The fault is ours, or this machine's; `str()` says what happened, for whoever grades."""
+    """The grader or this machine is at fault; `str()` tells the instructor what happened."""
 
 
 def apart(name: str, work: Callable[[], object]) -> object:
-    """Have something done in another process.
+    """Run a function in another process.
 
     Parameters
     ----------
     name : str
-        What sentences call the file that it is done with.
+        Name of the file, for messages.
     work : callable
-        Takes nothing and returns what JSON can hold. Nothing that it changes is changed here.
+        Takes nothing and returns a value that JSON can represent. Its side effects stay in the
+        other process.
 
     Returns
     -------
     object
-        The same, from JSON.
+        The value, after a round trip through JSON.
 
     Raises
     ------
     TooCostly
     utils.notebooks.reading.UnreadableNotebook
-        As `work` raised it.
+        If `work` raised it.
     ReadingFailed
     """
     if not hasattr(os, "fork"):  # Windows, where there is no sandbox either
@@ -77,7 +78,7 @@ def apart(name: str, work: Callable[[], object]) -> object:
         reply = _read(reading, time.monotonic() + PATIENCE)
     finally:
         os.close(reading)
-        os.kill(child, signal.SIGKILL)  # it may still be at work; who has ended does not mind
+        os.kill(child, signal.SIGKILL)  # it may still be running
         _, status = os.waitpid(child, 0)
     how = _excess(os.waitstatus_to_exitcode(status), reply)
     if how:
@@ -100,7 +101,7 @@ def apart(name: str, work: Callable[[], object]) -> object:
 
 
 def _excess(code: int, reply: bytes) -> str:
-    """What was too much, in words; empty where nothing was."""
+    """Return which limit was exceeded, in words; empty if none was."""
     if code == -signal.SIGXCPU:
         return f"more than {SECONDS} seconds"
     if code == _OUT_OF_MEMORY or len(reply) > LARGEST_REPLY:
@@ -109,7 +110,7 @@ def _excess(code: int, reply: bytes) -> str:
 
 
 def _read(pipe: int, until: float) -> bytes:
-    """What comes through a pipe: until it closes, it is too much, or it has taken too long."""
+    """Read a pipe until it closes, the reply is too large, or the time is over."""
     parts, size = [], 0
     ready = select.poll()
     ready.register(pipe, select.POLLIN)
@@ -123,10 +124,10 @@ def _read(pipe: int, until: float) -> bytes:
 
 
 def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
-    """What the other process does. It shares files and locks, so it must not end as others do."""
+    """Do the work in the child; end it without clean-up, as it shares files and locks."""
     code = 1
     try:
-        gc.disable()  # looking through all objects would copy them
+        gc.disable()  # a collection would touch, and so copy, all memory pages
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
             signal.signal(number, signal.SIG_DFL)
         _close_all_but(pipe)
@@ -138,7 +139,7 @@ def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
     except MemoryError:
         code = _OUT_OF_MEMORY
     finally:
-        os._exit(code)  # the pipe closes with it, so that there is a code as soon as it has
+        os._exit(code)  # closes the pipe, so that the exit code is there when the reply ends
 
 
 def _reply(work: Callable[[], object]) -> bytes:
@@ -154,7 +155,7 @@ def _reply(work: Callable[[], object]) -> bytes:
 
 
 def _close_all_but(pipe: int) -> None:
-    """Whoever waits for the end of this process's parent must not wait for this one, too."""
+    """Close inherited files, so that a process that waits for the parent's end can go on."""
     with contextlib.suppress(OSError):  # not every system has such a folder
         for number in map(int, os.listdir("/dev/fd")):
             if number > 2 and number != pipe:
@@ -164,7 +165,7 @@ def _close_all_but(pipe: int) -> None:
 
 def _limit() -> None:
     limits = {"RLIMIT_CORE": 0, "RLIMIT_CPU": SECONDS}
-    with contextlib.suppress(OSError):  # without /proc nobody tells how much it has
+    with contextlib.suppress(OSError):  # without /proc the size of this process is unknown
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         limits["RLIMIT_AS"] = pages * resource.getpagesize() + MEGABYTES * 2**20
     for which, limit in limits.items():

@@ -1,4 +1,4 @@
-"""What a student handed in for a lesson, read once: what is judged is what was fingerprinted."""
+"""A submission for one lesson, read once, so that the judged bytes are the fingerprinted ones."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ LARGEST_MODULE = 2**20
 
 @dataclass(frozen=True)
 class HandedIn:
-    """A notebook and the modules beside it.
+    """A submitted notebook and the modules next to it.
 
     Attributes
     ----------
     name : str
-        Of the file.
+        Name of the file.
     data : bytes
-        Its content; empty where it could not be read.
+        Content of the file; empty if it could not be read.
     complaint : str
-        Why it could not be read.
+        Why the file could not be read; empty if it was read.
     modules : dict of str to str
-        Source of each ``.py`` file beside it, by the name it is imported under.
+        Source of each ``.py`` file next to the notebook, by the name of the module.
     notes : tuple of str
-        What was noticed about the file itself, one sentence each.
+        One sentence for each problem of the file itself.
     """
 
     name: str
@@ -38,7 +38,7 @@ class HandedIn:
     notes: tuple[str, ...] = ()
 
     def notebook(self) -> Notebook:
-        """The code in it.
+        """Read the cells of the notebook.
 
         Raises
         ------
@@ -49,13 +49,13 @@ class HandedIn:
         return decode_notebook(self.data, self.name)
 
     def fingerprint(self) -> str:
-        """A digest of all that was handed in.
+        """Return a digest of the whole submission.
 
-        Before each part stands its length, so that none can be taken for a piece of another.
+        The length of each part precedes it, so that different parts cannot give the same bytes.
         """
         modules = [text for module in sorted(self.modules.items()) for text in module]
         texts = (self.name, self.complaint, *self.notes, *modules)
-        # The name of a file may hold what is no text.
+        # A file name may contain bytes that are not text.
         parts = (self.data, *(text.encode(errors="surrogatepass") for text in texts))
         digest = hashlib.sha256(b"%d notes, %d modules: " % (len(self.notes), len(self.modules)))
         for part in parts:
@@ -65,7 +65,7 @@ class HandedIn:
 
 
 def read_handed_in(path: Path) -> HandedIn:
-    """Read a notebook, and the modules in its folder; never fails."""
+    """Read a notebook and the modules in its folder; problems become part of the result."""
     try:
         data, complaint = read_file(path), ""
     except UnreadableNotebook as error:
@@ -77,7 +77,7 @@ def _modules_beside(path: Path) -> dict[str, str]:
     modules = {}
     for file in sorted(path.parent.glob("*.py"))[:MOST_MODULES]:
         if not file.stem.isidentifier():
-            continue  # nobody can import it
+            continue  # it cannot be imported
         try:
             source = read_file(file)
         except UnreadableNotebook:
