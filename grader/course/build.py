@@ -1,8 +1,8 @@
-"""From the one source of a lesson to its two notebooks.
+"""Build the two notebooks of a lesson from its source.
 
-``solutions/<stage>/<NN_name>/lesson.py`` becomes the instructor's notebook beside it through
-jupytext, and that the student's notebook in ``notebooks/`` through nbgrader's own
-GenerateAssignment. The same source gives the same bytes each time.
+jupytext turns ``solutions/<stage>/<NN_name>/lesson.py`` into the instructor's notebook, next to
+that folder. nbgrader's own GenerateAssignment turns this into the student's notebook in
+``notebooks/``. The same source gives the same bytes each time.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from grader.course.paths import PROJECT
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-# Cells that are the same in every lesson; a lesson marks their place with a tag. Between two
-# variants stands a line `---`: the first is for a course with a public address.
+# Cells that are the same in every lesson; a lesson marks their place with a tag. Some files have
+# two versions with a line `---` between them: the first is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
 CELLS = PROJECT / "utils" / "lent" / "cells.json"
-# A stripped line this short, or of this kind, tells nobody the solution.
+# A stripped line this short, or of this kind, does not reveal a solution.
 LEAK_LENGTH = 12
-# Code that stays folded: in JupyterLab, as a form in Colab, and in Kaggle.
+# Metadata that folds code in JupyterLab, as a form in Colab, and in Kaggle.
 HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
-# Address and revision become part of links and of a command, so they hold nothing unusual.
+# Address and revision become part of links and of a command, so unusual characters are refused.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
 NEXT = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
@@ -53,7 +53,7 @@ def build() -> list[tuple[str, Path]]:
     Returns
     -------
     list of (str, pathlib.Path)
-        What was done, "wrote" or "removed", to which file.
+        Each change: "wrote" or "removed", and the file.
 
     Raises
     ------
@@ -75,12 +75,12 @@ def build() -> list[tuple[str, Path]]:
 
 
 def check() -> list[str]:
-    """Compare what is on disk with its source.
+    """Compare the generated files with their sources.
 
     Returns
     -------
     list of str
-        A sentence for each fault; empty when all is well.
+        A sentence for each fault; empty if there is none.
     """
     if faults := registry_faults():
         return faults
@@ -106,7 +106,7 @@ def check() -> list[str]:
 
 
 def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
-    """Bytes of every generated file by path; `origin` is pyproject.toml's unless given."""
+    """Return the bytes of every generated file by path; `origin` defaults to pyproject.toml's."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
     released = _released(solved)
@@ -114,7 +114,7 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
 
 
 def _forbidden() -> bytes:
-    """What each lesson's header forbids, for `check`, which has no header at hand."""
+    """Return what each lesson's header forbids, for `check`, which cannot read the headers."""
     rules = {f"lesson_{lesson.number}": lesson.header.forbidden for lesson in all_lessons()}
     return (
         json.dumps({name: rule for name, rule in rules.items() if rule}, indent=1) + "\n"
@@ -122,7 +122,7 @@ def _forbidden() -> bytes:
 
 
 def _cells(released: dict[Path, bytes]) -> bytes:
-    """By which the code cells of each lesson are known; what students get is all that goes in."""
+    """Return fingerprints of the code cells that students get, by lesson."""
     from utils.lent.rerun import key_of_cell
 
     keys = {
@@ -137,7 +137,7 @@ def _cells(released: dict[Path, bytes]) -> bytes:
 
 
 def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
-    """The instructor's notebook of a lesson, as nbformat's NotebookNode."""
+    """Return the instructor's notebook of a lesson, as nbformat's NotebookNode."""
     import jupytext
 
     notebook = jupytext.read(lesson.source)
@@ -165,7 +165,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
 
 
 def to_bytes(notebook: NotebookNode) -> bytes:
-    """A notebook as the bytes of its file."""
+    """Return a notebook as the bytes of its file."""
     import nbformat
 
     nbformat.validate(notebook)
@@ -173,15 +173,15 @@ def to_bytes(notebook: NotebookNode) -> bytes:
 
 
 def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> list[str]:
-    """Lines of a solution that also stand in the student's notebook.
+    """Return the lines of a solution that are also in the student's notebook.
 
     Parameters
     ----------
     solved, released : bytes
         The two notebooks.
     others : collection of bytes
-        The students' notebooks of the other lessons. What was taken from an earlier one and stands
-        there for all to see, because that lesson gives it, is nobody's solution.
+        The students' notebooks of the other lessons. Code that an earlier lesson gives to
+        students is not secret.
     """
     shown = lines_of(released)
     return sorted(
@@ -190,7 +190,7 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
 
 
 def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
-    """Lines of a solution that tell somebody something; the parameters are those of `leaks`."""
+    """Return the lines of a solution that would reveal it; the parameters are those of `leaks`."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
@@ -203,7 +203,7 @@ def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
 
 
 def lines_of(notebook: bytes) -> set[str]:
-    """All lines of a notebook's cells, as far as they say something."""
+    """Return all lines of a notebook's cells, stripped."""
     return {
         line.strip()
         for cell in json.loads(notebook)["cells"]
@@ -213,7 +213,7 @@ def lines_of(notebook: bytes) -> set[str]:
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the public finds the course, and which version of it the notebooks belong to.
+    """The public address of the course, and the version that the notebooks belong to.
 
     Attributes
     ----------
@@ -225,7 +225,7 @@ class Origin:
     Raises
     ------
     ValueError
-        One of them is not what it should be.
+        If one of them has another form.
     """
 
     repository: str
@@ -250,9 +250,9 @@ class Origin:
 
 
 def read_origin() -> Origin:
-    """The `Origin` that pyproject.toml names.
+    """Return the `Origin` in pyproject.toml.
 
-    The git remote of whoever builds has no say: every clone builds the same bytes.
+    The git remote is ignored, so that every clone builds the same bytes.
     """
     settings = tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))
     chosen = settings["tool"]["lidar-obstacle-lab"]
@@ -260,7 +260,7 @@ def read_origin() -> Origin:
 
 
 def _released(solved: dict[Path, bytes]) -> dict[Path, bytes]:
-    """Student notebooks made by nbgrader in a folder of their own."""
+    """Return the student notebooks, which nbgrader makes in a temporary folder."""
     from nbgrader.converters import GenerateAssignment
 
     from grader.course.nbgrader_settings import converter
@@ -294,7 +294,7 @@ def _strays() -> list[Path]:
 
 
 def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
-    """Text of a cell that every lesson has.
+    """Return the text of a cell that every lesson has.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
 
 
 def _linked(lesson: Lesson, found: re.Match) -> str:
-    """The line that names the next lesson, with a link to it."""
+    """Return the line that names the next lesson, with a link to it."""
     lessons = {lesson.number: lesson for lesson in every_lesson()}
     following = lessons.get(found["number"])
     if following is None:
@@ -330,14 +330,14 @@ def _linked(lesson: Lesson, found: re.Match) -> str:
 
 
 def _show_as_meant(cell: NotebookNode) -> None:
-    """Fold what is not the subject."""
+    """Fold a code cell with the tag `folded`."""
     if "folded" in cell.metadata.get("tags", ()):
         cell.metadata.update(HIDDEN)
 
 
 def _let_run_all_go_on(notebook: NotebookNode) -> None:
-    """Let Run All reach the check that says why, and what is below, whatever an answer does."""
-    tried = None  # cells since the last answer
+    """Let Run All go on after an answer that raises, so that the check can explain it."""
+    tried = None  # the cells since the last answer
     for cell in notebook.cells:
         if cell.cell_type != "code":
             continue
@@ -353,17 +353,17 @@ def _let_run_all_go_on(notebook: NotebookNode) -> None:
 
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
-    """Put pictures into the notebook itself, so that it can travel alone."""
+    """Embed pictures in the notebook, so that it needs no other file."""
     for name in dict.fromkeys(re.findall(r"\]\(([\w.-]+\.png)\)", cell.source)):
         if not (folder / name).exists():
-            continue  # a new lesson: its picture is drawn with its own solution
+            continue  # a new lesson, whose picture can only be drawn after it is built
         data = base64.b64encode((folder / name).read_bytes()).decode()
         cell.setdefault("attachments", {})[name] = {"image/png": data}
         cell.source = cell.source.replace(f"({name})", f"(attachment:{name})")
 
 
 def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:
-    """An id that depends on the cell alone: nbgrader's name for it, or its text."""
+    """Return an id that depends only on the cell: its nbgrader id, or a digest of its text."""
     grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
     name = grade_id or hashlib.sha256(cell.source.encode()).hexdigest()[:12]
     seen[name] = seen.get(name, 0) + 1

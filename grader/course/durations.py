@@ -1,9 +1,9 @@
-"""How long a lesson takes, section by section, from what there is to read, run and write.
+"""Estimate how long each section of a lesson takes, from its words, code and exercises.
 
-The rates were fitted to the minutes that readers named who wrote every answer of all twelve lessons
-from the stubs: reading slowly, at midnight, with a look at each picture. They miss those by eight
-minutes a lesson on average; where little is to be thought (07) by 15 too many, and where much is
-(10) by 26 too few. What is for who wants more is in no sum.
+The rates were fitted to the minutes of readers who wrote every answer of all twelve lessons from
+the stubs: reading slowly, at midnight, with a look at each picture. The mean error is eight
+minutes per lesson. Lesson 07, which needs little thought, is estimated 15 minutes too long, and
+lesson 10, which needs much, 26 minutes too short. Optional sections are not counted.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ if TYPE_CHECKING:
 
 PLACE = "(time)"
 WORDS_A_MINUTE = 100
-LINES_A_MINUTE = 8  # of code that is there to be read
-MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that is to be written
-MINUTES_A_NOTEBOOK = 0.5  # to see that its functions are ready; all are printed to be pasted
-MINUTES_A_REPORT = 15  # to write what a person reads
+LINES_A_MINUTE = 8  # of code that students read
+MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # of code that students write
+MINUTES_A_NOTEBOOK = 0.5  # to find the functions of an earlier notebook and paste them
+MINUTES_A_REPORT = 15  # to write an answer that a person grades
 WITHOUT_A_STOP = 90  # minutes
-# Hints are for who opens them; nobody reads what a picture shows, and where a link goes.
+# Folded hints, descriptions of pictures and addresses of links are not read.
 UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
 STOP = "**A good place to stop.**"
 OPTIONAL = "If you want more"
 
 
 def sections(notebook: NotebookNode) -> dict[str, float]:
-    """Minutes of each section of a solved notebook, by its title.
+    """Return the minutes of each section of a solved notebook, by the section's title.
 
     Returns
     -------
     dict of str to float
-        What stands before the first heading belongs to "Before you start".
+        Text before the first heading belongs to "Before you start".
     """
     minutes, title = {}, "Before you start"
     for cell in notebook.cells:
         if cell.metadata.get("nbgrader", {}).get("grade") and cell.cell_type == "markdown":
-            # What stands there is the model answer, which students do not get.
+            # The cell contains the model answer, which students do not get.
             minutes[title] = minutes.get(title, 0) + MINUTES_A_REPORT
         elif cell.cell_type == "markdown":
             text = UNREAD.sub("", cell.source)
@@ -66,12 +66,12 @@ def _minutes_of_code(cell: NotebookNode) -> float:
 
 
 def tell(notebook: NotebookNode) -> None:
-    """Say how long a lesson takes, where it has the place for it, and unfolded by section below.
+    """Insert the minutes of a lesson at their mark, with a list of its sections to unfold.
 
     Parameters
     ----------
     notebook : nbformat.NotebookNode
-        Is changed.
+        Changed in place.
     """
     in_short, by_section = f"about {in_all(notebook)} minutes", _table(notebook)
     for cell in notebook.cells:
@@ -90,7 +90,7 @@ def _table(notebook: NotebookNode) -> str:
 
 
 def in_all(notebook: NotebookNode) -> int:
-    """Minutes of what a lesson asks for, to five."""
+    """Return the minutes of a lesson without optional sections, to five minutes."""
     return 5 * round(_asked_for(sections(notebook)) / 5)
 
 
@@ -99,7 +99,7 @@ def _asked_for(minutes: dict[str, float]) -> float:
 
 
 def sittings(notebook: NotebookNode) -> list[float]:
-    """Minutes between the marked places to stop of a solved notebook."""
+    """Return the minutes between the marked places to stop of a solved notebook."""
     from nbformat.v4 import new_notebook
 
     parts: list[list] = [[]]

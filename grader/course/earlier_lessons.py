@@ -1,14 +1,14 @@
-"""What a lesson takes over from earlier ones, copied out of their sources at build.
+"""Functions that a lesson uses from earlier ones, copied from their sources at build.
 
-A cell tagged `earlier` is where students paste functions that they wrote before. In the source of
-the lesson it names them, between the marks of a solution:
+Students paste functions that they wrote before into a cell tagged `earlier`. In the source of the
+lesson, the cell names these functions between the marks of a solution:
 
     ### BEGIN SOLUTION
     # from 06_filter_ground: filter_ground, voxel_grid
     ### END SOLUTION
 
-The instructor's notebook has the functions in their place, and all that these use of their own
-notebook; the student's has neither. So each algorithm stands in its lesson and nowhere else.
+The instructor's notebook contains the functions instead, with everything that they use of their
+own notebook; the student's notebook contains neither. Each algorithm is thus written only once.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S)
 
 
 def filled(text: str) -> str:
-    """A text with the functions that it names in the place of their names.
+    """Replace references to functions of earlier lessons by the code of these functions.
 
     Parameters
     ----------
     text : str
-        Of a cell, or of a whole source.
+        Text of a cell or of a whole source.
 
     Raises
     ------
     ValueError
-        There is no such lesson, or it defines no such function.
+        If there is no such lesson, or the lesson does not define such a function.
     """
     parts: dict[str, list[str]] = {
         found[0]: statements_of(found[1], found[2].split(", ")) for found in LINE.finditer(text)
@@ -43,22 +43,24 @@ def filled(text: str) -> str:
     imports = [part for code in parts.values() for part in code if pasting.is_import(part)]
     copied: set[str] = set()
     for line, code in parts.items():
-        # What two lessons have alike is copied once.
+        # Code that two lessons share is copied once.
         definitions = [part for part in code if not pasting.is_import(part) and part not in copied]
         copied.update(definitions)
         above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
-        imports = []  # all of them stand before the first lesson's functions
+        imports = []  # placed before the functions of the first lesson
         text = text.replace(line, f"{above}{line}\n" + "\n\n\n".join(definitions) + "\n\n")
     return text
 
 
 def emptied(text: str) -> str:
-    """The same cell as students get it."""
+    """Return the cell in the form that students get."""
     return REGION.sub("", text)
 
 
 def statements_of(lesson: str, names: list[str]) -> list[str]:
-    """Source of some functions of a lesson and of what they need, the marks of solutions left out.
+    """Return the source of some functions of a lesson and of the code that they need.
+
+    The marks of solutions are left out.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a lesson's source says at its head about the lesson as a whole.
+"""The header of a lesson's source, which contains the settings of the lesson.
 
 It is YAML in comments, where jupytext keeps the metadata of a notebook:
 
@@ -21,21 +21,21 @@ import yaml
 
 @dataclass(frozen=True)
 class LessonHeader:
-    """The settings of a lesson; all may be left out.
+    """The settings of a lesson, all of which are optional.
 
     Attributes
     ----------
     forbidden : tuple of str
-        Modules that may not be used because they do the exercise.
+        Modules that students may not use, because they do the exercise.
     packages : tuple of str
-        Installed packages, as pip calls them, that may be used beside NumPy, SciPy and
+        Packages, by their names for pip, that students may use in addition to NumPy, SciPy and
         matplotlib.
     given : tuple of str
-        Functions and classes that the lesson's own code defines and that answers rely on. The
-        judge takes them from the lesson, whatever a notebook makes of them.
+        Functions and classes that the lesson defines and that answers rely on. The judge takes
+        them from the lesson, even if a notebook changes them.
     lent : tuple of str
-        Functions of the lesson's own code that ask an exercise so often that their result is
-        stored, and not each answer; see `utils.lent`.
+        Functions of the lesson that call an exercise so often that their result is stored instead
+        of each answer; see `utils.lent`.
     """
 
     forbidden: tuple[str, ...] = ()
@@ -50,12 +50,12 @@ def read_header(source: Path) -> LessonHeader:
     Parameters
     ----------
     source : pathlib.Path
-        The lesson's .py file.
+        The ``lesson.py`` of a lesson.
 
     Raises
     ------
     ValueError
-        If there is no header, or something in it is unknown or no list of names.
+        If there is no header, or it contains an unknown setting or one that is not a list.
     """
     found = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", source.read_text("utf-8"))
     if not found:

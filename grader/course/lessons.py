@@ -1,7 +1,7 @@
-"""The registry: stages, lessons, exercises and their points, each read from where it is written.
+"""The registry of stages, lessons, exercises and points, read from the lessons themselves.
 
-A lesson registers itself: by the name of its source, by what the source's header says, and by
-the nbgrader metadata of its cells. Nothing about a lesson is written down a second time.
+A lesson registers itself by the name of its folder, by the header of its source, and by the
+nbgrader metadata of its cells. Nothing about a lesson is written down twice.
 """
 
 import ast
@@ -17,7 +17,7 @@ from grader.course.header import LessonHeader, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
 
-# The folder of lessons that belong to no stage.
+# The folder of lessons outside the stages.
 OPTIONAL = "optional"
 
 
@@ -31,9 +31,9 @@ class Exercise:
         Name of the function.
     points : float
     cell : str
-        nbgrader's ``grade_id`` of the cell that holds the points.
+        nbgrader's ``grade_id`` of the cell with the points.
     by_hand : bool
-        True where a person grades it.
+        True if a person grades it.
     """
 
     name: str
@@ -51,22 +51,22 @@ class Lesson:
 
     @property
     def number(self) -> str:
-        """Two digits: its place in the course."""
+        """The lesson's place in the course, as two digits."""
         return self.name[:2]
 
     @property
     def folder(self) -> Path:
-        """Everything about the lesson that students must not see, but for the solved notebook."""
+        """The folder of everything that students must not see, except the solved notebook."""
         return PROJECT / "solutions" / self.stage / self.name
 
     @property
     def source(self) -> Path:
-        """The one file in which the lesson is written."""
+        """The file in which the lesson is written."""
         return self.folder / "lesson.py"
 
     @property
     def text(self) -> str:
-        """What stands in the source, and in the place of their names what earlier lessons lend."""
+        """The source, with references to functions of earlier lessons replaced by their code."""
         return earlier_lessons.filled(self.source.read_text("utf-8"))
 
     @property
@@ -81,12 +81,12 @@ class Lesson:
 
     @property
     def tests(self) -> Path:
-        """The judge's tests."""
+        """The file of the hidden tests."""
         return self.folder / "hidden_tests.py"
 
     @functools.cached_property
     def header(self) -> LessonHeader:
-        """What the source says about the lesson as a whole."""
+        """The settings in the header of the source."""
         return read_header(self.source)
 
     @property
@@ -95,9 +95,9 @@ class Lesson:
         return (*(exercise.name for exercise in self.machine_graded), *self.header.given)
 
     def source_of(self, names: tuple[str, ...]) -> str:
-        """Source of some functions of the released notebook, and of what they need of it.
+        """Return the source of some released functions and of the code that they need.
 
-        Without the exercises: those are the student's.
+        Exercises are left out, because their code is the student's.
         """
         mine = {exercise.name for exercise in self.machine_graded}
         cells = json.loads(self.released.read_text("utf-8"))["cells"]
@@ -117,7 +117,7 @@ class Lesson:
 
     @functools.cached_property
     def steps(self) -> tuple[str, ...]:
-        """Functions that a student writes on the way to an exercise, and that nothing grades."""
+        """Functions that a student writes on the way to an exercise, without points."""
         graded = {exercise.name for exercise in self.exercises}
         found = []
         for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
@@ -141,13 +141,13 @@ class Lesson:
 
 @functools.cache
 def all_lessons() -> tuple[Lesson, ...]:
-    """Every lesson, in the order of the course."""
+    """Return every lesson of the stages, in the order of the course."""
     return _lessons_in("stage*")
 
 
 @functools.cache
 def optional_lessons() -> tuple[Lesson, ...]:
-    """Lessons beside the course: in no stage, without points, handed in by nobody."""
+    """Return the optional lessons, which have no stage and no points and are not submitted."""
     return _lessons_in(OPTIONAL)
 
 
@@ -157,7 +157,7 @@ def _lessons_in(stage: str) -> tuple[Lesson, ...]:
 
 
 def every_lesson() -> tuple[Lesson, ...]:
-    """Those of the course, and those beside it."""
+    """Return the lessons of the course, followed by the optional ones."""
     return all_lessons() + optional_lessons()
 
 
@@ -200,12 +200,12 @@ def registry_faults() -> list[str]:
 
 
 def stages() -> tuple[str, ...]:
-    """Names of the stages, in order."""
+    """Return the names of the stages, in order."""
     return tuple(dict.fromkeys(lesson.stage for lesson in all_lessons()))
 
 
 def find_lesson(text: str) -> Lesson | None:
-    """The lesson whose name occurs in a text, such as a file name; None if there is none.
+    """Return the lesson whose name occurs in a text, such as a file name, or None.
 
     Browsers and editors rename files ("Copy of 06_filter_ground (1).ipynb").
     """
@@ -216,12 +216,12 @@ def find_lesson(text: str) -> Lesson | None:
 
 
 def lesson_of(exercise: str) -> Lesson:
-    """The lesson that asks for an exercise.
+    """Return the lesson that contains an exercise.
 
     Raises
     ------
     LookupError
-        If none does.
+        If no lesson contains it.
     """
     for lesson in all_lessons():
         if exercise in (one.name for one in lesson.exercises):
@@ -231,13 +231,13 @@ def lesson_of(exercise: str) -> Lesson:
 
 @functools.cache
 def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
-    """The reference functions of a lesson, as attributes of a namespace.
+    """Return the reference functions of a lesson, as attributes of a namespace.
 
     Parameters
     ----------
     lesson_name : str
     *others : str
-        Further functions of the lesson, which nothing grades.
+        Further functions of the lesson, without points.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])

@@ -1,4 +1,4 @@
-"""Where things lie: the project itself, and the course that is being graded."""
+"""The folders of the project, and of the course that is being graded."""
 
 import functools
 from dataclasses import dataclass
@@ -11,43 +11,43 @@ PROJECT = Path(__file__).resolve().parents[2]
 
 @dataclass(frozen=True)
 class Course:
-    """The folder that holds a class: submissions go in, verdicts and grades come out."""
+    """The folder of a class, with its submissions, verdicts and grades."""
 
     root: Path = PROJECT
 
     @property
     def submitted(self) -> Path:
-        """``submitted/<student>/<stage>/<NN_name>.ipynb``, as nbgrader collects them."""
+        """Folder of ``<student>/<stage>/<NN_name>.ipynb``, as nbgrader collects them."""
         return self.root / _folder(self.root, "submitted")
 
     @property
     def autograded(self) -> Path:
-        """``autograded/<student>/<stage>/<NN_name>.ipynb``, as nbgrader keeps them."""
+        """Folder of ``<student>/<stage>/<NN_name>.ipynb``, as nbgrader keeps judged copies."""
         return self.root / _folder(self.root, "autograded")
 
     @property
     def released(self) -> Path:
-        """``notebooks/<stage>/<NN_name>.ipynb``: what students were given."""
+        """Folder of ``<stage>/<NN_name>.ipynb``, the notebooks that students got."""
         return self.root / "notebooks"
 
     @property
     def verdicts(self) -> Path:
-        """``verdicts/<student>/<stage>/<NN_name>.json``."""
+        """Folder of ``<student>/<stage>/<NN_name>.json``."""
         return self.root / "verdicts"
 
     @property
     def report(self) -> Path:
-        """The report on the whole class."""
+        """Folder of the report on the class."""
         return self.root / "report"
 
     @property
     def seed_file(self) -> Path:
-        """The secret that hidden tests draw their scenes from."""
+        """File of the secret from which hidden tests draw their input."""
         return self.root / ".course_seed"
 
 
 @functools.cache
 def _folder(root: Path, kind: str) -> str:
-    """What the course's ``nbgrader_config.py`` calls one of nbgrader's folders."""
+    """Return the name of one of nbgrader's folders in the course's ``nbgrader_config.py``."""
     settings = course_settings(root).CourseDirectory
     return settings.get(f"{kind}_directory", kind)

@@ -1,4 +1,4 @@
-"""What students get: a zip for each stage that runs wherever it is unzipped."""
+"""Write what students get: a zip for each stage, which works in any folder."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ TOOLS = {
     "utils": (".py", ".html", ".json", ".md"),
     "data": (".md", ".txt", ".npz", ".png"),
 }
-PROGRAMS = ("jupyterlab", "ipykernel")  # in which a student opens a notebook
+PROGRAMS = ("jupyterlab", "ipykernel")  # needed to open a notebook
 
 
 def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
-    """Write a zip for each stage; yields its path as soon as it is there.
+    """Write a zip for each stage, and yield the path of each one when it is complete.
 
     Parameters
     ----------
     folder : pathlib.Path
-        Made where there is none.
+        Created if it does not exist.
     wanted : iterable of str, optional
-        Only these stages; by default all.
+        Stages to write; by default all.
 
     Raises
     ------
     grader.course.standalone.NotReleased
-        A notebook would give a solution away.
+        If a notebook would give a solution away.
     """
     for stage in wanted or stages():
         path = folder / f"{stage}.zip"
@@ -44,7 +44,7 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
 
 
 def student_files(stage: str) -> dict[str, bytes]:
-    """Content by name of all that a student needs for a stage, and of nothing else."""
+    """Return the files that a student needs for a stage, by name, and no others."""
     found = {
         "README.md": README.read_bytes(),
         "LICENSE": (PROJECT / "LICENSE").read_bytes(),
@@ -61,7 +61,7 @@ def student_files(stage: str) -> dict[str, bytes]:
 
 
 def course_tools() -> dict[str, bytes]:
-    """``utils`` and ``data`` as they are in the course, by name."""
+    """Return the files of ``utils`` and ``data``, by name."""
     return {
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for name, kinds in TOOLS.items()
@@ -71,13 +71,13 @@ def course_tools() -> dict[str, bytes]:
 
 
 def student_requirements() -> str:
-    """The part of ``requirements.txt`` that a notebook needs, and what opens one."""
+    """Return the part of ``requirements.txt`` that is needed to open and run a notebook."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
     return f"-c constraints.txt\n\n{required_for('What a notebook needs')}{''.join(programs)}"
 
 
 def required_for(heading: str) -> str:
-    """The lines of ``requirements.txt`` below one of its headings."""
+    """Return the lines of ``requirements.txt`` below one of its headings."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     return re.search(rf"^# {re.escape(heading)}\n((?:\S.*\n)+)", text, re.M)[1]

@@ -1,5 +1,5 @@
-"""What a course may decide otherwise."""
+"""Rules that a course may change."""
 
-# Share of an exercise that an answer keeps which is proven to be one edit away from a right one, if
-# its checks earn less. With 0 nobody looks for such an edit.
+# An answer that is provably one edit from a right one keeps this share of the exercise's points, if
+# its checks earn less. With 0 the judge does not look for such an edit.
 ONE_SLIP_KEEPS = 0.6

@@ -1,4 +1,4 @@
-"""The course's secret: the number that the hidden scenes are drawn from."""
+"""The course's secret: the number from which hidden tests draw their input."""
 
 import contextlib
 import os
@@ -7,7 +7,7 @@ import tempfile
 
 from grader.course.paths import Course
 
-SHORTEST = 2**64  # below it, whoever knows one hidden question finds the seed by trying
+SHORTEST = 2**64  # a smaller seed can be found by trying, from the input of one hidden test
 
 
 class ShortSeed(Exception):
@@ -15,18 +15,18 @@ class ShortSeed(Exception):
 
 
 def course_seed(course: Course, given: int | None = None) -> int:
-    """The seed to grade with.
+    """Return the seed to grade with.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     given : int, optional
-        What the command line says; it wins and is not kept.
+        The seed on the command line, which takes precedence and is not stored.
 
     Returns
     -------
     int
-        The same on every call for one course: drawn once and kept in ``.course_seed``.
+        Always the same for one course: drawn once and stored in ``.course_seed``.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def course_seed(course: Course, given: int | None = None) -> int:
     if given is not None:
         return _long_enough(given, "Leave --seed out")
     if not course.seed_file.exists():
-        # Complete before it has its name: two graders may start at the same time.
+        # Written completely before it gets its name: two graders may start at the same time.
         descriptor, draft = tempfile.mkstemp(dir=course.root)
         with open(descriptor, "w", encoding="utf-8") as file:
             file.write(f"{secrets.randbits(128)}\n")

@@ -1,4 +1,4 @@
-"""Notebooks that need no file beside them: by mail, on a stick, uploaded to Colab or Kaggle."""
+"""Standalone notebooks, which need no other file: for mail, USB sticks, Colab and Kaggle."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
-# With this the setup cell begins, by which it is known when it comes back.
+# The first line of the setup cell, which identifies the cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
 ABOUT = (
     "*This notebook needs no other file. Upload it to Colab or Kaggle, or open it in VS Code or "
@@ -27,7 +27,7 @@ ABOUT = (
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
 LARGEST = 450_000  # bytes
-# Rooms that some lessons enter, and what stands in those.
+# Packages that only some lessons use, and the text by which those are recognised.
 ENTERED = {
     "utils/breaking": "utils.breaking",
     "utils/drive": "utils.drive",
@@ -38,23 +38,23 @@ ENTERED = {
 
 
 class NotReleased(Exception):
-    """Something cannot be handed out; `str()` is the sentence to show."""
+    """Something must not be released; `str()` is the sentence to show."""
 
 
 def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
-    """Write the students' notebooks, each with all that it needs.
+    """Write the students' notebooks, each with everything that it needs.
 
     Parameters
     ----------
     folder : pathlib.Path
-        Made where there is none.
+        Created if it does not exist.
     stages : iterable of str, optional
-        Only these; by default all.
+        Stages to write; by default all.
 
     Raises
     ------
     NotReleased
-        One would be too large, or give a solution away.
+        If a notebook would be too large, or would give a solution away.
     """
     written = []
     for lesson in all_lessons():
@@ -71,7 +71,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 
 
 def refuse_to_give_away(lesson: Lesson, notebook: bytes) -> None:
-    """Raise `NotReleased` where a line of the solution stands in a student's notebook."""
+    """Raise `NotReleased` if a line of the solution is in a student's notebook."""
     others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
     given_away = leaks(lesson.solved.read_bytes(), notebook, others)
     if given_away:
@@ -81,17 +81,17 @@ def refuse_to_give_away(lesson: Lesson, notebook: bytes) -> None:
 
 
 def standalone(notebook: bytes) -> bytes:
-    """Bytes of a built notebook, with the tools of the course in its setup cell.
+    """Return a notebook with the tools of the course in its setup cell.
 
     Parameters
     ----------
     notebook : bytes
-        As `grader.course.build` writes it.
+        A notebook that `grader.course.build` wrote.
 
     Returns
     -------
     bytes
-        The same for the same course.
+        Always the same bytes for the same course.
     """
     content = json.loads(notebook)
     about = content["metadata"]["lidar_obstacle_lab"]
@@ -103,7 +103,7 @@ def standalone(notebook: bytes) -> bytes:
         elif "badge" in tags:
             cell["source"] = [ABOUT]
         elif cell["cell_type"] == "markdown":
-            # All lie in one folder.
+            # Standalone notebooks are all in one folder.
             cell["source"] = [OTHER_STAGE.sub("](", line) for line in cell["source"]]
     about["standalone"] = True
     return (json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
@@ -111,7 +111,7 @@ def standalone(notebook: bytes) -> bytes:
 
 @functools.cache
 def setup_cell(lesson: str) -> str:
-    """Source of the cell that unpacks the tools, in the notebook of a lesson."""
+    """Return the source of the cell that unpacks the tools in a lesson's notebook."""
     data = packed_tools(lesson)
     return (
         SETUP_CELL.read_text("utf-8")
@@ -123,7 +123,7 @@ def setup_cell(lesson: str) -> str:
 
 
 def packed_tools(lesson: str) -> bytes:
-    """``utils`` for one lesson, compressed; the same bytes for the same files."""
+    """Return ``utils`` for one lesson, compressed; the same bytes for the same files."""
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     mine = next(one for one in every_lesson() if one.name == lesson)
     text = mine.released.read_text("utf-8")
@@ -145,5 +145,5 @@ def packed_tools(lesson: str) -> bytes:
 
 
 def is_setup_cell(source: str, lesson: str) -> bool:
-    """Whether a cell that was handed in is, letter by letter, the one that unpacks the tools."""
+    """Return whether a submitted cell is exactly the one that unpacks the tools."""
     return source.startswith(TITLE) and source.strip() == setup_cell(lesson)
