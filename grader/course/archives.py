@@ -1,33 +1,33 @@
-"""Zip files that are the same bytes for the same content: whoever packs twice can compare."""
+"""Zip files with the same bytes for the same content, so that two of them can be compared."""
 
 import io
 import stat
 import zipfile
 from collections.abc import Collection, Mapping
 
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # that a zip can say
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time in a zip
 
 
 def zipped(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
-    """Bytes of a zip with these files.
+    """Return the bytes of a zip with these files.
 
     Parameters
     ----------
     files : mapping of str to bytes
-        By name, with ``/`` between folders.
+        Content by name, with ``/`` between folders.
     programs : collection of str
-        Names of those that can be executed.
+        Names of the files that can be executed.
 
     Returns
     -------
     bytes
-        Names in order, one time for all, modes as said, whatever machine packs them.
+        The same on every machine: sorted names, one time for all files, and fixed modes.
     """
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, EARLIEST)
-            entry.create_system = 3  # Unix, where modes mean something
+            entry.create_system = 3  # Unix, so that the modes are used
             entry.external_attr = (stat.S_IFREG | (0o755 if name in programs else 0o644)) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, files[name])

@@ -1,18 +1,18 @@
-"""Files that are there wholly or not at all, whenever somebody looks or the power goes."""
+"""Write files atomically: a reader, or a power cut, finds a complete file or none."""
 
 import os
 import tempfile
 from pathlib import Path
 
-# Asked for once: asking changes it for a moment, for all threads.
+# Read once, because reading the mask changes it for a moment, for all threads.
 _UMASK = os.umask(0o022)
 os.umask(_UMASK)
 
 
 def write_atomically(content: str | bytes, path: Path) -> None:
-    """Write a file, and its folders, so that a reader finds all of it or none of it.
+    """Write a file and its folders so that a reader finds a complete file or none.
 
-    Fellow graders may read it.
+    Other graders may read the file.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, draft = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
@@ -20,9 +20,9 @@ def write_atomically(content: str | bytes, path: Path) -> None:
         with open(descriptor, "wb") as file:
             file.write(content if isinstance(content, bytes) else content.encode(errors="replace"))
             file.flush()
-            os.fsync(file.fileno())  # else a power cut may leave the new name without its content
+            os.fsync(file.fileno())  # otherwise a power cut may leave the new name without content
         os.chmod(draft, 0o666 & ~_UMASK)
         os.replace(draft, path)
-    except BaseException:  # a full disk, an impatient person
+    except BaseException:  # such as a full disk or Ctrl-C
         os.unlink(draft)
         raise

@@ -1,13 +1,13 @@
-"""When work is due: ``deadlines.toml`` beside the course. It need not be there.
+"""Due dates, from the optional file ``deadlines.toml`` in the course's folder.
 
 ::
 
-    timezone = "Europe/Berlin"              # else this machine's
+    timezone = "Europe/Berlin"              # default: this machine's
     [stage1_ransac]
     due = 2026-10-12T23:59:00
     [stage1_ransac.sections]                # as the roster names them
     B = 2026-10-13T23:59:00
-    [stage1_ransac.students]                # also before anything is handed in
+    [stage1_ransac.students]                # also for students without a submission
     anna = 2026-10-19T23:59:00
     noshow = "excused"
 """
@@ -40,12 +40,12 @@ class Dates:
     Attributes
     ----------
     due : datetime or None
-        For everybody who is not named; in UTC, like the others: between two times of a zone whose
-        clocks change, Python reckons without the hour.
+        Due date of everyone who is not named below. All dates are in UTC, because Python ignores
+        clock changes when it subtracts two times of one zone.
     sections : dict of str to datetime
     students : dict of str to datetime
     excused : frozenset of str
-        Students from whom nothing is expected.
+        Students who need not submit.
     """
 
     due: datetime | None = None
@@ -56,15 +56,15 @@ class Dates:
 
 @dataclass(frozen=True)
 class Deadlines:
-    """When each stage is due, and for whom it is another time.
+    """The due dates of all stages, with those of sections and students.
 
     Attributes
     ----------
     stages : dict of str to Dates
     roster : grader.course.roster.Roster or None
-        It tells who is in which section.
+        Gives the section of each student.
     zone : tzinfo or None
-        In which times stand that do not say; None for that of this machine.
+        Zone of times that do not state one; None for this machine's.
     """
 
     stages: dict[str, Dates]
@@ -72,21 +72,21 @@ class Deadlines:
     zone: tzinfo | None = None
 
     def due(self, person: Person | str, stage: str) -> datetime | None:
-        """When a stage is due for somebody, in UTC; None where no date is set."""
+        """Return when a stage is due for a student, in UTC, or None without a date."""
         dates = self.stages.get(stage, Dates())
         id = person if isinstance(person, str) else person.id
         return dates.students.get(id, self._due_without_extension(id, dates))
 
     def local(self, time: datetime) -> datetime:
-        """A time as clocks show it where the course is."""
+        """Return a time in the zone of the course."""
         return time.astimezone(self.zone)
 
     def excused(self, id: str, stage: str) -> bool:
-        """Whether nothing is expected from somebody in a stage."""
+        """Return whether a student is excused from a stage."""
         return id in self.stages.get(stage, Dates()).excused
 
     def extended(self, stage: str) -> dict[str, datetime]:
-        """Who may hand in later than their section, or everybody, has to; and until when."""
+        """Return the students with a later date than their section or the stage, with the date."""
         dates = self.stages.get(stage, Dates())
         return {
             id: due
@@ -100,7 +100,7 @@ class Deadlines:
 
 
 def deadlines_path(course: Course) -> Path:
-    """Where the dates lie, if there are any."""
+    """Return the path of the file of dates, which may not exist."""
     return course.root / "deadlines.toml"
 
 
@@ -110,19 +110,19 @@ def read_deadlines(course: Course) -> Deadlines | None:
     Returns
     -------
     Deadlines or None
-        None where there is no file.
+        None if there is no file.
 
     Raises
     ------
     DeadlinesTrouble
     grader.course.roster.RosterTrouble
-        The roster is asked who is in which section.
+        If the roster, which gives the sections, cannot be read.
     """
     path = deadlines_path(course)
     if not path.is_file():
         return None
     try:
-        # As the roster's names are: two ways of writing an ö are one name.
+        # Normalized like the names of the roster: an ö has two forms in Unicode.
         table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
     except UnicodeDecodeError as error:
         raise DeadlinesTrouble(f"{path.name} is not in UTF-8. Save it again so.") from error
@@ -153,7 +153,7 @@ def _zone(file: str, name: object) -> tzinfo | None:
 
 
 def _dates(where: str, table: object, zone: tzinfo | None) -> Dates:
-    """The dates of a stage; `where` is the beginning of its heading."""
+    """Return the dates of a stage; `where` is the beginning of its heading."""
     if not isinstance(table, dict):
         raise DeadlinesTrouble(f"{where}]: write this heading, and below it due = {_EXAMPLE}.")
     _expect(f"{where}]", table, ("due", "sections", "students"), "entry")
@@ -191,7 +191,7 @@ _EXAMPLE = "2026-10-12T23:59:00"
 
 
 def _date(where: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
-    """A date of the file, in UTC."""
+    """Return a date of the file, in UTC."""
     if not isinstance(value, datetime):
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesTrouble(
@@ -215,7 +215,7 @@ def _expect(where: str, table: dict, known: Iterable[str], what: str) -> None:
 
 
 def _check_names(where: str, dates: Dates, roster: Roster | None) -> None:
-    """Say which names nobody has: their dates would count for nobody."""
+    """Raise `DeadlinesTrouble` for names that are not on the roster, whose dates have no effect."""
     if dates.sections and roster is None:
         raise DeadlinesTrouble(
             f"{where}.sections]: no roster.csv says who is in which section. Write one, with the "

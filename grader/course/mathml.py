@@ -1,6 +1,7 @@
-"""Markdown as HTML in which formulas are MathML: browsers show that without a network.
+"""Turn Markdown into HTML with formulas as MathML, which browsers show without a network.
 
-nbconvert leaves formulas to MathJax, which a page fetches. Here latex2mathml turns them round.
+nbconvert leaves formulas to MathJax, which a page would have to fetch. Here latex2mathml converts
+them.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ from nbconvert.exporters import HTMLExporter
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-LONGEST = 2_000  # characters; what is longer is no formula that somebody reads
+LONGEST = 2_000  # characters; a longer text is not converted
 _ELEMENTS = """
 math mrow mi mn mo mtext mspace mfrac msqrt mroot mstyle mpadded mphantom menclose msub msup msubsup
 munder mover munderover mmultiscripts mprescripts none mtable mtr mtd
 """
-# None of them holds an address, a style or a script.
+# None of these can contain an address, a style or a script.
 _ATTRIBUTES = """
 display accent align columnalign columnlines rowlines columnspacing rowspacing depth displaystyle
 fence form frame height largeop linethickness lspace mathvariant maxsize minsize movablelimits
@@ -28,7 +29,7 @@ notation rspace scriptlevel separator stretchy symmetric voffset width
 """
 ELEMENTS = frozenset(f"{{{NAMESPACE}}}{name}" for name in _ELEMENTS.split())
 ATTRIBUTES = frozenset(_ATTRIBUTES.split())
-# What latex2mathml does not know by the name that MathJax and the lessons use.
+# Commands that latex2mathml does not know under the names of MathJax and the lessons.
 SAME_AS = {"aligned": "split", "gathered": "matrix"}
 STYLE = """math { font-size: 1.08em; } math[display="block"] { margin: .8em 0; }
 mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-align: right; }"""
@@ -36,34 +37,34 @@ mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-al
 
 
 def markdown_page(markdown: str, attachments: dict | None = None) -> str:
-    """Markdown of a cell as HTML.
+    """Return the Markdown of a cell as HTML.
 
     Parameters
     ----------
     markdown : str
-        What is HTML in it stays so: text of a stranger goes through `grader.lms.sanitizer` first.
+        May contain HTML, which is kept. Untrusted text must pass `grader.lms.sanitizer` first.
     attachments : dict, optional
-        Pictures of the cell, as nbformat has them.
+        Pictures of the cell, in nbformat's form.
     """
     renderer = Renderer(escape=False, attachments=attachments or {}, exclude_anchor_links=True)
     return MarkdownWithMath(renderer=renderer).render(markdown)
 
 
 def formula(latex: str, display: bool) -> str:
-    """A formula as MathML; as code where it is none that can be drawn.
+    """Return a formula as MathML, or as code if it cannot be converted.
 
     Parameters
     ----------
     latex : str
-        May be a stranger's.
+        May be untrusted.
     display : bool
-        Whether it stands in a line of its own.
+        Whether the formula is on a line of its own.
     """
     if len(latex) <= LONGEST:
         known = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _same_as, latex)
         try:
             drawn = ElementTree.fromstring(convert(known, display="block" if display else "inline"))
-        except Exception:  # of many kinds, RecursionError among them
+        except Exception:  # latex2mathml raises many kinds, including RecursionError
             drawn = None
         if drawn is not None and _is_mathematics(drawn):
             ElementTree.register_namespace("", NAMESPACE)
@@ -77,7 +78,7 @@ def _same_as(environment: re.Match) -> str:
 
 
 def _is_mathematics(drawn: ElementTree.Element) -> bool:
-    """Whether all of it is on the lists; what latex2mathml does not know, it may let through."""
+    """Return whether everything is on the lists, because latex2mathml may pass on the rest."""
     return all(
         element.tag in ELEMENTS and ATTRIBUTES.issuperset(element.attrib)
         for element in drawn.iter()
@@ -85,25 +86,25 @@ def _is_mathematics(drawn: ElementTree.Element) -> bool:
 
 
 class Renderer(IPythonRenderer):
-    """nbconvert's renderer, which draws the formulas itself."""
+    """nbconvert's renderer with formulas as MathML."""
 
     def block_math(self, body: str) -> str:
-        """Draw a formula in a line of its own."""
+        """Convert a formula on a line of its own."""
         return formula(body, display=True)
 
     def inline_math(self, body: str) -> str:
-        """Draw a formula within a line."""
+        """Convert a formula within a line."""
         return formula(body, display=False)
 
     def latex_environment(self, name: str, body: str) -> str:
-        """Draw what stands between ``begin`` and ``end``."""
+        """Convert an environment from ``begin`` to ``end``."""
         return formula(rf"\begin{{{name}}}{body}\end{{{name}}}", display=True)
 
 
 class MathPage(HTMLExporter):
-    """nbconvert's pages, with formulas that no script has to draw."""
+    """nbconvert's pages with formulas that need no script."""
 
     @jinja2.pass_context
     def markdown2html(self, context: jinja2.runtime.Context, source: str) -> str:
-        """The text of a cell as HTML."""
+        """Return the text of a cell as HTML."""
         return markdown_page(source, context.get("cell", {}).get("attachments"))

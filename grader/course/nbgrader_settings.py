@@ -1,4 +1,4 @@
-"""The one place that says how nbgrader works on this course."""
+"""The settings with which nbgrader works on this course."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
-# nbgrader copies what lies next to a notebook; a student's modules are collected in another way.
+# nbgrader copies every file next to a notebook. Modules of students are collected in another way.
 IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
-# What nbgrader does to a notebook before students get it, in its own order.
+# nbgrader's steps from the instructor's to the student's notebook, in its own order.
 RELEASE_STEPS = (
     "IncludeHeaderFooter",
     "InstantiateTests",
@@ -43,7 +43,7 @@ def configure(c: Config, root: Path) -> Config:
     ----------
     c : traitlets.config.Config
     root : pathlib.Path
-        The course: the folder with ``submitted/`` and ``gradebook.db``.
+        The folder of the course, with ``submitted/`` and ``gradebook.db``.
 
     Returns
     -------
@@ -64,15 +64,15 @@ def configure(c: Config, root: Path) -> Config:
         *(f"nbgrader.preprocessors.{step}" for step in RELEASE_STEPS),
     ]
 
-    # A student fetches notebooks, and no `utils` beside them.
+    # Students fetch notebooks without `utils` next to them.
     c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
 
-    # Who takes the course, the roster says: nbgrader would enter whatever a folder is called.
+    # With a roster, nbgrader must not enrol a student for each folder name.
     c.Autograde.create_student = not (root / "roster.csv").is_file()
-    # A damaged file must not cost the whole submission.
+    # One damaged file must not spoil the whole submission.
     c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     c.Autograde.autograde_preprocessors = [
-        "grader.lms.nbgrader_plugin.Judge",  # where nbgrader would execute the notebook
+        "grader.lms.nbgrader_plugin.Judge",  # in place of nbgrader's execution of the notebook
         "nbgrader.preprocessors.LimitOutput",
         "grader.lms.nbgrader_plugin.SaveGrades",
         "nbgrader.preprocessors.AssignLatePenalties",
@@ -80,25 +80,25 @@ def configure(c: Config, root: Path) -> Config:
     ]
     c.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"
     make_alembic_reachable()
-    # nbgrader adds rows in an order that SQLAlchemy remarks upon and that does no harm.
+    # nbgrader adds rows in an order that makes SQLAlchemy warn, and that is harmless.
     warnings.filterwarnings("ignore", message="Object of type <Submitted", module="nbgrader")
     return c
 
 
 def make_alembic_reachable() -> None:
-    """Put this Python's programs on the PATH: nbgrader starts ``alembic`` by name."""
+    """Put this Python's programs on the PATH, because nbgrader starts ``alembic`` by name."""
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
 
 
 def course_settings(root: Path) -> Config:
-    """The settings of a course: ours, and over them what its ``nbgrader_config.py`` says.
+    """Return the settings of a course: the defaults, changed by its ``nbgrader_config.py``.
 
     Parameters
     ----------
     root : pathlib.Path
-        The course.
+        The folder of the course.
     """
     settings = configure(Config(), root)
     path = root / "nbgrader_config.py"
@@ -108,16 +108,16 @@ def course_settings(root: Path) -> Config:
 
 
 def converter(kind: type[BaseConverter], root: Path, stage: str, **settings: dict) -> BaseConverter:
-    """One of nbgrader's converters on a course folder.
+    """Return one of nbgrader's converters for a stage of a course.
 
     Parameters
     ----------
     kind : type
-        Such as `nbgrader.converters.Autograde`.
+        For example `nbgrader.converters.Autograde`.
     root : pathlib.Path
-        The course folder.
+        The folder of the course.
     stage : str
-        nbgrader's assignment.
+        The stage, which is an assignment of nbgrader.
     **settings : dict
         Traits to configure, by class name.
     """

@@ -1,6 +1,6 @@
 """Record the answers of a solved notebook: ``python -m grader.course.recorded_answers 06``.
 
-The answers go to who has not written a function yet; see `utils.lent`.
+Students who have not written a function yet go on with these answers; see `utils.lent`.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ class NotLendable(Exception):
 
 
 def record(lesson: Lesson) -> bytes:
-    """Run the solved notebook of a lesson, and listen to its functions.
+    """Run the solved notebook of a lesson, and record the answers of its functions.
 
     Returns
     -------
     bytes
-        What is to stand in `path_of`.
+        New content of the file `path_of`.
 
     Raises
     ------
     NotLendable
-        A cell fails, something has a kind that cannot be stored, or it is too much.
+        If a cell fails, an answer cannot be stored, or the file would be too large.
     """
     import nbclient
     import nbformat
@@ -61,15 +61,15 @@ def record(lesson: Lesson) -> bytes:
 
 
 def listen(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
-    """Put a cell into a solved notebook that has its answers written down.
+    """Add a cell to a solved notebook that records the answers of its functions.
 
     Parameters
     ----------
     notebook : nbformat.NotebookNode
-        Is changed.
+        Changed in place.
     lesson : Lesson
     path : pathlib.Path
-        Of the file to be written.
+        File to write.
     """
     import nbformat
 
@@ -87,18 +87,18 @@ def listen(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
 
 
 def stored_bytes(lesson: Lesson, path: Path) -> bytes:
-    """What was recorded, as it is stored.
+    """Return the recorded answers in the form in which they are stored.
 
     Parameters
     ----------
     lesson : Lesson
     path : pathlib.Path
-        That `listen` named.
+        The path that `listen` got.
 
     Raises
     ------
     NotLendable
-        As for `record`.
+        As in `record`.
     """
     recorded = json.loads(path.read_text("utf-8"))
     if faults := recorded.pop("faults"):
@@ -118,7 +118,7 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
 
 
 def path_of(lesson: Lesson) -> Path:
-    """Where the stored answers of a lesson are."""
+    """Return the file of a lesson's stored answers."""
     return STORED / f"lesson_{lesson.number}.json"
 
 

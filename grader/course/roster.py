@@ -1,4 +1,4 @@
-"""Who takes the course: ``roster.csv`` beside it, one line a person. It need not be there."""
+"""The students of the course, from the optional file ``roster.csv``, one line per person."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grader.course.paths import Course
 
-MOST_CHARACTERS = 128  # of a text, in nbgrader's gradebook
+MOST_CHARACTERS = 128  # the longest text in nbgrader's gradebook
 OTHER_NAMES = {"lms_user_id": "lms_id"}  # what `nbgrader db student import` calls it
 SEPARATORS = ",;\t"
 
@@ -24,17 +24,17 @@ class RosterTrouble(Exception):
 
 @dataclass(frozen=True)
 class Person:
-    """One who takes the course.
+    """A student of the course.
 
     Attributes
     ----------
     id : str
-        Name of the folder in ``submitted/``, and of the student in the gradebook.
+        Name of the student's folder in ``submitted/`` and in the gradebook.
     first_name, last_name, email, section : str
     lms_id : str
-        Number in the learning platform, by which marks find their way back.
+        Number in the learning platform, needed to export marks.
     github : str
-        Login.
+        GitHub login.
     """
 
     id: str
@@ -47,50 +47,51 @@ class Person:
 
     @property
     def name(self) -> str:
-        """First and last name; the id of who has none."""
+        """First and last name, or the id if there is no name."""
         return f"{self.first_name} {self.last_name}".strip() or self.id
 
     @property
     def called(self) -> str:
-        """What sentences call somebody: the id, and the name where there is one."""
+        """The id, and the name if there is one, for use in sentences."""
         return self.id if self.name == self.id else f"{self.id} ({self.name})"
 
 
 COLUMNS = tuple(field.name for field in dataclasses.fields(Person))
-UNIQUE = ("id", "email", "lms_id", "github")  # a mark that two may get goes to the wrong one
+UNIQUE = ("id", "email", "lms_id", "github")  # shared by two, they would misplace marks
 
 
 @dataclass(frozen=True)
 class Roster:
-    """All who take the course, in the order of the file."""
+    """All students of the course, in the order of the file."""
 
     people: tuple[Person, ...]
 
     def person(self, id: str) -> Person | None:
-        """The one who has exactly this id."""
+        """Return the student with exactly this id, or None."""
         return self._by_id.get(id)
 
     def owner(self, folder: str) -> Person | None:
-        """Whose folder it is: case, blanks and the form of Unicode aside, an id and nothing else.
+        """Return the student whose id is the name of a folder.
 
-        Somebody else's number in the learning platform may be this one's id, so that only a person
-        can tell; see `like`.
+        Case, blanks and the form of Unicode are ignored. Other names and numbers are not
+        considered, because one student's number in the learning platform may be another student's
+        id; see `like`.
         """
         same = self._by_folded_id.get(folded(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
 
     def like(self, text: str) -> tuple[Person, ...]:
-        """Whom a folder, login, number, e-mail or name may mean.
+        """Return the students that a folder, login, number, e-mail or name may mean.
 
         Parameters
         ----------
         text : str
-            Such as ``Yan``, ``yan@x.edu``, ``Yan Yip``, ``Yip, Yan`` or Canvas's ``yipyan``.
+            For example ``Yan``, ``yan@x.edu``, ``Yan Yip``, ``Yip, Yan`` or Canvas's ``yipyan``.
 
         Returns
         -------
         tuple of Person
-            More than one where it fits several; an id goes before all else.
+            Several if the text is ambiguous; an id takes precedence over everything else.
         """
         exact = self.person(text)
         if exact:
@@ -111,20 +112,20 @@ class Roster:
 
 
 def roster_path(course: Course) -> Path:
-    """Where the roster lies, if there is one."""
+    """Return the path of the roster, which may not exist."""
     return course.root / "roster.csv"
 
 
 def read_roster(course: Course) -> Roster | None:
     """Read the roster of a course.
 
-    Columns stand in any order, and only ``id`` has to be there; others than those of `Person` are
-    left alone. Commas, semicolons or tabs separate them.
+    Columns may be in any order, and only ``id`` is required. Columns that `Person` does not have
+    are ignored. Commas, semicolons or tabs separate the columns.
 
     Returns
     -------
     Roster or None
-        None where there is no file.
+        None if there is no file.
 
     Raises
     ------
@@ -152,7 +153,7 @@ def read_roster(course: Course) -> Roster | None:
 
 
 def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
-    """Each person of a file, with a line that says why where one cannot be read."""
+    """Return the students of a file; raise `RosterTrouble` for a line that cannot be read."""
     columns = [_column(cell) for cell in next(rows, [])]
     if columns.count("id") != 1 or any(columns.count(name) > 1 for name in COLUMNS):
         raise RosterTrouble(
@@ -206,7 +207,7 @@ def _check(person: Person, where: str) -> None:
 
 
 def _means(text: str, person: Person) -> bool:
-    """Whether a text is one of a person's other names."""
+    """Return whether a text is one of a person's other names."""
     handles = {folded(handle) for handle in (person.email, person.github, person.lms_id)}
     first, last = person.first_name, person.last_name
     names = {letters(first + last), letters(last + first)}
@@ -214,18 +215,18 @@ def _means(text: str, person: Person) -> bool:
 
 
 def has_another_number(person: Person, lms_id: str) -> bool:
-    """Whether a learning platform's number is surely not a person's.
+    """Return whether a learning platform's number certainly belongs to another person.
 
-    The roster may have a number of another kind; those of platforms have nothing but digits.
+    The roster may contain another kind of number; those of platforms have only digits.
     """
     return lms_id.isdigit() and person.lms_id.isdigit() and lms_id != person.lms_id
 
 
 def folded(text: str) -> str:
-    """A text without what nobody means by it: case, blanks around it, forms of Unicode."""
+    """Return a text without differences of case, surrounding blanks and forms of Unicode."""
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 
 def letters(text: str) -> str:
-    """Letters and digits of a name, as Canvas writes it."""
+    """Return the letters and digits of a name, as Canvas writes it."""
     return "".join(character for character in folded(text) if character.isalnum())

@@ -1,4 +1,4 @@
-"""Solutions to hand out when all have handed in: run, with what they show, and as pages."""
+"""Solutions to release after the due date: executed notebooks, and the same as pages."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 def still_open(
     deadlines: Deadlines, stage: str, now: datetime, granted: Mapping[str, datetime]
 ) -> str:
-    """Why a stage may still be handed in, in a sentence; empty where nobody may.
+    """Return a sentence on why a stage may still be submitted; empty if it may not.
 
     Parameters
     ----------
     deadlines : grader.course.deadlines.Deadlines
     stage : str
     now : datetime.datetime
-        Aware.
+        With a time zone.
     granted : mapping of str to datetime.datetime
-        What is known elsewhere: until when a student may hand in, and everybody (`""`).
+        Further due dates, by student; the key `""` is for the whole class.
     """
     dates = deadlines.stages.get(stage, Dates())
     groups = {f"section {name}": due for name, due in dates.sections.items()}
@@ -62,14 +62,14 @@ def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator
     Parameters
     ----------
     folder : pathlib.Path
-        Made where there is none.
+        Created if it does not exist.
     solutions : mapping of Lesson to bytes
-        Notebooks that were run.
+        Executed notebooks.
 
     Yields
     ------
     pathlib.Path
-        As soon as the zip is there.
+        Path of each zip, when it is complete.
     """
     for stage in dict.fromkeys(lesson.stage for lesson in solutions):
         files = {}
@@ -89,13 +89,13 @@ def all_shown(
     progress: Callable[[int, int, object], None],
     show: Callable[[Lesson], bytes],
 ) -> dict[Lesson, bytes]:
-    """What several notebooks show.
+    """Return several executed notebooks.
 
     Parameters
     ----------
     lessons : iterable of Lesson
     workers : int
-        Notebooks run at a time.
+        Number of notebooks that run at a time.
     progress : callable
         Called with (done, total, lesson) after each notebook.
     show : callable
@@ -115,20 +115,20 @@ def all_shown(
 
 
 def shown(lesson: Lesson, kept: Path, before: str) -> bytes:
-    """The solved notebook of a lesson with all that it shows; run only if something is new.
+    """Return the executed solved notebook of a lesson; run it only if something has changed.
 
     Parameters
     ----------
     lesson : Lesson
     kept : pathlib.Path
-        Folder for what was run.
+        Folder of executed notebooks.
     before : str
-        Code that runs after the setup, in a cell that is not kept.
+        Code that runs after the setup cell and is not part of the result.
 
     Raises
     ------
     NotReleased
-        A cell fails.
+        If a cell fails.
     """
     path = kept / f"{lesson.name}-{_fingerprint(lesson, before)}.ipynb"
     if not path.is_file():
@@ -140,7 +140,7 @@ def shown(lesson: Lesson, kept: Path, before: str) -> bytes:
 
 
 def as_page(notebook: bytes, lesson: Lesson) -> bytes:
-    """A notebook that was run as a page that needs nothing beside it, and no network."""
+    """Return an executed notebook as a page that needs no other file and no network."""
     content = nbformat.reads(notebook.decode(), as_version=4)
     exporter = MathPage(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
     resources = {"metadata": {"name": lesson.name}, "style_of_formulas": STYLE}
@@ -149,7 +149,7 @@ def as_page(notebook: bytes, lesson: Lesson) -> bytes:
 
 
 def _fingerprint(lesson: Lesson, before: str) -> str:
-    """Of all that a run depends on."""
+    """Return the fingerprint of everything that a run depends on."""
     digest = hashlib.sha256(lesson.solved.read_bytes() + before.encode())
     for name, content in sorted(course_tools().items()):
         digest.update(name.encode() + b"\0" + content + b"\0")
@@ -171,10 +171,10 @@ def _run(lesson: Lesson, before: str) -> bytes:
         timeout=LONGEST_CELL,
         resources={"metadata": {"path": str(lesson.released.parent)}},
         store_widget_state=False,
-        force_raise_errors=True,  # its cells' tags say that a student's go on
-        extra_arguments=["--log-level=ERROR"],  # what kernels remark upon would cross the bar
+        force_raise_errors=True,  # although tags let a student's notebook go on after an error
+        extra_arguments=["--log-level=ERROR"],  # messages of kernels would spoil the progress bar
     )
-    client.comm_open_handlers.clear()  # what a widget shows stays in its cell
+    client.comm_open_handlers.clear()  # so that the output of a widget stays in its cell
     try:
         client.execute()
     except nbclient.exceptions.CellExecutionError as error:
@@ -198,9 +198,9 @@ def _run(lesson: Lesson, before: str) -> bytes:
 
 
 def _settle(notebook: NotebookNode) -> None:
-    """Take out what differs from run to run and tells nobody anything."""
+    """Remove data that differ from run to run and carry no information."""
     for cell in notebook.cells:
-        cell.metadata.pop("execution", None)  # times of day
+        cell.metadata.pop("execution", None)  # contains times of day
         if cell.cell_type == "code":
             cell.outputs = [
                 output for output in cell.outputs if WIDGET not in output.get("data", {})

@@ -1,4 +1,4 @@
-"""Tables: those that somebody else has written, with this separator or that, and our own."""
+"""Read tables with any common separator, and write cells that spreadsheets do not execute."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import csv
 import io
 
 SEPARATORS = ",;\t"
-# A cell that begins with one of these is a formula to a spreadsheet, and a command to some.
+# A spreadsheet treats a cell that begins with one of these as a formula, and may execute it.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-csv.field_size_limit(2**24)  # for the process: platforms' tables hold whole texts of students
+csv.field_size_limit(2**24)  # per process; platforms export long texts
 
 
 def harmless_cell(text: str) -> str:
-    """A text that a spreadsheet takes for text."""
+    """Return a text in a form that a spreadsheet treats as text."""
     return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def separated(text: str) -> tuple[str, list[list[str]]]:
-    """The separator of a table that fits best, and the rows that are not empty.
+    """Return the separator that fits a table best, and the rows that are not empty.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def _rows(text: str, separator: str) -> list[list[str]]:
 
 
 def _fit(found: tuple[str, list[list[str]]]) -> tuple[float, int]:
-    """How well a separator fits: for how many rows it makes cells as for the head; how many."""
+    """Rate a separator: the rows with as many cells as the head, and the number of cells."""
     rows = found[1]
     width = len(rows[0]) if rows else 0
     if width < 2:
