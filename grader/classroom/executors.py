@@ -1,6 +1,6 @@
-"""The places where a class can be judged. Another one is a function that opens it, and a line here.
+"""The places where a class can be judged. To add one, write a function and a line in the table.
 
-What it opens is an executor as `grader.classroom.protocol` has it.
+The function opens an executor as `grader.classroom.protocol` describes it.
 """
 
 import math
@@ -16,20 +16,20 @@ NEEDED_BY_CLUSTERS = ("cloudpickle", "dask", "distributed")
 
 
 def processors() -> int:
-    """How many processors there are for us: a container may have less than its machine."""
+    """Return the number of available processors; a container may have fewer than its machine."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     try:
         quota, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()
         count = min(count, math.ceil(int(quota) / int(period)))
-    except (OSError, ValueError):  # no limit, or no such file
+    except (OSError, ValueError):  # there is no limit or no such file
         pass
     return max(1, count)
 
 
 def scheduler(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor:
-    """The workers of a Dask cluster; see `grader.classroom.cluster.connect`."""
+    """Open the workers of a Dask cluster; see `grader.classroom.cluster.connect`."""
     try:
-        from grader.classroom.cluster import connect  # Dask takes a second, and few have a cluster
+        from grader.classroom.cluster import connect  # importing Dask takes a second
     except ModuleNotFoundError as error:
         if error.name not in NEEDED_BY_CLUSTERS:
             raise

@@ -1,4 +1,4 @@
-"""Whose the folders in ``submitted/`` are, by the roster; and what to do where it does not say."""
+"""Match the folders in ``submitted/`` with the roster, and suggest what to do about the rest."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from grader.course.roster import Person, Roster, read_roster, roster_path
 
 
 class UnknownStudent(Exception):
-    """Nobody, or more than one, is meant; `str()` is the sentence to show."""
+    """A text fits no student or several; `str()` is the sentence to show."""
 
 
 def who_is_meant(course: Course, text: str) -> str:
-    """Id of the student whom somebody has named.
+    """Return the id of the student that a text names.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     text : str
-        An id, a name, an e-mail, a login; or a folder in ``submitted/``.
+        An id, a name, an e-mail, a login, or a folder in ``submitted/``.
 
     Raises
     ------
@@ -42,10 +42,10 @@ def who_is_meant(course: Course, text: str) -> str:
 
 
 def strangers(course: Course, roster: Roster) -> dict[str, str]:
-    """The folders of nobody on the roster, each with a sentence that says what would settle it.
+    """Return the folders that match no student on the roster, each with a sentence on what to do.
 
-    What lies there is judged, and not entered into the gradebook: it may be somebody's who is in
-    there under another name, or of nobody who takes the course.
+    Their notebooks are judged but not entered into the gradebook: the folder may belong to a
+    student under another name, or to a person who does not take the course.
     """
     return {
         folder: _question(course, roster, folder)
@@ -55,7 +55,7 @@ def strangers(course: Course, roster: Roster) -> dict[str, str]:
 
 
 def spelt_otherwise(course: Course, roster: Roster) -> Iterator[str]:
-    """A sentence on each folder whose name is somebody's id in another spelling."""
+    """Return a sentence on each folder whose name is a student's id in another spelling."""
     folders = _folders(course)
     for folder in folders:
         owner = roster.owner(folder)
@@ -65,7 +65,7 @@ def spelt_otherwise(course: Course, roster: Roster) -> Iterator[str]:
 
 
 def _folders(course: Course) -> list[str]:
-    """The folders in which somebody has handed in a stage."""
+    """Return the folders in ``submitted/`` that contain a stage."""
     found = {
         place.parent.name for stage in stages() for place in course.submitted.glob(f"*/{stage}")
     }
@@ -86,14 +86,14 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
-    """The commands that give a folder to somebody, and write over nothing that is there."""
+    """Return commands that move a folder to a student and overwrite nothing."""
     here, there = course.submitted / folder, course.submitted / person.id
     if not there.exists():
         yield _move(course, here, there)
         return
     for place in sorted(here.iterdir()):
         target = there / place.name
-        if target.is_dir():  # files in folders of their own are found, too, and the newest counts
+        if target.is_dir():  # files in subfolders are found as well, and the newest counts
             target /= f"from {folder}"
         yield _move(course, place, target)
 

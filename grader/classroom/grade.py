@@ -1,7 +1,7 @@
 """Judge a class: every submission, in parallel.
 
-A verdict is a file that names all it depends on. Whoever needs one looks there first, so a run
-that was broken off goes on where it stopped, and `nbgrader autograde` finds what `grade` judged.
+A verdict is a file that records everything it depends on. It is looked up before judging, so an
+interrupted run goes on where it stopped, and `nbgrader autograde` finds the verdicts of `grade`.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ Judged = list[tuple[Submission, Verdict]]
 
 
 def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict | None:
-    """The verdict on disk, if it is about this very file, these rules and this seed.
+    """Return the verdict on disk if it is valid for this file, these rules and this seed.
 
-    And if it can be believed: the judge did its work, and the student's code had a processor.
+    It must also be reliable: the judge did not fail, and the student's code got a processor.
     """
     verdict = read_verdict(submission.verdict_path(course))
     if verdict is None or verdict.status != JUDGED or verdict.starved:
@@ -50,18 +50,18 @@ def stored_verdict(course: Course, submission: Submission, seed: int) -> Verdict
 def judge_one(
     handed_in: HandedIn, lesson: str, student: str, seed: int, sandbox: str, alone: bool = False
 ) -> Verdict:
-    """Judge one notebook: plain data in, a verdict out, wherever there is the course's code.
+    """Judge one notebook on any machine that has the course's code.
 
     Parameters
     ----------
     handed_in : grader.intake.submission.HandedIn
     lesson, student : str
-        Names.
+        Names of the lesson and the student.
     seed : int
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     alone : bool
-        That nothing else is judged meanwhile: then a time limit is believed.
+        Whether nothing else is being judged, so that a time limit is reliable.
     """
     verdict = judge_handed_in(handed_in, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
     return verdict.believed() if alone else verdict
@@ -70,20 +70,20 @@ def judge_one(
 def judge_and_store(
     course: Course, submission: Submission, seed: int, sandbox: Sandbox, alone: bool = False
 ) -> Verdict:
-    """Judge one submission here and keep the verdict; `alone` as for `judge_one`."""
+    """Judge one submission in this process and store the verdict; see `judge_one`."""
     verdict = judge_one(*_job(course, submission, seed, sandbox), alone)
     write_verdict(verdict, submission.verdict_path(course))
     return verdict
 
 
 def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> tuple:
-    """What `judge_one` takes; this reads the submission."""
+    """Read a submission and return the arguments of `judge_one`."""
     handed_in = submission.read(course)
     return handed_in, submission.lesson.name, submission.student, seed, sandbox.name
 
 
 def current_verdict(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> Verdict:
-    """The verdict on disk, or a fresh one."""
+    """Return the verdict on disk, or judge the submission."""
     stored = stored_verdict(course, submission, seed)
     return stored or judge_and_store(course, submission, seed, sandbox, alone=True)
 
@@ -98,11 +98,11 @@ def judge_class(
     progress: Callable[[int, int, object], None],
     student: str | None = None,
 ) -> Judged:
-    """Judge what has no verdict yet.
+    """Judge every submission without a valid verdict.
 
-    What judges gets data and gives verdicts; here alone submissions are read and verdicts
-    written, each as soon as it arrives. A notebook that kills the process that judges it is tried
-    once more by itself; so is one whose code reached a time limit without having had a processor.
+    Workers get data and return verdicts. Submissions are read and verdicts written only in this
+    process, each verdict when it arrives. A notebook that kills its worker is tried once more
+    alone, and so is one whose code reached a time limit because it hardly got a processor.
 
     Parameters
     ----------
@@ -114,15 +114,15 @@ def judge_class(
         One of `grader.classroom.executors`; takes the number of workers.
     workers : int
     progress : callable
-        Called with (done, total, submission) after each notebook, and with a sentence in its place
-        when something else takes long.
+        Called with (done, total, submission) after each notebook, and with a sentence instead of
+        the submission if something else takes long.
     student : str, optional
-        Judge this one alone, and again what was judged before.
+        Judge only this student, even if there is a valid verdict.
 
     Raises
     ------
     grader.classroom.rehearsals.RehearsalFailed
-        Before anybody of that lesson is judged; verdicts on others are kept.
+        Before a submission for that lesson is judged; verdicts on other lessons are kept.
     """
     submissions = [
         one for one in find_submissions(course, stages) if student in (None, one.student)
@@ -173,10 +173,10 @@ def _judge_all(
     note: Callable[[Submission, Future], None],
     rehearsals: Rehearsals,
 ) -> list[Submission]:
-    """Judge in parallel, reading only so many submissions ahead as the executor has room for.
+    """Judge in parallel and return the submissions whose worker died.
 
-    Lesson by lesson, each as soon as its own solution has earned everything. Returned are those
-    whose process died.
+    Only as many submissions are read ahead as the executor has room for. A lesson begins when its
+    own solution has earned everything.
     """
     coming = deque(sorted(waiting, key=lambda one: one.lesson.name))
     running, finished, died = {}, queue.SimpleQueue(), []
@@ -191,7 +191,7 @@ def _judge_all(
                 return
             give(coming[0], executor.submit(judge_one, *job(coming[0])))
             coming.popleft()
-        # Not all at once: whoever waits for a first verdict waits for no other lesson.
+        # Not all rehearsals at once, so that the first verdict does not wait for other lessons.
         begun = sum(isinstance(what, Lesson) for what in running.values())
         for lesson in rehearsals.next(workers - begun, not running):
             give(lesson, rehearsals.start(lesson, executor))
@@ -205,19 +205,19 @@ def _judge_all(
         what = running.pop(future, None)
         if isinstance(what, Lesson):
             rehearsals.note(what, future)
-            if rehearsals.failed:  # the others may have faults, too; nobody is judged any more
+            if rehearsals.failed:  # other lessons may have faults as well, so judging stops
                 coming.clear()
                 for other, what in list(running.items()):
                     if isinstance(what, Submission) and other.cancel():
                         del running[other]
         elif what and isinstance(future.exception(), BrokenExecutor):
             died.append(what)
-        elif what:  # else it was called off
+        elif what:  # otherwise the job was cancelled
             note(what, future)
 
 
 def _result(future: Future, submission: Submission) -> Verdict:
-    """The verdict of a future; one that says so where the judge itself failed."""
+    """Return the verdict of a future, or one that reports a failure of the judge."""
     try:
         return future.result().compact()
     except (SandboxUnavailable, ExecutorLost):
@@ -227,7 +227,7 @@ def _result(future: Future, submission: Submission) -> Verdict:
 
 
 def failed_verdict(submission: Submission, error: Exception) -> Verdict:
-    """A verdict on a notebook on which the judge itself failed; the next run tries again."""
+    """Return a verdict that reports a failure of the judge; the next run tries again."""
     exercises = tuple(
         ExerciseResult(exercise.name, 0.0, exercise.points, ())
         for exercise in submission.lesson.machine_graded

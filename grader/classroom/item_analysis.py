@@ -1,4 +1,4 @@
-"""What the verdicts of a class say about its checks: which are hard, and which tell apart."""
+"""Item analysis of a class: which checks are hard, and which distinguish students."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from grader.judging.messages import in_common, without_numbers
 from grader.judging.verdict import ExerciseResult, Kind, Verdict
 
-# Of fewer, chance makes a discrimination of 0.4 where there is none.
+# With fewer students, chance alone gives a discrimination of 0.4.
 ENOUGH = 20
 
 
 @dataclass(frozen=True)
 class CheckSummary:
-    """How many students met their first failure of an exercise in one check."""
+    """The number of students whose first failure in an exercise was this check."""
 
     lesson: str
     exercise: str
@@ -28,17 +28,17 @@ class CheckSummary:
 
 @dataclass(frozen=True)
 class Item:
-    """One check of a lesson, as test theory looks at it.
+    """One check of a lesson with the statistics of test theory.
 
     Attributes
     ----------
     exercise, title : str
     visible : bool
     passed, tried : int
-        Students.
+        Numbers of students.
     discrimination : float or None
         Correlation between passing this check and the points for the rest of the lesson. None
-        for fewer than `ENOUGH` students, and where all or none pass.
+        for fewer than `ENOUGH` students, or if all or none pass.
     """
 
     exercise: str
@@ -50,10 +50,10 @@ class Item:
 
 
 def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSummary]:
-    """`CheckSummary` of the checks at which most students stopped, hardest first.
+    """Return the checks that most students failed first, hardest first.
 
-    Each student counts once for each exercise, with what failed first: what else failed may have
-    the same cause. Who wrote nothing stopped at no check.
+    Each student counts once per exercise, with the first failure, because others may have the
+    same cause. Students who wrote nothing are not counted.
     """
     tried, stopped = Counter(), Counter()
     for verdict in verdicts:
@@ -67,14 +67,14 @@ def hardest_checks(verdicts: Sequence[Verdict], most: int = 10) -> list[CheckSum
 
 
 def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
-    """`Item` of each check of one lesson, in the order of the lesson.
+    """Return an `Item` for each check of one lesson, in the order of the lesson.
 
     Parameters
     ----------
     verdicts : sequence of Verdict
-        On the same lesson.
+        Verdicts on one lesson.
     """
-    # By name: two checks may have one title.
+    # By name, because two checks may have the same title.
     outcomes: dict[tuple[str, str], list[tuple[float, float]]] = {}
     tests = {}
     for verdict in verdicts:
@@ -105,13 +105,13 @@ def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
 
 
 def is_not_started(exercise: ExerciseResult) -> bool:
-    """Whether nothing was written for an exercise."""
+    """Return whether the stub of an exercise is unchanged."""
     stubs = {test.subject for test in exercise.tests if test.kind == Kind.NOT_STARTED}
     return not exercise.first and exercise.name in stubs
 
 
 def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
-    """(exercise, number of students who did not start it), in the order of the course."""
+    """Return (exercise, number of students who did not start it), in the order of the course."""
     found = Counter(
         exercise.name
         for verdict in verdicts
@@ -122,7 +122,7 @@ def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
 
 
 def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[str, str, int]]:
-    """(exercise, what is wrong, number of students), most frequent first."""
+    """Return (exercise, message, number of students), most frequent first."""
     students: dict[tuple[str, str], set[str]] = {}
     said: dict[tuple[str, str], list[str]] = {}
     for verdict in verdicts:
@@ -137,7 +137,7 @@ def common_messages(verdicts: Sequence[Verdict], most: int = 8) -> list[tuple[st
 
 
 def out_of_time(verdict: Verdict) -> list[str]:
-    """The exercises of a notebook whose code had to be stopped."""
+    """Return the exercises of a notebook in which a call took too long."""
     return [
         exercise.name
         for exercise in verdict.exercises

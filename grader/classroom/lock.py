@@ -1,4 +1,4 @@
-"""One run at a time on a course."""
+"""A lock that allows one run at a time on a course."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ except ImportError:  # Windows
 
 
 class AlreadyRunning(Exception):
-    """Somebody else is grading this course; `str()` is the sentence to show."""
+    """Another process is grading this course; `str()` is the sentence to show."""
 
 
 @contextlib.contextmanager
 def only_one(course: Course) -> Iterator[None]:
-    """Hold the lock of a course, and clear away what a run that was killed left half done.
+    """Hold the lock of a course, and remove unfinished files of a run that was killed.
 
-    The lock goes with the process, however that ends.
+    The operating system releases the lock when the process ends, however it ends.
 
     Raises
     ------
@@ -47,10 +47,10 @@ def only_one(course: Course) -> Iterator[None]:
         for folder in (course.verdicts, course.report):
             for path in folder.rglob("*.part"):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # as `grader.classroom.collect` does
+        for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # by `grader.classroom.collect`
             for path in course.submitted.glob(pattern):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/.*.part", "*/.*.old"):  # whole folders, as `grader.lms.copies` makes
+        for pattern in ("*/.*.part", "*/.*.old"):  # by `grader.lms.copies`
             for path in course.autograded.glob(pattern):
                 shutil.rmtree(path, ignore_errors=True)
         yield

@@ -1,9 +1,10 @@
-"""Processes of this machine that judge, each at the other end of a pipe of its own.
+"""A pool of worker processes on this machine, each with a pipe of its own.
 
 The pool of `concurrent.futures` shares one pipe between all its processes. Until Python 3.11.5 it
-stands still for ever when one of them dies while a notebook larger than a pipe is on its way
-(github.com/python/cpython/issues/94777), and with every Python when one is killed in the middle
-of an answer; and with one all die. Here whoever dies is seen at once, and costs what it worked on.
+hangs forever if a process dies while a notebook larger than a pipe is being sent
+(github.com/python/cpython/issues/94777). In every version it hangs if a process is killed while it
+answers, and the death of one process ends all. In this pool the death of a process is noticed at
+once, and costs only the job that it worked on.
 """
 
 from __future__ import annotations
@@ -25,20 +26,20 @@ SECONDS_TO_END = 10
 
 
 class Pool(Executor):
-    """As many processes as jobs shall be done at a time, started when they are needed.
+    """An executor with a fixed number of processes, started when they are needed.
 
-    A job whose process dies raises `BrokenExecutor`; the next one gets another process. Whoever
-    calls pending jobs off (`cancel_futures`, or an exception in the ``with`` statement) ends those
-    that are at work, too: what they worked on is begun anew the next time.
+    A job whose process dies raises `BrokenExecutor`; the next job gets a new process. Cancelling
+    pending jobs (`cancel_futures`, or an exception in the ``with`` statement) also kills the
+    processes at work. Their jobs start again in the next run.
 
     Parameters
     ----------
     workers : int
-        How many jobs that is.
+        The number of processes.
     """
 
     def __init__(self, workers: int) -> None:
-        # Not by plain fork: there are threads here, and these do not survive that.
+        # Not a plain fork, because this process has threads, which a fork does not copy.
         self._context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
         if os.name == "posix":
             self._context.set_forkserver_preload([*SLOW_TO_IMPORT])
@@ -51,7 +52,7 @@ class Pool(Executor):
         self.shutdown(cancel_futures=kind is not None)
 
     def submit(self, function: Callable, /, *arguments: object) -> Future:
-        """Have a function called; it and its arguments are pickled at once."""
+        """Schedule a call; the function and its arguments are pickled at once."""
         return self._threads.submit(self._have_done, pickle.dumps((function, arguments)))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -83,7 +84,7 @@ class Pool(Executor):
             ) from None
         finally:
             clock.cancel()
-            # In one step: once it is idle, another thread may take it and note it as busy again.
+            # In one step, because another thread may take an idle process and mark it as busy.
             with self._lock:
                 self._busy.discard(process)
                 if alive:
@@ -102,32 +103,32 @@ class Pool(Executor):
 
 
 class _Process:
-    """One of the processes, and our end of its pipe."""
+    """A worker process and the parent's end of its pipe."""
 
     def __init__(self, context: multiprocessing.context.BaseContext) -> None:
         self._pipe, theirs = context.Pipe()
-        # Nobody else holds their end, so it closes when they die.
+        # No other process has the child's end, so it closes when the child dies.
         with theirs:
             self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
             self._process.start()
 
     def answer(self, job: bytes) -> bytes:
-        """Hand a job over and wait for what comes of it.
+        """Send a job and wait for its result.
 
         Raises
         ------
         EOFError, OSError
-            If the process dies meanwhile.
+            If the process dies.
         """
         self._pipe.send_bytes(job)
         return self._pipe.recv_bytes()
 
     def kill(self) -> None:
-        """End it now."""
+        """Kill the process."""
         self._process.kill()
 
     def end(self) -> None:
-        """Let it end, and see that it does."""
+        """Close the pipe and wait for the process to end; kill it if it does not."""
         self._pipe.close()
         self._process.join(SECONDS_TO_END)
         self._process.kill()
@@ -135,15 +136,15 @@ class _Process:
 
     @property
     def how_it_ended(self) -> str:
-        """In words for whoever grades."""
+        """Describe how the process ended, for the instructor."""
         code = self._process.exitcode
         return f"signal {-code}" if code is not None and code < 0 else f"exit status {code}"
 
 
 def _serve(pipe: multiprocessing.connection.Connection) -> None:
-    """Do what comes through a pipe, until it closes."""
+    """Run the jobs that come through a pipe, until it closes."""
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # to Ctrl-C whoever waits for us says a word
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent reports Ctrl-C
     threading.Thread(target=_die_with_parent, daemon=True).start()
     with contextlib.suppress(EOFError, OSError):
         while True:
@@ -151,18 +152,18 @@ def _serve(pipe: multiprocessing.connection.Connection) -> None:
 
 
 def _die_with_parent() -> None:
-    """End this process when whoever started it is gone, even killed, in the middle of a job."""
+    """Let the kernel end this process when its parent dies, even during a job."""
     multiprocessing.parent_process().join()
     os._exit(1)
 
 
 def do(job: bytes) -> bytes:
-    """Do a pickled (function, arguments); return a pickled (True, result) or (False, error)."""
+    """Run a pickled (function, arguments); return a pickled (True, result) or (False, error)."""
     try:
         function, arguments = pickle.loads(job)
         return pickle.dumps((True, function(*arguments)))
     except Exception as error:
-        # A traceback does not travel, but a note does.
+        # A traceback cannot be pickled, but a note on the exception can.
         error.add_note("Where it was judged:\n" + traceback.format_exc())
         try:
             return pickle.dumps((False, error))

@@ -1,8 +1,9 @@
-"""What judges many notebooks at a time: anything that is a `concurrent.futures.Executor`.
+"""The interface of the executors that judge notebooks in parallel.
 
-Of an executor `submit` and `shutdown` are used, and that it is a context manager. Functions and
-arguments can be pickled, and results: nothing needs a file of whoever grades. An executor may
-have a number `room`: how many notebooks it likes to be given before it answers.
+Any `concurrent.futures.Executor` will do. Its `submit` and `shutdown` are used, and it is used as
+a context manager. Functions, arguments and results can be pickled, and do not need files of the
+grader's machine. An executor may have a number `room`: the notebooks that it accepts before it
+answers.
 """
 
 import os
@@ -12,9 +13,9 @@ ROOM = max(64, 3 * (os.cpu_count() or 1))
 
 
 class ExecutorLost(Exception):
-    """Nothing judges any more; `str()` is the sentence to show. What was judged is kept."""
+    """All workers are gone; `str()` is the sentence to show. Verdicts so far are kept."""
 
 
 def room(executor: Executor) -> int:
-    """How many notebooks to give to an executor at a time: what it is given is in memory."""
+    """Return how many notebooks to give to an executor at a time, as these are in memory."""
     return getattr(executor, "room", ROOM)

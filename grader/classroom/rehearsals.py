@@ -1,6 +1,6 @@
-"""Before a class is judged, each lesson's own solution is: with the course's seed it must earn all.
+"""Rehearse a lesson before a class is judged: with the course's seed its solution must earn all.
 
-Else the tests are at fault, and would take points from whoever answered right.
+Otherwise the tests are at fault, and would take points from right answers.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class RehearsalFailed(Exception):
 
 
 class Rehearsals:
-    """The rehearsals of some lessons; what was seen is remembered until solution or rules change.
+    """The rehearsals of some lessons; a passed one is valid until solution or rules change.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ class Rehearsals:
     seed : int
     sandbox : grader.sandbox.Sandbox
     tell : callable, optional
-        Called with each lesson that is begun.
+        Called with each lesson when its rehearsal begins.
 
     Attributes
     ----------
     waiting : list of Lesson
-        In order of name: those that have not been seen, and that nobody works on.
+        The lessons whose rehearsal has not begun, sorted by name.
     """
 
     def __init__(
@@ -58,20 +58,20 @@ class Rehearsals:
         self._died: list[Lesson] = []
 
     def passed(self, lesson: Lesson) -> bool:
-        """Whether the lesson's own solution has earned everything."""
+        """Return whether the lesson's own solution has earned everything."""
         return lesson not in self._missing
 
     @property
     def failed(self) -> bool:
-        """Whether any has not."""
+        """Whether a solution has not earned everything."""
         return bool(self._complaints)
 
     def next(self, room: int, nobody_else: bool) -> list[Lesson]:
-        """Which to start: so many of those that wait, or one whose process died, by itself."""
+        """Return the next lessons: waiting ones, or a single one whose worker died."""
         return self.waiting[: max(0, room)] or self._died[:nobody_else]
 
     def start(self, lesson: Lesson, executor: Executor) -> Future:
-        """Have one judged; `note` takes what comes of it."""
+        """Start the rehearsal of a lesson; `note` takes its result."""
         self._tell(lesson)
         future = executor.submit(rehearse_one, lesson.name, self._seed, self._sandbox.name)
         (self.waiting if lesson in self.waiting else self._died).remove(lesson)
@@ -79,11 +79,11 @@ class Rehearsals:
         return future
 
     def note(self, lesson: Lesson, future: Future) -> None:
-        """Remember what came of one."""
+        """Record the result of a rehearsal."""
         try:
             complaints = future.result()
         except BrokenExecutor as death:
-            # Perhaps those beside it had taken all the memory: it gets one chance by itself.
+            # Perhaps others had taken all the memory, so it gets one more try alone.
             if self._started.count(lesson) == 1:
                 self._died.append(lesson)
                 return
@@ -95,7 +95,7 @@ class Rehearsals:
         write_atomically(json.dumps(key), path)
 
     def verify(self) -> None:
-        """Raise `RehearsalFailed` if any has not earned everything."""
+        """Raise `RehearsalFailed` if a solution has not earned everything."""
         if self.failed:
             found = sorted(self._complaints.items())
             raise RehearsalFailed(
@@ -109,7 +109,7 @@ class Rehearsals:
         executor: Executor,
         progress: Callable[[int, int, object], None] = lambda done, total, what: None,
     ) -> None:
-        """Have all that wait judged, and nothing else meanwhile.
+        """Rehearse all waiting lessons, and nothing else.
 
         Parameters
         ----------
@@ -132,12 +132,12 @@ class Rehearsals:
 
 
 def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
-    """What the tests of a lesson find wrong with its own solution; plain data in and out."""
+    """Return what the tests of a lesson find wrong with its own solution, as plain data."""
     return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 
 def note_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:
-    """Where is noted that a lesson's own solution earned everything, and the key that is noted."""
+    """Return the file that records a passed rehearsal, and the key that it records."""
     path = course.verdicts / ".rehearsed" / f"{lesson.name}.json"
     return path, verdict_key(read_handed_in(lesson.solved), lesson, seed)
 

@@ -1,4 +1,4 @@
-"""What a class has handed in, and where its verdicts lie. Every file is accounted for."""
+"""Find the submissions of a class and their verdicts, and account for every other file."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.intake.submission import HandedIn, read_handed_in
 
-# What nbgrader's exchange puts beside the notebooks: when, and what their feedback is named by.
+# Files that nbgrader's exchange adds: the time, and the key of the feedback.
 OF_THE_EXCHANGE = {"timestamp.txt", "submission_secret.txt"}
 
 
 class Replaced(Exception):
-    """What was handed in is no longer what was judged; `str()` is the sentence to show."""
+    """A submission was replaced after it was judged; `str()` is the sentence to show."""
 
 
 @dataclass(frozen=True)
 class Submission:
-    """One notebook that a student handed in.
+    """One submitted notebook.
 
     Attributes
     ----------
     student : str
-        Id, as the roster has it; without a roster, or for who is not on it, the folder's name.
+        The id on the roster, or the name of the folder if the student is not on a roster.
     lesson : grader.course.lessons.Lesson
     path : pathlib.Path
         The file that counts.
     older : tuple of Path
-        Other files of the student's for the same lesson, which do not count.
+        The student's other files for this lesson, which do not count.
     """
 
     student: str
@@ -44,16 +44,16 @@ class Submission:
     older: tuple[Path, ...] = ()
 
     def verdict_path(self, course: Course) -> Path:
-        """Where its verdict is kept."""
+        """Return the path of the verdict."""
         return course.verdicts / self.student / self.lesson.stage / f"{self.lesson.name}.json"
 
     def place(self, course: Course) -> Path:
-        """The folder ``submitted/<student>/<stage>/`` in which it lies, however that is spelt."""
+        """Return the folder ``submitted/<student>/<stage>/`` of the file, as it is spelt."""
         folder = self.path.relative_to(course.submitted).parts[0]
         return course.submitted / folder / self.lesson.stage
 
     def read(self, course: Course) -> HandedIn:
-        """What lies there; not what lies elsewhere, in another student's folder."""
+        """Read the file, unless a link leads into another folder."""
         if not self._lies_in_its_place(course):
             return HandedIn(
                 self.path.name,
@@ -69,13 +69,13 @@ class Submission:
         return self.path.parent.resolve().is_relative_to(place)
 
     def read_again(self, course: Course, fingerprint: str) -> HandedIn:
-        """What lies there, if it is what was judged.
+        """Read the file again, if it is still the one that was judged.
 
         Parameters
         ----------
         course : grader.course.paths.Course
         fingerprint : str
-            Of what was judged, as its verdict has it.
+            Fingerprint of the judged submission, from its verdict.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class Submission:
         name = f"{self.lesson.name}.ipynb"
         if self.older:
             files = [path.relative_to(course.submitted) for path in (self.path, *self.older)]
-            several = len({file.parts[0] for file in files}) > 1  # folders of one student
+            several = len({file.parts[0] for file in files}) > 1  # several folders of one student
             newest, *left = [str(file) if several else file.name for file in files]
             yield (
                 f"Several files are for this lesson. The newest, {newest}, was judged, and "
@@ -105,23 +105,22 @@ class Submission:
 
 
 def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:
-    """Everything under ``submitted/<student>/<stage>/`` that is a lesson of the course.
+    """Return every notebook under ``submitted/<student>/<stage>/`` that belongs to a lesson.
 
-    Browsers and editors rename files, and put them into folders of their own: what a file is for
-    is read off its name, or, where that says nothing, inside. Of several for one lesson the newest
-    counts. Whose a folder is, the roster says: where it is spelt in two ways, the files of both are
-    one student's.
+    Browsers and editors rename files and create folders, so the lesson of a file is found by its
+    name or, if that is unclear, by its content. Of several files for one lesson the newest counts.
+    The roster says which student a folder belongs to; two spellings of one id are one student.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     stages : iterable of str, optional
-        Only these stages; by default all.
+        Stages to look for; by default all.
 
     Returns
     -------
     list of Submission
-        In order of student and lesson.
+        Sorted by student and lesson.
 
     Raises
     ------
@@ -147,7 +146,7 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
 
 
 def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
-    """Files in ``submitted/`` that nobody judges, each with the reason."""
+    """Return the files in ``submitted/`` that are not judged, each with the reason."""
     submissions = find_submissions(course)
     judged = {path for submission in submissions for path in (submission.path, *submission.older)}
     found = []
@@ -160,11 +159,11 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
 
 
 def _files_below(place: Path) -> Iterator[Path]:
-    """All files but hidden ones, in order; a link to a folder is no folder."""
+    """Return all files except hidden ones, sorted; links to folders are not followed."""
     for folder, folders, files in os.walk(place):
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         links = [name for name in folders if (Path(folder) / name).is_symlink()]
-        # A folder that is called like a notebook is somebody's mistake, and is told.
+        # A folder with the name of a notebook is a mistake, so it is reported.
         odd = [name for name in folders if name.endswith(".ipynb")]
         for name in sorted({*files, *links, *odd}):
             if not name.startswith("."):
@@ -172,18 +171,18 @@ def _files_below(place: Path) -> Iterator[Path]:
 
 
 def _lesson_of_file(path: Path) -> Lesson | None:
-    """By its name; else by what it says inside."""
+    """Return the lesson of a file, by its name or else by its content."""
     is_notebook = path.suffix.lower() == ".ipynb"
     return (lesson_by_name(path.name) or lesson_inside(path)) if is_notebook else None
 
 
 def _age(path: Path) -> tuple[float, int, str]:
-    """By when it was saved; else by the number of the copy."""
+    """Return a sort key: when the file was saved, then the number of the copy."""
     return path.lstat().st_mtime, copy_number(path.name), path.name
 
 
 def _reason(course: Course, file: Path) -> str:
-    """Why a file is no submission, and what to do; empty where it belongs to one."""
+    """Return why a file is not a submission and what to do; empty if it belongs to one."""
     path = file.relative_to(course.submitted)
     student, *_ = path.parts
     lesson = _lesson_of_file(file)
