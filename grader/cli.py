@@ -1,4 +1,4 @@
-"""The grammar of the command line, ``python -m grader``; what commands do is in `commands`."""
+"""The grammar of the command line, ``python -m grader``; `commands` has the commands."""
 
 import argparse
 import errno
@@ -27,12 +27,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : list of str, optional
-        By default those of the process.
+        By default the arguments of the process.
 
     Returns
     -------
     int
-        Exit status: 0 done, 1 done and found wanting, 2 the call itself was wrong.
+        Exit status: 0 for success, 1 if the command found a fault, 2 for a wrong call.
     """
     options = parser().parse_args(arguments)
     try:
@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line's grammar."""
+    """Return the parser of the command line."""
     top = argparse.ArgumentParser(
         prog="python -m grader", description="Build the course, judge notebooks, grade a class."
     )
@@ -202,7 +202,7 @@ def _collect(kinds: argparse._SubParsersAction) -> None:
 
 
 def _answer(text: str) -> tuple[str, str]:
-    """The two sides of an answer; a name may hold what divides them."""
+    """Return the two sides of NAME=ID; a name may contain the equals sign."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
         raise argparse.ArgumentTypeError(f"{text!r} is no answer: write what is asked, = and it")
@@ -365,7 +365,7 @@ COMMANDS = (
 
 
 def add_judging_options(command: argparse.ArgumentParser) -> None:
-    """Options of every command that runs student code."""
+    """Add the options of every command that runs student code."""
     command.add_argument(
         "--seed",
         type=int,
@@ -376,7 +376,7 @@ def add_judging_options(command: argparse.ArgumentParser) -> None:
 
 
 def add_sandbox_option(command: argparse.ArgumentParser) -> None:
-    """Say where student code runs."""
+    """Add the option that says where student code runs."""
     command.add_argument(
         "--sandbox",
         choices=(AUTO, *SANDBOXES),
@@ -394,7 +394,7 @@ def _positive(text: str) -> int:
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:
-    """How many notebooks to judge at a time."""
+    """Add the option for the number of notebooks that are judged at a time."""
     command.add_argument(
         "--workers",
         type=_positive,
@@ -405,7 +405,7 @@ def add_workers(command: argparse.ArgumentParser) -> None:
 
 
 def add_places(command: argparse.ArgumentParser) -> None:
-    """Where to judge: here, or on a cluster."""
+    """Add the options for the place to judge: this machine or a cluster."""
     add_workers(command)
     command.add_argument(
         "--scheduler",

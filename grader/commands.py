@@ -1,6 +1,6 @@
-"""What each command does; each takes the parsed options and returns the exit status.
+"""The commands; each takes the parsed options and returns the exit status.
 
-What a command needs is imported when it runs, so that ``--help`` is quick.
+Commands import the modules that they need when they run, so that ``--help`` is quick.
 """
 
 from __future__ import annotations
@@ -203,7 +203,7 @@ def run_collect(options: argparse.Namespace) -> int:
 
 
 def are_stages(names: Sequence[str]) -> bool:
-    """Whether the course has all these stages; says which it has if not."""
+    """Return whether the course has all these stages; print its stages if not."""
     unknown = set(names) - set(stages())
     if unknown:
         print(
@@ -248,7 +248,7 @@ def run_grade(options: argparse.Namespace) -> int:
     if not _is_one_place(options):
         return WRONG_CALL
     course = Course()
-    read_deadlines(course)  # what cannot be read is told before hours of judging
+    read_deadlines(course)  # reports a faulty file before hours of judging
     try:
         student = who_is_meant(course, options.student) if options.student else None
     except UnknownStudent as error:
@@ -270,7 +270,7 @@ def run_grade(options: argparse.Namespace) -> int:
 
 
 def _is_one_place(options: argparse.Namespace) -> bool:
-    """Whether one place to judge is named, or none; says so if not."""
+    """Return whether at most one place to judge is named; print a sentence if not."""
     if options.workers and options.scheduler:
         print(
             "--workers is for this machine, and --scheduler for a cluster, on which each worker "
@@ -282,7 +282,7 @@ def _is_one_place(options: argparse.Namespace) -> bool:
 
 
 def _sandbox_elsewhere(wish: str) -> Sandbox:
-    """The sandbox that was asked for; whether a worker has it, the worker finds out."""
+    """Return the requested sandbox, without checking it: each worker checks its own."""
     if wish == AUTO:
         return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
     return SANDBOXES[wish]
@@ -305,7 +305,7 @@ def run_report(options: argparse.Namespace) -> int:
 
 
 def _verdicts_on_disk(course: Course) -> Judged:
-    """What has been judged of all that is handed in."""
+    """Return all submissions that have a verdict, with their verdicts."""
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
 
@@ -540,7 +540,7 @@ def grade_course(
     scheduler: str | None = None,
     student: str | None = None,
 ) -> int:
-    """Judge, enter, report: what `grade` and `demo` do."""
+    """Judge a class, enter the marks and write the report, for `grade` and `demo`."""
     from grader.classroom.lock import AlreadyRunning, only_one
 
     try:
@@ -584,7 +584,7 @@ def _grade_alone(
         return WRONG_CALL
     status = _enter(course, judged, wanted or stages(), student)
     left = unaccounted_files(course)
-    # What was judged now is a part of the class.
+    # The submissions that were judged now are only a part of the class.
     reported = _verdicts_on_disk(course) if student or wanted else judged
     results, now = class_results(course), len(judged) - before
     label = "" if scheduler else sandbox.label()
@@ -608,7 +608,7 @@ def _judge_all(
     scheduler: str | None,
     student: str | None,
 ) -> tuple[Judged, int]:
-    """What there is to grade, each with its verdict; and how many had one before."""
+    """Return the submissions with their verdicts, and how many had a verdict before."""
     from grader.classroom.grade import judge_class
 
     counts = []
@@ -626,8 +626,8 @@ def _judge_all(
 
 
 def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str | None) -> int:
-    """Enter verdicts into the gradebook; the exit status that this means."""
-    # nbgrader takes a second to import; by now the verdicts are there.
+    """Enter verdicts into the gradebook and return the exit status."""
+    # Importing nbgrader takes a second, so it is done after the verdicts are there.
     from grader.lms.gradebook_writer import GradebookTrouble, enter
 
     with console.progress_bar("Entering into the gradebook") as advance:
@@ -642,7 +642,7 @@ def _enter(course: Course, judged: Judged, wanted: Sequence[str], student: str |
 def _print_all(
     course: Course, judged: Judged, results: ClassResults, left: Sequence[tuple[Path, str]]
 ) -> None:
-    """How the class stands, and what there is to know about it."""
+    """Print the results of the class, with everything that needs attention."""
     from grader.classroom.folders import spelt_otherwise
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
@@ -656,7 +656,7 @@ def _print_all(
 
 
 def _print_one(course: Course, student: str, judged: Judged) -> None:
-    """What was judged of one student, and how the marks came to be what they are."""
+    """Print the verdicts on one student, and the history of the marks."""
     from grader.lms.history import read_changes
 
     for _, verdict in judged:
@@ -683,7 +683,7 @@ def _print_end(course: Course, count: int, before: int, seconds: float, label: s
 
 @contextlib.contextmanager
 def _executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
-    """What opens an executor for a number of notebooks at a time; a cluster is joined once."""
+    """Yield a function that opens an executor; a cluster is joined only once."""
     from grader.classroom.executors import EXECUTORS
 
     with contextlib.ExitStack() as stack:

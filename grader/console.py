@@ -1,4 +1,4 @@
-"""What a person sees on the terminal: progress, verdicts, the scores of a class."""
+"""Output on the terminal: progress, verdicts, the scores of a class."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ LEGEND = {
 
 @contextlib.contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
-    """A progress bar on stderr; yields a function (done, total, what).
+    """Show a progress bar on stderr; yield a function (done, total, what).
 
-    Where nothing can be counted for a while, `what` is a sentence about that.
+    While nothing can be counted, `what` is a sentence about the work.
     """
     columns = (
         TextColumn("{task.description}"),
@@ -62,17 +62,17 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
 
 
 def plain(text: object) -> str:
-    """A text that can be printed, whatever a folder is called."""
+    """Return a text that can be printed, even if a folder has a strange name."""
     return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in str(text))
 
 
 def tell(sentence: str) -> None:
-    """Say something to whoever waits, above a progress bar if there is one."""
+    """Print a sentence, above the progress bar if there is one."""
     print(plain(sentence), file=sys.stderr)
 
 
 def warn_if_unprotected(sandbox: Sandbox) -> None:
-    """Say loudly what a missing sandbox means."""
+    """Print a warning if the sandbox does not protect."""
     if sandbox.warning:
         Console(stderr=True).print(sandbox.warning, style="bold red", highlight=False)
 
@@ -104,7 +104,7 @@ def print_verdict(verdict: Verdict) -> None:
 
 
 def _print_beside(console: Console, mark: str, text: str, style: str = "") -> None:
-    """Print a text, all of its lines beside a mark."""
+    """Print a text with a mark next to its first line, and all lines indented alike."""
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, width=8)
     grid.add_row(Text(f"  {mark}"), Text(plain(text), style))
@@ -112,7 +112,7 @@ def _print_beside(console: Console, mark: str, text: str, style: str = "") -> No
 
 
 def print_not_driven(faults: Iterable[str]) -> None:
-    """Print who was not driven through which street, for reasons of ours."""
+    """Print the drives of the league that a fault of the grader prevented."""
     for fault in faults:
         tell(f"Not driven: {fault}")
 
@@ -128,7 +128,7 @@ def print_finding(finding: Finding) -> None:
 def print_class(
     judged: Sequence[tuple[Submission, Verdict]], results: ClassResults | None = None
 ) -> None:
-    """Print a table, one line a student: how they stand by the gradebook, else what was judged."""
+    """Print one line per student, with marks from the gradebook or else from the verdicts."""
     lessons = sorted({verdict.lesson for _, verdict in judged})
     students = {person.id: {} for person in results.people} if results else {}
     entered = set(students)
@@ -172,7 +172,7 @@ def print_class(
 
 
 def print_history(changes: Sequence[Change]) -> None:
-    """Print how somebody's marks came to be what they are."""
+    """Print the history of a student's marks."""
     table = Table(title="Marks that changed", title_justify="left", box=SIMPLE_HEAD)
     for heading in ("Noticed", "Lesson", "Exercise"):
         table.add_column(heading, no_wrap=True)
@@ -191,7 +191,7 @@ def print_history(changes: Sequence[Change]) -> None:
 
 
 def print_similarity(compared: StageComparison, most: int = 10) -> None:
-    """Print which answers of a stage are alike, the most unusual first."""
+    """Print the similar answers of a stage, the most unusual ones first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
         how = "the same file" if same.to_the_byte else "the same cells"
@@ -217,7 +217,7 @@ def print_similarity(compared: StageComparison, most: int = 10) -> None:
 
 
 def print_unaccounted(files: Sequence[tuple[Path, str]], most: int = 20) -> None:
-    """Print which files nobody judged, and why."""
+    """Print the files that were not judged, and why."""
     if not files:
         return
     lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
@@ -228,13 +228,13 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], most: int = 20) -> None
 
 
 def print_notes(sentences: Sequence[str]) -> None:
-    """Print what a person should know or decide."""
+    """Print notes that a person should know or decide about."""
     for sentence in sentences:
         Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
 
 
 def print_exported(exported: Exported, path: Path, before: Path | None, next_step: str) -> None:
-    """Print what is in an exported file and what is not, and what to do with it."""
+    """Print what an exported file contains, what is missing, and what to do with the file."""
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
     lines = [f"{plain(path)}: marks of {students}."]
     if before:
@@ -269,7 +269,7 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
 
 
 def print_feedback(done: Sequence[Written]) -> None:
-    """Print what was written for whom, and for whom not."""
+    """Print which students have feedback, and which have none."""
     for one in done:
         if one.pages:
             count = f"{len(one.pages)} page{'s' * (len(one.pages) > 1)}"
@@ -285,7 +285,7 @@ def print_feedback(done: Sequence[Written]) -> None:
 
 
 def print_collected(outcome: CollectionReport) -> None:
-    """Print what became of what was handed in, and what waits for somebody."""
+    """Print the result of collecting, and the files that need a decision."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for path, kind, count in outcome.archives:
         console.print(f"{plain(path)}: {kind}, {count} files", markup=False)
@@ -363,9 +363,9 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """How late each student was who was, or of whom nobody knows, and what that costs.
+    """Return how late each student was and the penalty, also if the lateness is unknown.
 
-    Where there are several stages, each is named: ``stage3 1.4 d -18``.
+    With several stages each one is named: ``stage3 1.4 d -18``.
     """
     late = {}
     for one in results.stages if results else ():
@@ -380,7 +380,7 @@ def _late(results: ClassResults | None, stages: Collection[str]) -> dict[str, st
 
 
 def _standing(result: NotebookResult) -> str:
-    """How somebody stands in a lesson; `LEGEND` says what the signs mean."""
+    """Return a student's mark or sign for a lesson; `LEGEND` explains the signs."""
     if result.standing in ("missing", "excused"):
         return {"missing": "-", "excused": "ex"}[result.standing]
     if result.score is None:

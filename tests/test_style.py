@@ -11,7 +11,9 @@ from grader.course.paths import PROJECT
 
 # Rewritten so far; the rest of the project follows folder by folder.
 PLAIN = (
+    "grader/*.py",
     "grader/authoring",
+    "grader/classroom/*.py",
     "grader/course",
     "grader/intake",
     "grader/judging",

@@ -1,1 +1,1 @@
-"""A class: all its submissions, the report on them, and a pretend one."""
+"""Grade a class: find submissions, judge them in parallel, compare them; and a sample class."""

@@ -1,8 +1,8 @@
 """Judge on the workers of a Dask cluster.
 
-Workers need Python, the packages of requirements-cluster.txt and, on other processors than x86-64,
-the system's bubblewrap. A plugin brings the course's code to each of them once. Jobs and results
-travel as bytes, so neither scheduler nor worker needs a module of ours.
+Workers need Python, the packages of requirements-cluster.txt and, on processors other than x86-64,
+the system's bubblewrap. A plugin sends the course's code to each worker once. Jobs and results
+travel as bytes, so neither the scheduler nor a worker needs a module of this project.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ cloudpickle.register_pickle_by_value(worker_plugin)
 
 
 class _ByValue:
-    """A function that travels with its code."""
+    """A function that is pickled by value, with its code."""
 
     def __init__(self, function: Callable) -> None:
         self._code = cloudpickle.dumps(function)
@@ -53,24 +53,24 @@ class _ByValue:
 def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor:
     """Join a cluster.
 
-    Whether the connection is encrypted the address says (``tls://``), and with which certificates
+    The address says whether the connection is encrypted (``tls://``); the certificates are in
     Dask's own configuration.
 
     Parameters
     ----------
     address : str
-        Of the scheduler.
+        Address of the scheduler.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`, which workers must have.
     tell : callable
-        Called with sentences for whoever grades, such as which worker was refused.
+        Called with sentences for the instructor, such as on a worker that was refused.
 
     Raises
     ------
     grader.classroom.protocol.ExecutorLost
         If no scheduler answers, or there are no certificates for it.
     """
-    # What goes wrong is told in sentences, and other versions only where they matter.
+    # Problems are reported in sentences below, and other versions only if they matter.
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     warnings.simplefilter("ignore", distributed.versions.VersionMismatchWarning)
     # A client that fails for this reason would hang when Python ends.
@@ -93,12 +93,12 @@ def connect(address: str, sandbox: str, tell: Callable[[str], None]) -> Executor
 def _client(address: str) -> distributed.Client:
     try:
         return distributed.Client(address, timeout=CONNECT, set_as_default=False)
-    except AssertionError:  # Dask's own thread had no processor for ten seconds
+    except AssertionError:  # Dask's own thread got no processor for ten seconds
         return distributed.Client(address, timeout=CONNECT, set_as_default=False)
 
 
 def packed_course() -> bytes:
-    """All that judging reads of this project, as a zip file; the same files give the same bytes."""
+    """Return the files that judging reads as a zip file; the same files give the same bytes."""
     return zipped(files_to_judge_with())
 
 
@@ -109,7 +109,7 @@ class Cluster(Executor):
     ----------
     client : distributed.Client
     address, sandbox, tell
-        As for `connect`.
+        As in `connect`.
     """
 
     def __init__(
@@ -133,11 +133,11 @@ class Cluster(Executor):
 
     @property
     def room(self) -> int:
-        """Enough for every thread to have a notebook, and another waiting."""
+        """Room for one notebook per thread, and one more that waits."""
         return max(ROOM, 3 * sum(self._fit.values()))
 
     def submit(self, function: Callable, /, *arguments: object) -> Future:
-        """Have a function called on a fit worker, as soon as there is one."""
+        """Schedule a call on a fit worker, as soon as there is one."""
         answer = Future()
         job = pickle.dumps((function, arguments))
         with self._lock:
@@ -157,7 +157,7 @@ class Cluster(Executor):
         return answer
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Leave the cluster as it was; see `concurrent.futures.Executor.shutdown`."""
+        """Leave the cluster unchanged; see `concurrent.futures.Executor.shutdown`."""
         if self._over.is_set():
             return
         if wait and not cancel_futures:
@@ -171,12 +171,12 @@ class Cluster(Executor):
         _whatever(self._client.close, timeout=5)
 
     def _send(self, plugin: worker_plugin.JudgePlugin) -> None:
-        """Give the plugin to every worker, and to those that join later."""
-        # What comes of it each worker tells; one that hangs must not keep the others waiting.
+        """Send the plugin to every worker, including those that join later."""
+        # Each worker reports the result itself: one that hangs must not delay the others.
         _whatever(self._client.register_plugin, plugin, name=self._name)
 
     def _heard(self, event: tuple[float, dict]) -> None:
-        """Note what a worker says of itself."""
+        """Record what a worker reports about itself."""
         said = event[1]
         if not said["complaint"]:
             self._fit[said["worker"]] = said["threads"]
@@ -188,7 +188,7 @@ class Cluster(Executor):
         )
 
     def _arrived(self, answer: Future, there: distributed.Future) -> None:
-        """Pass on what came of a job."""
+        """Pass on the result of a job."""
         try:
             if there.status == "finished":
                 good, value = pickle.loads(there.result())
@@ -208,7 +208,7 @@ class Cluster(Executor):
                 answer.set_result(value) if good else answer.set_exception(value)
 
     def _watch(self) -> None:
-        """Stop waiting when nobody can judge any more."""
+        """Stop waiting when no worker is left."""
         last, told = time.monotonic(), False
         while not self._over.wait(CHECK):
             try:
@@ -258,7 +258,7 @@ class Cluster(Executor):
 
 
 def _whatever(function: Callable, *arguments: object, **options: object) -> None:
-    """Call a function; whether it succeeds is seen elsewhere, or matters to nobody."""
+    """Call a function and ignore a failure, which is detected elsewhere or does not matter."""
     try:
         function(*arguments, **options)
     except Exception as error:

@@ -1,4 +1,4 @@
-"""What lesson a file is for: by its name, and by what stands in it."""
+"""Find the lesson of a file, by its name and by its content."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_noteboo
 
 @dataclass(frozen=True)
 class Content:
-    """What a notebook holds.
+    """The lesson in a notebook, and whether a student has changed it.
 
     Attributes
     ----------
     lesson : str
-        Name of the lesson that it says it is, or whose graded cells are in it; empty where
-        neither is known.
+        Name of the lesson in the metadata, or of the lesson whose graded cells are in the notebook;
+        empty if neither is known.
     untouched : bool
-        True where nothing stands in it but what the lesson was released with.
+        True if the notebook contains only the text of the release.
     """
 
     lesson: str = ""
@@ -32,19 +32,19 @@ class Content:
 
 
 def lesson_by_name(name: str) -> Lesson | None:
-    """The lesson that the name of a file names, whatever browsers made of it."""
+    """Return the lesson in the name of a file, which a browser may have changed."""
     return find_lesson(name.lower())
 
 
 def copy_number(name: str) -> int:
-    """Which copy a browser, an editor or a learning platform says that a file is; else 0."""
+    """Return the number of a copy in a file name, as browsers and platforms add it; else 0."""
     stem = re.sub(r"(?:\.[A-Za-z]{1,6})+$", "", name)
     numbers = re.findall(r"(?:Copy|\(|[-_ ])\s*(\d{1,4})\)?$", stem)
     return int(numbers[-1]) if numbers else 0
 
 
 def look_into(data: bytes, name: str) -> Content:
-    """What a notebook holds, read in this process; see `lesson_inside`.
+    """Return the content of a notebook, read in this process; see `lesson_inside`.
 
     Raises
     ------
@@ -59,14 +59,14 @@ def look_into(data: bytes, name: str) -> Content:
 
 
 def remember_what_was_released() -> None:
-    """Read what `look_into` compares with, so that the processes forked from this one know it."""
+    """Fill the caches of `look_into`, so that forked processes inherit them."""
     for lesson in all_lessons():
         _released(lesson)
         _grade_ids(lesson)
 
 
 def lesson_inside(path: Path) -> Lesson | None:
-    """The lesson that a stranger's notebook says it is, read in a process of its own."""
+    """Return the lesson in a submitted notebook, read in a process of its own."""
     try:
         status = path.lstat()
     except OSError:
@@ -76,7 +76,7 @@ def lesson_inside(path: Path) -> Lesson | None:
 
 @functools.lru_cache(10_000)
 def _lesson_inside(path: Path, *state: int) -> Lesson | None:
-    """Remembered as long as the file is the same."""
+    """Return the lesson in a notebook, cached as long as the file is the same."""
 
     def work() -> str:
         lesson = _lesson_of(decode_notebook(read_file(path), os.fspath(path.name)))

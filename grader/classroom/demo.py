@@ -1,4 +1,4 @@
-"""A pretend class: right answers, typical mistakes, and the submissions that break graders."""
+"""A sample class with right answers, typical mistakes, and submissions that break graders."""
 
 import itertools
 import shutil
@@ -10,7 +10,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT, Course
 
 DEMO = PROJECT / "demo"
-STAGE = "stage3_obstacles"  # handed in unless others are asked for
+STAGE = "stage3_obstacles"  # the default stage
 NAMES = (
     "ada",
     "bruno",
@@ -53,7 +53,7 @@ from grader.course.nbgrader_settings import configure  # noqa: E402
 configure(get_config(), HERE)  # noqa: F821
 """
 
-# Each tries to get full marks, or to hurt, without solving the exercise.
+# Code that tries to get full marks or to do damage without solving the exercise.
 HOSTILE = """\
 import os, sys, gc
 
@@ -74,7 +74,7 @@ def {name}(*arguments, **keywords):
 
 @dataclass(frozen=True)
 class Pupil:
-    """A pretend student: a name and what to hand in for each lesson."""
+    """A sample student: a name, and a notebook for each lesson."""
 
     name: str
     notebooks: dict
@@ -88,9 +88,9 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
     count : int
         Number of students.
     hostile : bool
-        Whether one of them attacks the grader; leave that out without a sandbox.
+        Whether one of them attacks the grader; must be False without a sandbox.
     stages : sequence of str
-        What everybody hands in.
+        The stages that all students submit.
     """
     course = Course(DEMO)
     shutil.rmtree(course.root, ignore_errors=True)
@@ -112,7 +112,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
 
 
 def pretend_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterator[Pupil]:
-    """Yield `count` of `Pupil`: right and wrong answers in turn, the special ones among them."""
+    """Yield `count` students: right and wrong answers in turn, with special cases among them."""
     names = (
         name if turn == 0 else f"{name}{turn + 1}" for turn in itertools.count() for name in NAMES
     )
@@ -140,7 +140,7 @@ def pretend_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterat
                 },
             )
         )
-    # Small classes shall have both kinds: answers come first, one special in three.
+    # One student in three is a special case, so that small classes have both kinds.
     pupils = (
         Pupil(next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons})
         for number in itertools.count()
@@ -150,7 +150,7 @@ def pretend_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterat
 
 
 def answers(lesson: Lesson, number: int) -> dict[str, str]:
-    """The number-th student's answers: two in three right, each in another style."""
+    """Return the answers of one student: two of three are right, each in another style."""
     chosen = {}
     for exercise in lesson.machine_graded:
         right = number % 3 != 2
@@ -160,7 +160,7 @@ def answers(lesson: Lesson, number: int) -> dict[str, str]:
 
 
 def best_answers(lesson: Lesson) -> dict[str, str]:
-    """A right answer to every exercise."""
+    """Return a right answer to every exercise."""
     return {
         exercise.name: next(answer.source for answer in answers_to(exercise.name) if answer.right)
         for exercise in lesson.machine_graded

@@ -1,4 +1,4 @@
-"""Is everything ready to grade? One finding a line, each with what to do about it."""
+"""Examine whether everything is ready to grade, and say what to do about each problem."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ LEAST_SPACE = 2**30
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """The result of one examination.
 
     Attributes
     ----------
     subject : str
     good : bool
     text : str
-        What was found; where it is not good, what to do.
+        What was found and, if it is not good, what to do.
     """
 
     subject: str
@@ -53,17 +53,17 @@ def examine(
     executor: Executor,
     progress_bar: Callable[[str], AbstractContextManager],
 ) -> Iterator[Finding]:
-    """Look at all that grading relies on, the quick things first.
+    """Examine everything that grading relies on, quick things first.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     seed : int
     sandbox : grader.sandbox.Sandbox
-        In which the lessons' own solutions are judged.
+        Runs the lessons' own solutions.
     executor : concurrent.futures.Executor
     progress_bar : callable
-        Shows how far what takes long is, as `grader.console.progress_bar` does.
+        Shows the progress of long work, like `grader.console.progress_bar`.
     """
     yield from _versions()
     yield from _sandboxes()
@@ -82,7 +82,7 @@ def examine(
 def _versions() -> Iterator[Finding]:
     yield Finding("Python", True, f"{platform.python_version()} on {platform.platform()}")
     yield _packages("requirements.txt")
-    if _version("distributed"):  # most have no cluster
+    if _version("distributed"):  # installed only for a cluster
         yield _packages("requirements-cluster.txt")
 
 
@@ -182,7 +182,7 @@ def _files(course: Course) -> Iterator[Finding]:
 
 
 def _people(course: Course) -> Iterator[Finding]:
-    """Who takes the course, and what the folders in ``submitted/`` say otherwise."""
+    """Compare the roster with the folders in ``submitted/``."""
     roster = read_roster(course)
     if roster is None:
         yield Finding("roster", True, "there is no roster.csv: who has a folder takes the course")
@@ -201,9 +201,9 @@ def _people(course: Course) -> Iterator[Finding]:
 
 
 def _handed_in(course: Course, roster: Roster) -> Iterator[Finding]:
-    """Of each stage that somebody handed in, who did not."""
+    """Name the students without a submission, for each stage that has submissions."""
     deadlines = Deadlines({})
-    with contextlib.suppress(DeadlinesTrouble):  # which is told apart
+    with contextlib.suppress(DeadlinesTrouble):  # reported on its own
         deadlines = read_deadlines(course) or deadlines
     by_stage: dict[str, set[str]] = {}
     for submission in find_submissions(course):

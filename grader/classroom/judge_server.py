@@ -1,7 +1,7 @@
-"""The process in which a worker of a cluster judges: it alone knows the course's code.
+"""The process in which a worker of a cluster judges, which alone imports the course's code.
 
-The worker starts it in the folder that the course was unpacked into, and talks to it through a
-pipe. A worker may so judge for several courses, or versions of one, after and beside each other.
+The worker starts it in the folder with the unpacked course, and communicates through a pipe. In
+this way a worker can judge for several courses, or versions of one, at the same time.
 """
 
 from __future__ import annotations
@@ -22,17 +22,18 @@ IDLE = 30 * 60
 
 
 def serve(descriptor: int, count: int, sandbox: str) -> None:
-    """Judge what comes through a pipe, until it closes.
+    """Judge the jobs that come through a pipe, until it closes.
 
-    First goes out what there is here: versions, and why there is no sandbox, if there is none.
-    Then jobs come in as (number, bytes) and go out as (number, bytes), in any order.
+    The first message reports the versions on this machine, and why there is no sandbox, if there
+    is none. Then jobs arrive as (number, bytes), and results leave as (number, bytes), in any
+    order.
 
     Parameters
     ----------
     descriptor : int
-        Of our end of the pipe.
+        This process's end of the pipe.
     count : int
-        How many notebooks to judge at a time.
+        The number of notebooks to judge at a time.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     """
@@ -50,7 +51,7 @@ def serve(descriptor: int, count: int, sandbox: str) -> None:
             number, job = pipe.recv()
             pool.submit(do, job).add_done_callback(functools.partial(answer, number))
     finally:
-        os._exit(1)  # nobody waits for what is being judged
+        os._exit(1)  # the results of unfinished jobs are not needed
 
 
 def _complaint(sandbox: str) -> str:

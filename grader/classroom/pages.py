@@ -1,4 +1,4 @@
-"""Pages that need nothing beside them, from the templates in this folder."""
+"""Pages that need no other file, from the templates in this folder."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def _environment() -> jinja2.Environment:
 
 
 def render(template: str, **content: object) -> str:
-    """Fill in a template of ``templates/``; whatever is filled in is text, and no HTML."""
+    """Fill in a template of ``templates/``; all values are escaped."""
     return _environment().get_template(template).render(**content)
 
 
 def coded(text: str) -> Markup:
-    """Text in which what stands between backticks is shown as code."""
+    """Return a text as HTML, with the parts between backticks as code."""
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def printable(student: str) -> str:
-    """A student's name as text: that of a folder need not be."""
+    """Return a student's name as valid text, which the name of a folder need not be."""
     return student.encode("utf-8", "replace").decode()

@@ -1,7 +1,7 @@
-"""What a worker of a cluster gets: the course's code, and a process that judges with it.
+"""The plugin that brings the course's code to a cluster's worker and judges there.
 
-This module travels by value: a worker has Python and the requirements, and no course. So it
-imports nothing of ours.
+This module is pickled by value, because a worker has Python and the requirements but not the
+course. It therefore imports no other module of this project.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SLOWEST_START = 300
 
 
 def judge_there(name: str, job: bytes) -> bytes:
-    """Do a job on the worker that this runs on; `name` is that of the plugin."""
+    """Run a job on the worker of this process; `name` is that of the plugin."""
     return get_worker().plugins[name].judge(job)
 
 
@@ -39,14 +39,14 @@ SECONDS_TO_END = 10
 
 
 class Unfit(Exception):
-    """A worker must not judge; `str()` says why, and what to do about it."""
+    """A worker cannot judge reliably; `str()` says why, and what to do about it."""
 
 
 class JudgePlugin(WorkerPlugin):
-    """Unpacks the course on a worker, and judges there in processes of their own.
+    """Unpacks the course on a worker, and judges there in separate processes.
 
-    A fit worker gets a resource of the plugin's name, one for each of its threads, which every
-    job asks for: so an unfit worker is given none, and one that joins later is.
+    A fit worker gets a Dask resource with the plugin's name, one unit per thread. Every job
+    requires that resource, so only fit workers get jobs, including those that join later.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class JudgePlugin(WorkerPlugin):
     archive : bytes
         The course's code, as a zip file.
     versions : dict of str to str
-        What a worker must have, so that it judges as anybody else does.
+        Versions that a worker must have, so that all workers give the same verdicts.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     """
@@ -86,7 +86,7 @@ class JudgePlugin(WorkerPlugin):
         worker.log_event(self.name, {**said, "threads": self.threads})
 
     def teardown(self, worker: Worker) -> None:
-        """Leave nothing behind."""
+        """Remove everything that the plugin created."""
         with self.lock:
             self.over = True
             if self.client:
@@ -94,12 +94,12 @@ class JudgePlugin(WorkerPlugin):
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def judge(self, job: bytes) -> bytes:
-        """Do a job in a process that judges.
+        """Run a job in the process that judges.
 
         Raises
         ------
         BrokenExecutor
-            If that died meanwhile, or stands still. The next job gets another one.
+            If the process died or hangs. The next job gets another one.
         """
         with self.lock:
             if self.over:
@@ -118,11 +118,11 @@ class JudgePlugin(WorkerPlugin):
 
     def _prepare(self, place: str) -> None:
         os.makedirs(place, exist_ok=True)
-        # For us alone: there are hidden tests in it.
+        # Only this user may read it, because it contains hidden tests.
         self.folder = Path(tempfile.mkdtemp(prefix="course-", dir=place))
         with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
             archive.extractall(self.folder)
-        # What student code is shown of it, the user that it runs as must be able to read.
+        # The user that student code runs as must be able to read the files in the sandbox.
         for path in self.folder.rglob("*"):
             path.chmod(0o755 if path.is_dir() else 0o644)
         self.client = JudgeClient(self.folder, self.threads, self.sandbox)
@@ -148,7 +148,7 @@ class JudgeClient:
     Attributes
     ----------
     hello : dict
-        What it said of itself.
+        The process's report about itself.
     dead : bool
     """
 
@@ -175,14 +175,14 @@ class JudgeClient:
         threading.Thread(target=self._listen, daemon=True).start()
 
     def begin(self, job: bytes) -> Future:
-        """Hand a job over."""
+        """Send a job."""
         answer = Future()
         with self._lock:
             number = next(self._numbers)
             self._waiting[number] = answer
             try:
                 self._pipe.send((number, job))
-            except OSError:  # it has just died, and `_listen` may have heard of it already
+            except OSError:  # it has just died, which `_listen` may have noticed already
                 if self._waiting.pop(number, None):
                     answer.set_exception(_broken())
         return answer
@@ -224,5 +224,5 @@ def _broken() -> BrokenExecutor:
 
 
 def _path_with(folder: Path) -> str:
-    """The course first: a worker's own modules of such names must not be taken for ours."""
+    """Return a path that begins with the course, so that a worker's own modules do not hide it."""
     return os.pathsep.join(filter(None, (str(folder), os.environ.get("PYTHONPATH"))))
