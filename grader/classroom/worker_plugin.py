@@ -78,8 +78,8 @@ class JudgePlugin(WorkerPlugin):
             complaint = f"It cannot take the course's code: {error!r}."
         if not complaint:
             await worker.set_resources(**{self.name: self.threads})
-            # The scheduler looks at tasks that nobody could do when a worker joins or goes on
-            # after a pause, and not when one comes by a resource.
+            # The scheduler reconsiders waiting tasks when a worker joins or resumes, but not when a
+            # worker gains a resource.
             worker.status = Status.paused
             worker.status = Status.running
         said = {"worker": worker.address, "machine": socket.gethostname(), "complaint": complaint}
